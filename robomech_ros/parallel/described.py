@@ -25,6 +25,7 @@ from robomech_ros.robots.urdf.document import description_from_urdf
 from robomech_ros.robots.urdf.elements import element
 
 if TYPE_CHECKING:
+    from robomech_ros.parallel.library import ParallelRobot
     from robomech_ros.parallel.mechanism.model import Mechanism
 
 __all__ = ["DescribedRobot", "load_described"]
@@ -42,12 +43,17 @@ class DescribedRobot:
     description : RobotDescription
         The tree.  Of a parallel robot it is a URDF with cut loops, from which the robot can be
         loaded again, loops included, and ``home`` closes them.
-    mechanism : Mechanism or None
-        The loops; None where there are none.
+    robot : ParallelRobot or None
+        The robot with the loops, where there are some.
     """
 
     description: RobotDescription
-    mechanism: Mechanism | None = None
+    robot: ParallelRobot | None = None
+
+    @property
+    def mechanism(self) -> Mechanism | None:
+        """The loops; None where there are none."""
+        return None if self.robot is None else self.robot.mechanism
 
 
 def load_described(robot: str | os.PathLike[str]) -> DescribedRobot:
@@ -111,12 +117,12 @@ def _parallel(text: str | bytes, where: str) -> DescribedRobot:
     """Make a parallel robot of its document, and the URDF of its tree."""
     from robomech_ros.parallel.library import parallel_from_yaml
 
-    mechanism = parallel_from_yaml(text, where).mechanism
+    robot = parallel_from_yaml(text, where)
     document = parse_yaml(text, where)
     own = element(_TAG, {_DOCUMENT: json.dumps(document)})
-    head, end, rest = mechanism.urdf().rpartition(_END)
+    head, end, rest = robot.mechanism.urdf().rpartition(_END)
     description = description_from_urdf(f"{head}  {own}\n{end}{rest}", where)
-    return _at_home(replace(description, source=document["source"]), mechanism)
+    return _at_home(replace(description, source=document["source"]), robot)
 
 
 def _from_element(description: RobotDescription, attributes: dict[str, str]) -> DescribedRobot:
@@ -126,14 +132,15 @@ def _from_element(description: RobotDescription, attributes: dict[str, str]) -> 
     where = f"{description.where}: <{_TAG}>"
     if _DOCUMENT not in attributes:
         raise RobotDescriptionError(where, f"missing attribute '{_DOCUMENT}'")
-    mechanism = parallel_from_yaml(attributes[_DOCUMENT], where).mechanism
+    robot = parallel_from_yaml(attributes[_DOCUMENT], where)
     tree = {joint.name for joint in description.joints}
-    missing = [name for name in mechanism.joint_names if name not in tree]
+    missing = [name for name in robot.mechanism.joint_names if name not in tree]
     if missing:
         raise RobotDescriptionError(where, f"joint '{missing[0]}' is not in the tree of links")
-    return _at_home(description, mechanism)
+    return _at_home(description, robot)
 
 
-def _at_home(description: RobotDescription, mechanism: Mechanism) -> DescribedRobot:
-    home: dict[str, Any] = dict(zip(mechanism.joint_names, mechanism.home().tolist(), strict=True))
-    return DescribedRobot(replace(description, home=home), mechanism)
+def _at_home(description: RobotDescription, robot: ParallelRobot) -> DescribedRobot:
+    names, home = robot.mechanism.joint_names, robot.mechanism.home().tolist()
+    closed: dict[str, Any] = dict(zip(names, home, strict=True))
+    return DescribedRobot(replace(description, home=closed), robot)

@@ -19,8 +19,9 @@ __all__ = ["LoopPositions"]
 
 Array = NDArray[np.float64]
 
-# Loops that are open by less (m, rad) are those of a posture written with few digits.
-_OPEN = 1e-3
+# Loops that are open by less (m, rad) are those of a posture written with few digits, and by less
+# than this those of one written with all.
+_OPEN, _EXACT = 1e-3, 1e-12
 
 
 class LoopPositions:
@@ -95,6 +96,8 @@ class LoopPositions:
         """Close the loops of a posture, shape (n,), which must be nearly closed."""
         mechanism = self.mechanism
         errors = mechanism.loop_errors(q)
+        if errors.max() < _EXACT:
+            return q
         found = mechanism.close(q[mechanism.drive_index], q)
         if errors.max() > _OPEN or found.status != Code.NONE:
             limb = int(np.argmax(errors.max(axis=1)))

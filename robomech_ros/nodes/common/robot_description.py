@@ -28,7 +28,7 @@ from robomech_ros.robots.semantic import HOME
 from robomech_ros.trajectory.limits import JointLimits, Limits
 
 if TYPE_CHECKING:
-    from robomech_ros.parallel import Mechanism
+    from robomech_ros.parallel import Mechanism, ParallelRobot
 
 __all__ = [
     "LATCHED",
@@ -112,13 +112,15 @@ class RobotModel:
         Its groups and named postures; default none but ``home``.
     group : str, optional
         The group whose chain is meant, see :func:`main_chain`.
-    mechanism : Mechanism, optional
-        The loops of a parallel robot, whose tree the description is.
+    robot : ParallelRobot, optional
+        The parallel robot whose tree the description is.
 
     Attributes
     ----------
     semantic : SemanticDescription
+    robot : ParallelRobot or None
     mechanism : Mechanism or None
+        The loops of that.
     chain : SerialChain
         From base to tip; of a parallel robot the first limb, which carries the platform.
     commanded : SerialChain or Limits
@@ -141,7 +143,7 @@ class RobotModel:
         frame_prefix: str = "",
         semantic: SemanticDescription | None = None,
         group: str = "",
-        mechanism: "Mechanism | None" = None,
+        robot: "ParallelRobot | None" = None,
     ) -> None:
         if frame_prefix.startswith("/"):
             expected = "a text without a slash in front, such as left/: tf has no such frames"
@@ -150,7 +152,8 @@ class RobotModel:
         self.description = description = _at_home(description, known)
         self.frame_prefix = frame_prefix
         self.semantic = known
-        self.mechanism = mechanism
+        self.robot = robot
+        self.mechanism = mechanism = None if robot is None else robot.mechanism
         self.chain: SerialChain
         self.commanded: JointLimits
         if mechanism is None:

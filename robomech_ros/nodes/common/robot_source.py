@@ -57,14 +57,14 @@ def when_robot_known(
 
     def begin(robot: str) -> None:
         loaded = load_described(robot)
-        described, mechanism = loaded.description, loaded.mechanism
-        if mechanism is not None and not (parallel and supplemented is None):
+        described = loaded.description
+        if loaded.robot is not None and not (parallel and supplemented is None):
             _refuse(node, described.name, parallel)
         if supplemented is not None:
             described = supplemented(described)
         ends = settings.base_link, settings.tip_link
         known = source.semantic(described), settings.group
-        model = RobotModel(described, *ends, settings.frame_prefix, *known, mechanism)
+        model = RobotModel(described, *ends, settings.frame_prefix, *known, loaded.robot)
         on_robot(model)
         source.teach(model)
 

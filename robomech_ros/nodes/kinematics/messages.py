@@ -1,7 +1,8 @@
 """Reading of requests to the node kinematics, and writing of its answers."""
 
 from array import array
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +10,6 @@ from sensor_msgs.msg import PointCloud2, PointField
 from trajectory_msgs.msg import JointTrajectoryPoint
 
 from robomech_ros.errors import BadValueError, NonFiniteError
-from robomech_ros.kinematics import InverseKinematicsResult
 from robomech_ros.kinetostatics import SingularityReport
 from robomech_ros.nodes.common.error_codes import answer
 from robomech_ros.nodes.common.message_fields import (
@@ -92,6 +92,62 @@ def _tolerance(name: str, value: float) -> float:
     return value
 
 
+class Solutions(Protocol):
+    """Solutions of inverse kinematics, of a chain or of all limbs of a parallel robot."""
+
+    @property
+    def q(self) -> Array:
+        """All joints, shape (k, n), rad or m."""
+
+    @property
+    def branches(self) -> Sequence[str]:
+        """Names of the postures."""
+
+    @property
+    def seed_distance(self) -> Array:
+        """From the seed, shape (k,), rad or m."""
+
+    @property
+    def position_error(self) -> Array:
+        """Shape (k,), m."""
+
+    @property
+    def orientation_error(self) -> Array:
+        """Shape (k,), rad."""
+
+    @property
+    def condition_number(self) -> Array:
+        """Shape (k,), in SI units."""
+
+    @property
+    def limit_margin(self) -> Array:
+        """Shape (k,), rad or m."""
+
+    @property
+    def complete(self) -> bool:
+        """Whether these are provably all."""
+
+    @property
+    def family(self) -> str:
+        """How they were found."""
+
+    @property
+    def status(self) -> int:
+        """A code."""
+
+    @property
+    def reason(self) -> str:
+        """In words."""
+
+    @property
+    def blocking_joints(self) -> Sequence[str]:
+        """Joints whose limits exclude all."""
+
+    @property
+    def blocking_excess(self) -> Array:
+        """By how much, rad or m."""
+
+
 class SolutionPoints:
     """Trajectory points that are used again for every answer.
 
@@ -113,7 +169,7 @@ class SolutionPoints:
 
 
 def encode_result(
-    result: InverseKinematicsResult,
+    result: Solutions,
     joint_names: tuple[str, ...],
     points: SolutionPoints,
     solve_seconds: float,

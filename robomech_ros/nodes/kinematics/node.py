@@ -1,6 +1,6 @@
 """The node that answers kinematic questions: poses, joint positions, Jacobians, singularities."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
 from time import perf_counter
@@ -66,6 +66,16 @@ from robomech_ros.robots import SerialChain
 Array = NDArray[np.float64]
 
 
+_SERVICES = (
+    "~/solve_ik",
+    "~/solve_fk",
+    "~/solve_ik_batch",
+    "~/get_jacobian",
+    "~/analyze_singularity",
+    "~/query_workspace",
+)
+
+
 class _Posture(NamedTuple):
     """What a request about a Jacobian is about.
 
@@ -115,19 +125,22 @@ class KinematicsNode(Node):
         self._model = model
         self._joints = JointPositions(model, self._monitor)
         self._frames = RobotFrames(self, model, self._monitor, lambda: self._table.settings)
+        if model.mechanism is not None:
+            self._serve_platform(model)
+            return
         chain = model.chain
         # The kernels are compiled or loaded on import; this decides the solver family, too.
         family = inverse_kinematics(chain, forward_kinematics(chain, chain.midrange())).family
-        # While one of these waits, for a joint state, a frame or its turn, others are served.
-        for kind, name, callback in (
-            (SolveIK, "~/solve_ik", self._solve_ik),
-            (SolveFK, "~/solve_fk", self._solve_fk),
-            (SolveIKBatch, "~/solve_ik_batch", self._solve_ik_batch),
-            (GetJacobian, "~/get_jacobian", self._get_jacobian),
-            (AnalyzeSingularity, "~/analyze_singularity", self._analyze_singularity),
-            (QueryWorkspace, "~/query_workspace", self._query_workspace),
-        ):
-            serve(self, kind, name, callback, callback_group=ReentrantCallbackGroup())
+        self._offer(
+            (
+                self._solve_ik,
+                self._solve_fk,
+                self._solve_ik_batch,
+                self._get_jacobian,
+                self._analyze_singularity,
+                self._query_workspace,
+            )
+        )
         self._space = SpaceFinder(self._worker, chain)
         self._markers = MarkerPublisher(self, model.base_frame, self._show_boundary)
         self._cloud = self.create_publisher(PointCloud2, "~/workspace", LATCHED)
@@ -142,6 +155,41 @@ class KinematicsNode(Node):
         self.get_logger().info(
             f"ready: {chain.name}, {chain.base} to {chain.tip}, {chain.n} joints, "
             f"inverse kinematics: {family}{', compute_ik and compute_fk' if moveit else ''}"
+        )
+
+    def _offer(self, callbacks: Sequence[Callable[..., Any]]) -> None:
+        """Serve; while one waits, for a joint state, a frame or its turn, others are served."""
+        kinds = SolveIK, SolveFK, SolveIKBatch, GetJacobian, AnalyzeSingularity, QueryWorkspace
+        for kind, name, callback in zip(kinds, _SERVICES, callbacks, strict=True):
+            serve(self, kind, name, callback, callback_group=ReentrantCallbackGroup())
+
+    def _serve_platform(self, model: RobotModel) -> None:
+        """Serve a parallel robot; what is compiled for those is loaded where it is needed."""
+        from robomech_ros.nodes.kinematics.platform_services import PlatformServices
+
+        services = PlatformServices(
+            self,
+            model,
+            self._joints,
+            self._frames,
+            self._worker,
+            lambda: self._table.settings,
+            self._check_size,
+        )
+        self._offer(
+            (
+                services.solve_ik,
+                services.solve_fk,
+                services.solve_ik_batch,
+                services.get_jacobian,
+                services.analyze_singularity,
+                services.query_workspace,
+            )
+        )
+        mechanism = services.mechanism
+        self.get_logger().info(
+            f"ready: {mechanism.name}, {mechanism.base_link} to {mechanism.platform_link}, "
+            f"{mechanism.n} joints, {mechanism.dof} drives"
         )
 
     @guarded

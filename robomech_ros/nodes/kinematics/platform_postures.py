@@ -1,0 +1,132 @@
+"""All postures of a parallel robot for poses of its platform, as services answer them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.outcomes import Code
+from robomech_ros.parallel import Mechanism
+
+__all__ = ["PlatformSolutions", "conditions", "platform_solutions"]
+
+Array = NDArray[np.float64]
+
+FAMILY = "parallel"
+
+
+@dataclass(frozen=True, eq=False)
+class PlatformSolutions:
+    """What `encode_result` needs: k postures of n joints, nearest to the seed first.
+
+    Parameters
+    ----------
+    q : ndarray, shape (k, n)
+        All joints, limb by limb (rad or m).
+    branches : tuple of str
+        Of each, one sign for each limb.
+    seed_distance, position_error, orientation_error : ndarray, shape (k,)
+        From the seed by the metric asked for (rad, m), and how far the limb that is farthest off
+        holds the platform from the pose (m, rad).
+    condition_number, limit_margin : ndarray, shape (k,)
+        Of the twists of the drives in SI units, and of the joint nearest to a limit (rad or m).
+    complete : bool
+        Whether these were provably all, before any cut.
+    status : Code
+    reason : str
+    blocking_joints : tuple of str
+        The joint of each limb whose limits exclude the pose, of the limbs where they do.
+    blocking_excess : ndarray
+        By how much (rad or m).
+    family : str
+    """
+
+    q: Array
+    branches: tuple[str, ...]
+    seed_distance: Array
+    position_error: Array
+    orientation_error: Array
+    condition_number: Array
+    limit_margin: Array
+    complete: bool
+    status: Code
+    reason: str
+    blocking_joints: tuple[str, ...]
+    blocking_excess: Array
+    family: str = FAMILY
+
+
+def platform_solutions(
+    mechanism: Mechanism,
+    T: Array,
+    seed: Array,
+    *,
+    respect_limits: bool = True,
+    metric: str = "linf",
+    max_solutions: int | None = None,
+) -> PlatformSolutions:
+    """Solve all limbs for a pose, shape (4, 4), and sort by the distance from a seed, (n,).
+
+    Raises
+    ------
+    BadValueError
+        No platform of this kind can have the pose.
+    """
+    found = mechanism.postures(T, seed=seed, ignore_limits=not respect_limits)
+    away = np.abs(found.q - seed)
+    distance = np.sqrt((away**2).sum(axis=1)) if metric == "l2" else away.max(axis=1, initial=0.0)
+    order = np.argsort(distance, kind="stable")[:max_solutions]
+    q = found.q[order]
+    position, orientation = _pose_errors(mechanism, q, T)
+    margins = np.minimum(q - mechanism.lower, mechanism.upper - q)
+    blocked = [k for k, name in enumerate(found.blocking) if name]
+    # The inverse kinematics of a limb without a solver of its own may be a search.
+    listed = all(limb.solver is not None for limb in mechanism.limbs)
+    return PlatformSolutions(
+        q=q,
+        branches=tuple(found.branches[k] for k in order),
+        seed_distance=distance[order],
+        position_error=position,
+        orientation_error=orientation,
+        condition_number=conditions(mechanism, q),
+        limit_margin=margins.min(axis=1, initial=np.inf),
+        complete=listed and found.status is not Code.SINGULAR_CONTINUUM,
+        status=found.status,
+        reason=found.reason,
+        blocking_joints=tuple(found.blocking[k] for k in blocked),
+        blocking_excess=found.excess[blocked],
+    )
+
+
+def conditions(mechanism: Mechanism, q: Array, length: float = 1.0) -> Array:
+    """Give condition numbers of the twists of the drives, (k,), infinite where singular.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    q : ndarray, shape (k, n)
+        All joints (rad or m), loops closed.
+    length : float, optional
+        By which linear rows are divided (m); default none, in SI units.
+    """
+    out = np.full(len(q), np.inf)
+    for k, row in enumerate(q):
+        try:
+            twists = mechanism.twist_matrix(row)
+        except BadValueError:  # singular
+            continue
+        twists[3:] /= length
+        values = np.linalg.svd(twists, compute_uv=False)
+        if values[-1] > 0.0:
+            out[k] = values[0] / values[-1]
+    return out
+
+
+def _pose_errors(mechanism: Mechanism, q: Array, T: Array) -> tuple[Array, Array]:
+    poses = mechanism.limb_poses(q)
+    position = np.linalg.norm(poses[..., :3, 3] - T[:3, 3], axis=-1)
+    # Of a turn by an angle, the difference of the matrices has the norm 2 sqrt(2) sin(angle/2).
+    chord = np.linalg.norm(poses[..., :3, :3] - T[:3, :3], axis=(-2, -1)) / np.sqrt(8.0)
+    angle = 2.0 * np.arcsin(np.minimum(chord, 1.0))
+    return position.max(axis=-1, initial=0.0), angle.max(axis=-1, initial=0.0)

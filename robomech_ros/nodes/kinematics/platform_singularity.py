@@ -1,0 +1,96 @@
+"""What is said of the singularities of a parallel robot."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.nodes.common.message_fields import floats
+from robomech_ros.nodes.common.pose_messages import stamped_twist
+from robomech_ros.parallel import LoopSingularity, Mechanism, ParallelRobot, loop_singularity
+from robomech_ros.spatial import transfer_twist
+
+__all__ = ["encode_singularity", "singularity_at"]
+
+Array = NDArray[np.float64]
+
+
+def singularity_at(robot: ParallelRobot, q: Array, point: Array) -> LoopSingularity:
+    """Judge a posture (n,) of all joints, and the motions of a point (3,) of the platform (m)."""
+    mechanism = robot.mechanism
+    T = mechanism.pose(q)
+    found = loop_singularity(robot, T, q[mechanism.drive_index])
+    origin, at = np.zeros(3), T[:3, :3] @ point
+    lost, free = (
+        transfer_twist(twists, origin, at) if len(twists) else twists
+        for twists in (found.lost_directions, found.free_directions)
+    )
+    return replace(found, lost_directions=lost, free_directions=free)
+
+
+def encode_singularity(
+    mechanism: Mechanism,
+    q: Array,
+    found: LoopSingularity,
+    axes: Array | None,
+    frame: str,
+    response: Any,
+) -> Any:
+    """Fill an AnalyzeSingularity response.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    q : ndarray, shape (n,)
+        All joints (rad or m).
+    found : LoopSingularity
+    axes : ndarray, shape (3, 3), or None
+        Rotation of the frame in the base in whose axes directions are given; None = base.
+    frame : str
+        Its name.
+    response : AnalyzeSingularity.Response
+    """
+    values = _raw_values(mechanism, q)
+    response.singular_values = floats(found.singular_values)
+    response.rank = len(found.singular_values) - len(found.free_directions)
+    response.manipulability = float(np.prod(values)) if len(values) else float("inf")
+    response.condition_number = (
+        float(values[0] / values[-1]) if len(values) and values[-1] > 0.0 else float("inf")
+    )
+    response.characteristic_length = found.length
+    response.normalised_condition_number = found.condition_number
+    response.lost_directions = [
+        stamped_twist(_in_axes(twist, axes), frame) for twist in found.lost_directions
+    ]
+    response.singularity_types = list(found.kinds)
+    response.summary = _summary(found, [_in_axes(twist, axes) for twist in found.free_directions])
+    return response
+
+
+def _raw_values(mechanism: Mechanism, q: Array) -> Array:
+    """Give the singular values of the twists of the drives, none where those are not determined."""
+    try:
+        values: Array = np.linalg.svd(mechanism.twist_matrix(q), compute_uv=False)
+        return values
+    except BadValueError:
+        return np.empty(0)
+
+
+def _in_axes(twist: Array, axes: Array | None) -> Array:
+    return twist if axes is None else (twist.reshape(2, 3) @ axes).ravel()
+
+
+def _summary(found: LoopSingularity, free: list[Array]) -> str:
+    """Say what was found; free directions have no field of their own."""
+    text = found.summary
+    if not found.singular:
+        text += (
+            f": {found.distances[1]:.3g} from type 2 and {found.distances[0]:.3g} from type 1, "
+            f"lengths over {found.length:.4g} m"
+        )
+    for twist in free:
+        x, y, z, rx, ry, rz = (*twist[3:], *twist[:3])
+        text += f"; free: [{x:.4g} {y:.4g} {z:.4g}] m/s with [{rx:.4g} {ry:.4g} {rz:.4g}] rad/s"
+    return text

@@ -1,0 +1,275 @@
+"""Kinematic services of parallel robots: limb branches, assembly modes, singularities."""
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import Point
+from sensor_msgs.msg import JointState
+
+from robomech_interfaces.msg import ErrorCode
+from robomech_interfaces.srv import (
+    AnalyzeSingularity,
+    GetJacobian,
+    QueryWorkspace,
+    SolveFK,
+    SolveIK,
+    SolveIKBatch,
+)
+from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
+from robomech_ros.nodes.kinematics.node import KinematicsNode
+from robomech_ros.parallel import list_parallel, load_parallel, loop_singularity
+
+
+class Asked:
+    """A kinematics node of a parallel robot, and somebody who asks."""
+
+    def __init__(self, graph, name):
+        graph.start(KinematicsNode, robot_description=name)
+        self.graph, self.robot = graph, load_parallel(name)
+        self.mechanism = self.robot.mechanism
+        self.home = self.mechanism.home()
+        self.drives = self.home[self.mechanism.drive_index]
+
+    def ask(self, kind, service, **fields):
+        return self.graph.call(kind, f"kinematics/{service}", kind.Request(**fields))
+
+    def state(self, q):
+        return joint_state(self.mechanism.joint_names, q)
+
+    def of_drives(self, q):
+        return joint_state(self.mechanism.actuated, q)
+
+    def ik(self, T, frame="", **fields):
+        fields.setdefault("seed", self.state(self.home))
+        return self.ask(SolveIK, "solve_ik", target=stamped_pose(T, frame), **fields)
+
+    def fk(self, *states, links=()):
+        return self.ask(SolveFK, "solve_fk", states=list(states), links=list(links))
+
+
+@pytest.fixture
+def asked(graph):
+    return lambda name: Asked(graph, name)
+
+
+def rows_of(response):
+    return np.array([list(point.positions) for point in response.solutions])
+
+
+def poses_of(response):
+    return np.array([matrix_from_pose(pose.pose) for pose in response.poses])
+
+
+@pytest.mark.parametrize("name", list_parallel())
+def test_ik_gives_all_joints_in_all_branches_and_fk_the_pose_back(asked, name):
+    node = asked(name)
+    mechanism = node.mechanism
+    T = mechanism.pose(mechanism.close(node.drives + 1e-3, node.home).q)
+    response = node.ik(T)
+    expected = mechanism.postures(T, seed=node.home)
+    assert (response.error_code, response.error_msg) == (0, "")
+    assert tuple(response.joint_names) == mechanism.joint_names
+    q = rows_of(response)
+    np.testing.assert_allclose(q, expected.q, atol=1e-12)
+    assert response.branches == list(expected.branches)
+    assert mechanism.loop_errors(q).max() < 1e-9
+    assert max(response.position_errors + response.orientation_errors) < 1e-9
+    assert list(response.seed_distances) == sorted(response.seed_distances)
+    assert len(response.condition_numbers) == len(response.limit_margins) == len(q)
+    assert (response.complete, response.family) == (True, "parallel")
+    back = node.fk(*(node.state(row) for row in q))
+    assert back.error_code == ErrorCode.NONE, back.error_msg
+    np.testing.assert_allclose(poses_of(back), np.broadcast_to(T, (len(q), 4, 4)), atol=1e-9)
+
+
+@pytest.mark.parametrize(("name", "modes"), [("delta", 2), ("agile_eye", None), ("hexapod", None)])
+def test_fk_of_the_drives_gives_all_assembly_modes_nearest_first(asked, name, modes):
+    node = asked(name)
+    drives = node.drives + 1e-3
+    response = node.fk(node.of_drives(drives))
+    expected = node.robot.direct(drives, seed=node.mechanism.pose(node.home))
+    assert response.error_code == ErrorCode.NONE
+    poses = poses_of(response)
+    assert len(poses) == (modes or len(expected)) > 1
+    np.testing.assert_allclose(poses, expected.poses, atol=1e-9)
+    here = node.mechanism.pose(node.mechanism.close(drives, node.home).q)
+    np.testing.assert_allclose(poses[0], here, atol=1e-9)
+    assert f"{len(poses)} assembly modes" in response.error_msg
+    assert "these are all" in response.error_msg
+
+
+def test_fk_of_many_states_takes_the_nearest_mode_of_each_and_serves_links(asked):
+    node = asked("delta")
+    links = ["platform", "leg2_arm"]
+    response = node.fk(node.of_drives(node.drives), node.state(node.home), links=links)
+    assert response.error_code == ErrorCode.NONE, response.error_msg
+    poses = poses_of(response)
+    assert len(poses) == 4
+    np.testing.assert_allclose(poses[:2], poses[2:], atol=1e-9)
+    np.testing.assert_allclose(poses[0], node.mechanism.pose(node.home), atol=1e-9)
+
+
+def test_fk_of_drives_that_hold_the_platform_nowhere_says_how_near_it_comes(asked):
+    node = asked("planar_3rpr")
+    lengths = np.array([0.01, 0.01, 5.0])
+    response = node.fk(node.of_drives(lengths))
+    found = node.robot.direct(lengths)
+    assert (response.error_code, len(response.poses)) == (found.status, 0)
+    assert response.error_code == ErrorCode.OUT_OF_REACH
+    assert found.reason in response.error_msg
+
+
+def test_states_that_leave_the_loops_open_are_refused_with_limb_and_amount(asked):
+    node = asked("hexapod")
+    q = node.home.copy()
+    q[-1] += 0.2
+    response = node.fk(node.state(q))
+    assert response.error_code == ErrorCode.BAD_VALUE
+    assert "limb 6 ends" in response.error_msg
+    assert "0.2 rad" in response.error_msg
+
+
+def test_legs_outside_their_strokes_block_by_name_and_amount(asked):
+    node = asked("hexapod")
+    T = node.mechanism.pose(node.home)
+    T[2, 3] += 0.6
+    response = node.ik(T)
+    assert response.error_code == ErrorCode.LIMITS_EXCLUDE_ALL
+    assert response.blocking_joints
+    lengths = node.robot.inverse(T)
+    for name, excess in zip(response.blocking_joints, response.blocking_excess, strict=True):
+        leg = int(name.removeprefix("leg").split("_")[0]) - 1
+        assert name == f"leg{leg + 1}_length"
+        assert excess == pytest.approx(node.robot.excess(lengths)[leg], abs=1e-9)
+    without = node.ik(T, ignore_limits=True)
+    assert without.error_code == ErrorCode.NONE and without.solutions
+    assert min(without.limit_margins) < 0.0
+
+
+@pytest.mark.parametrize(
+    ("name", "fields", "text"),
+    [
+        ("hexapod", {"tip_link": "leg1_rod"}, "'platform' or empty"),
+        ("hexapod", {"task_mask": [True] * 3 + [False] * 3}, "task_mask"),
+        ("hexapod", {"include_windings": True}, "include_windings"),
+        ("hexapod", {"seed": JointState(position=[0.7] * 7)}, "6, of the drives, or 36"),
+        ("delta", {"seed": JointState(name=["leg1_bse"], position=[0.1])}, "leg1_bse"),
+        ("delta", {"seed": JointState(position=[0.1, 0.1, float("nan")])}, "leg3_base"),
+    ],
+)
+def test_requests_that_no_parallel_robot_can_serve(asked, name, fields, text):
+    node = asked(name)
+    response = node.ik(node.mechanism.pose(node.home), **fields)
+    assert 100 < response.error_code < 200
+    assert text in response.error_msg
+
+
+def test_a_delta_cannot_tilt(asked):
+    node = asked("delta")
+    T = node.mechanism.pose(node.home)
+    T[:3, :3] = np.diag([1.0, -1.0, -1.0])
+    response = node.ik(T)
+    assert response.error_code == ErrorCode.BAD_VALUE
+    assert not response.solutions
+
+
+@pytest.mark.parametrize("name", ["hexapod", "delta", "planar_3rrr", "agile_eye"])
+def test_jacobian_is_the_difference_of_poses_for_each_drive(asked, name):
+    node = asked(name)
+    mechanism, point = node.mechanism, np.array([0.02, -0.01, 0.03])
+    response = node.ask(
+        GetJacobian,
+        "get_jacobian",
+        state=node.state(node.home),
+        tool_point=Point(x=point[0], y=point[1], z=point[2]),
+    )
+    assert response.error_code == ErrorCode.NONE, response.error_msg
+    assert tuple(response.joint_names) == mechanism.actuated
+    J = np.array(response.jacobian).reshape(6, mechanism.dof)
+    step = 1e-6
+    for k in range(mechanism.dof):
+        ends = []
+        for sign in (-1.0, 1.0):
+            drives = node.drives.copy()
+            drives[k] += sign * step
+            T = mechanism.pose(mechanism.close(drives, node.home).q)
+            ends.append((T[:3, :3] @ point + T[:3, 3], T[:3, :3]))
+        (before, R0), (after, R1) = ends
+        np.testing.assert_allclose(J[:3, k], (after - before) / (2 * step), atol=1e-6)
+        W = (R1 - R0) @ mechanism.pose(node.home)[:3, :3].T / (2 * step)
+        np.testing.assert_allclose(J[3:, k], [W[2, 1], W[0, 2], W[1, 0]], atol=1e-6)
+
+
+def test_singularity_of_a_regular_posture(asked):
+    node = asked("hexapod")
+    response = node.ask(
+        AnalyzeSingularity, "analyze_singularity", state=node.of_drives(node.drives)
+    )
+    expected = loop_singularity(node.robot, node.mechanism.pose(node.home))
+    assert response.error_code == ErrorCode.NONE, response.error_msg
+    np.testing.assert_allclose(response.singular_values, expected.singular_values, rtol=1e-6)
+    assert response.rank == 6
+    assert response.characteristic_length == pytest.approx(expected.length)
+    assert response.normalised_condition_number == pytest.approx(expected.condition_number)
+    assert not response.singularity_types and not response.lost_directions
+    assert response.summary.startswith("regular")
+    twists = node.mechanism.twist_matrix(node.home)
+    assert response.condition_number == pytest.approx(np.linalg.cond(twists))
+
+
+def test_singularity_of_the_first_kind_names_the_limb_and_the_lost_motion(asked):
+    """Limb 1 is stretched straight."""
+    node = asked("planar_3rrr")
+    mechanism = node.mechanism
+    base, proximal, distal = (
+        node.robot.base_points[0],
+        node.robot.proximal[0],
+        node.robot.distal[0],
+    )
+    way = node.robot.base_points.mean(axis=0) - base
+    tip = base + (proximal + distal) * way / np.linalg.norm(way)
+    found = None
+    for angle in np.linspace(-np.pi, np.pi, 721):
+        c, s = np.cos(angle), np.sin(angle)
+        x, y = tip - np.array([[c, -s], [s, c]]) @ node.robot.platform_points[0]
+        T = np.eye(4)
+        T[:2, :2], T[:2, 3] = [[c, -s], [s, c]], (x, y)
+        rows = mechanism.postures(T, ignore_limits=True).q
+        if len(rows) and loop_singularity(node.robot, T, rows[0][mechanism.drive_index]).type == 1:
+            found = rows[0]
+            break
+    assert found is not None
+    response = node.ask(AnalyzeSingularity, "analyze_singularity", state=node.state(found))
+    assert response.error_code == ErrorCode.NONE, response.error_msg
+    assert any("type 1" in kind and "limb 1" in kind for kind in response.singularity_types)
+    assert len(response.lost_directions) == 1
+    assert "type 1" in response.summary
+
+
+@pytest.mark.parametrize("name", ["hexapod", "delta"])
+def test_batch_and_workspace_agree_with_single_poses(asked, name):
+    node = asked(name)
+    T = node.mechanism.pose(node.home)
+    far = T.copy()
+    far[2, 3] += 10.0
+    poses = [stamped_pose(one, "") for one in (T, far)]
+    rows = []
+    for pose in poses:
+        p, o = pose.pose.position, pose.pose.orientation
+        rows += [p.x, p.y, p.z, o.x, o.y, o.z, o.w]
+    seed = node.home.tolist()
+    batch = node.ask(SolveIKBatch, "solve_ik_batch", poses=rows, seed=seed)
+    single = node.ik(T)
+    assert batch.error_code == ErrorCode.NONE, batch.error_msg
+    assert tuple(batch.joint_names) == node.mechanism.joint_names
+    assert list(batch.counts) == [len(single.solutions), 0]
+    solutions = np.array(batch.solutions).reshape(-1, node.mechanism.n)
+    np.testing.assert_allclose(solutions, rows_of(single), atol=1e-12)
+    assert batch.codes[0] == ErrorCode.NONE
+    assert batch.codes[1] in (ErrorCode.OUT_OF_REACH, ErrorCode.LIMITS_EXCLUDE_ALL)
+    space = node.ask(QueryWorkspace, "query_workspace", poses=poses)
+    assert space.error_code == ErrorCode.NONE, space.error_msg
+    assert list(space.reachable) == [True, False]
+    assert list(space.reason) == list(batch.codes)
+    assert list(space.solution_count) == list(batch.counts)
+    assert 1.0 <= space.condition_numbers[0] < np.inf == space.condition_numbers[1]
