@@ -43,12 +43,12 @@ class DescribedRobot:
     description : RobotDescription
         The tree.  Of a parallel robot it is a URDF with cut loops, from which the robot can be
         loaded again, loops included, and ``home`` closes them.
-    robot : ParallelRobot or None
+    robot : ParallelRobot, Mechanism or None
         The robot with the loops, where there are some.
     """
 
     description: RobotDescription
-    robot: ParallelRobot | None = None
+    robot: ParallelRobot | Mechanism | None = None
 
     @property
     def mechanism(self) -> Mechanism | None:
@@ -140,7 +140,7 @@ def _from_element(description: RobotDescription, attributes: dict[str, str]) -> 
     return _at_home(description, robot)
 
 
-def _at_home(description: RobotDescription, robot: ParallelRobot) -> DescribedRobot:
+def _at_home(description: RobotDescription, robot: ParallelRobot | Mechanism) -> DescribedRobot:
     names, home = robot.mechanism.joint_names, robot.mechanism.home().tolist()
     closed: dict[str, Any] = dict(zip(names, home, strict=True))
     return DescribedRobot(replace(description, home=closed), robot)

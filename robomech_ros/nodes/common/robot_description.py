@@ -112,13 +112,13 @@ class RobotModel:
         Its groups and named postures; default none but ``home``.
     group : str, optional
         The group whose chain is meant, see :func:`main_chain`.
-    robot : ParallelRobot, optional
+    robot : ParallelRobot or Mechanism, optional
         The parallel robot whose tree the description is.
 
     Attributes
     ----------
     semantic : SemanticDescription
-    robot : ParallelRobot or None
+    robot : ParallelRobot, Mechanism or None
     mechanism : Mechanism or None
         The loops of that.
     chain : SerialChain
@@ -143,7 +143,7 @@ class RobotModel:
         frame_prefix: str = "",
         semantic: SemanticDescription | None = None,
         group: str = "",
-        robot: "ParallelRobot | None" = None,
+        robot: "ParallelRobot | Mechanism | None" = None,
     ) -> None:
         if frame_prefix.startswith("/"):
             expected = "a text without a slash in front, such as left/: tf has no such frames"

@@ -44,7 +44,7 @@ from robomech_ros.nodes.kinematics.platform_postures import (
 from robomech_ros.nodes.kinematics.platform_singularity import encode_singularity, singularity_at
 from robomech_ros.nodes.kinematics.settings import KinematicsSettings
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel import platform_length
+from robomech_ros.parallel import Mechanism, platform_length
 from robomech_ros.robots import SerialChain
 
 __all__ = ["PlatformServices"]
@@ -227,7 +227,7 @@ class PlatformServices:
         self._check_size("poses", len(request.poses))
         _check_mask([bool(entry) for entry in request.task_mask])
         T = await poses_in_base(self._frames, request.poses, patience)
-        length = await self._worker.do(lambda: platform_length(self._robot))
+        length = await self._worker.do(self._length)
         count, reason = np.zeros(len(T), np.int64), np.full(len(T), Code.TIMED_OUT, np.int64)
         condition = np.full(len(T), np.inf)
         turns, began, done, seed = Turns(self._node), time.monotonic(), 0, self.mechanism.home()
@@ -256,6 +256,11 @@ class PlatformServices:
         at = dict(zip(self.mechanism.joint_names, q.tolist(), strict=True))
         frame = await self._frames.in_base(request.reference_frame, patience, at=at)
         return q, point, None if frame is None else frame[:3, :3]
+
+    def _length(self) -> float:
+        """Give the length (m) that makes turns and displacements comparable."""
+        robot = self._robot
+        return robot.size if isinstance(robot, Mechanism) else platform_length(robot)
 
     def _complement(self, q: Array) -> Array:
         """Give the rates of all joints for those of the drives, (n, m)."""

@@ -17,8 +17,17 @@ __all__ = ["encode_singularity", "singularity_at"]
 Array = NDArray[np.float64]
 
 
-def singularity_at(robot: ParallelRobot, q: Array, point: Array) -> LoopSingularity:
-    """Judge a posture (n,) of all joints, and the motions of a point (3,) of the platform (m)."""
+def singularity_at(robot: ParallelRobot | Mechanism, q: Array, point: Array) -> LoopSingularity:
+    """Judge a posture (n,) of all joints, and the motions of a point (3,) of the platform (m).
+
+    Raises
+    ------
+    BadValueError
+        The robot has limbs of any kind, of which only postures are known.
+    """
+    if isinstance(robot, Mechanism):
+        expected = "a robot of a type with singularities in closed form, not of limbs of any kind"
+        raise BadValueError("robot", robot.name, expected)
     mechanism = robot.mechanism
     T = mechanism.pose(q)
     found = loop_singularity(robot, T, q[mechanism.drive_index])
@@ -69,11 +78,10 @@ def encode_singularity(
     return response
 
 
-def _raw_values(mechanism: Mechanism, q: Array) -> Array:
+def _raw_values(mechanism: Mechanism, q: Array) -> NDArray[np.floating[Any]]:
     """Give the singular values of the twists of the drives, none where those are not determined."""
     try:
-        values: Array = np.linalg.svd(mechanism.twist_matrix(q), compute_uv=False)
-        return values
+        return np.asarray(np.linalg.svd(mechanism.twist_matrix(q), compute_uv=False))
     except BadValueError:
         return np.empty(0)
 

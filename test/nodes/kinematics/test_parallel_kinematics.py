@@ -76,7 +76,9 @@ def test_ik_gives_all_joints_in_all_branches_and_fk_the_pose_back(asked, name):
     assert max(response.position_errors + response.orientation_errors) < 1e-9
     assert list(response.seed_distances) == sorted(response.seed_distances)
     assert len(response.condition_numbers) == len(response.limit_margins) == len(q)
-    assert (response.complete, response.family) == (True, "parallel")
+    # Limbs of any kind may have been searched.
+    known = name not in ("linapod", "tripod_3prs")
+    assert (response.complete, response.family) == (known, "parallel")
     back = node.fk(*(node.state(row) for row in q))
     assert back.error_code == ErrorCode.NONE, back.error_msg
     np.testing.assert_allclose(poses_of(back), np.broadcast_to(T, (len(q), 4, 4)), atol=1e-9)
