@@ -105,7 +105,7 @@ def _limb(given: object, where: str, robot: str, T: Array | None, i: int) -> Lim
     limb = check_keys(given, where, ("name", "actuated", "joints"), ("base", "tool"))
     name = read_text(limb["name"], f"{where}: name")
     where = f"{where} ('{name}')"
-    rows = limb["joints"]
+    rows, cones = limb["joints"], list[tuple[str, float]]()
     if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):
         raise RobotDescriptionError(f"{where}: joints", "expected a list of joints")
     tip = "platform" if i == 0 else f"{name}_end"
@@ -121,11 +121,12 @@ def _limb(given: object, where: str, robot: str, T: Array | None, i: int) -> Lim
             axis for k, row in enumerate(rows) for axis in _axes(row, name, f"{where}: {k + 1}")
         ]
         chain = chain_of_axes(robot, axes, T, tip)
+        cones = [(f"{name}_{row['name']}_x", float(row["cone"])) for row in rows if "cone" in row]
     drives = limb["actuated"]
     if not isinstance(drives, list) or not all(isinstance(drive, str) for drive in drives):
         raise RobotDescriptionError(f"{where}: actuated", "expected a list of names of joints")
     try:
-        return Limb(chain, tuple(f"{name}_{drive}" for drive in drives))
+        return Limb(chain, tuple(f"{name}_{drive}" for drive in drives), cones=cones)
     except RobomechError as error:
         raise RobotDescriptionError(f"{where}: actuated", str(error)) from None
 

@@ -129,8 +129,12 @@ class StewartGough:
     @cached_property
     def mechanism(self) -> Mechanism:
         """All joints of the robot, passive ones included, in one model: six limbs U P S."""
-        home = platform_home(self.base_points, self.platform_points, self.strokes)
-        legs = extending_legs(self.name, self.base_points, self.platform_points, self.strokes, home)
+        a, b = self.base_points, self.platform_points
+        home = platform_home(
+            a, b, self.strokes, lambda poses: self.cone_margins(poses).max(axis=(1, 2)) <= 0.0
+        )
+        cones = self.base_cones, self.platform_cones
+        legs = extending_legs(self.name, a, b, self.strokes, home, cones)
         legs = with_drive_limits(legs, self.drive_limits)
         return Mechanism(
             legs, name=self.name, direct=self.direct, home_poses=home[None], parts=self.parts

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,7 +23,12 @@ _UPRIGHT = 0.02
 _SHORTEST = 0.2
 
 
-def platform_home(a: Array, b: Array, strokes: Array | None) -> Array:
+def platform_home(
+    a: Array,
+    b: Array,
+    strokes: Array | None,
+    allowed: Callable[[Array], NDArray[np.bool_]] | None = None,
+) -> Array:
     """Choose a pose (4, 4) of a platform on legs: upright if that is regular, within strokes.
 
     Parameters
@@ -30,6 +37,8 @@ def platform_home(a: Array, b: Array, strokes: Array | None) -> Array:
         Base and platform points (m).
     strokes : ndarray, shape (k, 2), or None
         Least and greatest lengths (m).
+    allowed : callable, optional
+        Says which of poses (k, 4, 4) are allowed by other limits.
     """
     middle, centre = a.mean(axis=0), b.mean(axis=0)
     size = float(np.sqrt(((a - middle) ** 2).sum() + ((b - centre) ** 2).sum()) / len(a) ** 0.5)
@@ -40,19 +49,24 @@ def platform_home(a: Array, b: Array, strokes: Array | None) -> Array:
         far = np.linspace(0.0, strokes.max(), 4 * _HEIGHTS)
     R = np.broadcast_to(np.eye(3), (len(far), 3, 3))
     upright = assembled(R, middle + far[:, None] * normal - centre)
-    best, score = _best(a, b, strokes, upright, size)
+    best, score = _best(a, b, strokes, allowed, upright, size)
     if score > _UPRIGHT:
         return best
     rng = np.random.default_rng(6)
     R = matrix_from_rotation_vector(rng.normal(size=(64 * _TRIED, 3)))
     reach = size if strokes is None else float(strokes.mean())
     p = middle + reach * rng.normal(size=(64 * _TRIED, 3)) - R @ centre
-    tilted, better = _best(a, b, strokes, assembled(R, p), size)
+    tilted, better = _best(a, b, strokes, allowed, assembled(R, p), size)
     return tilted if better > score else best
 
 
 def _best(
-    a: Array, b: Array, strokes: Array | None, poses: Array, size: float
+    a: Array,
+    b: Array,
+    strokes: Array | None,
+    allowed: Callable[[Array], NDArray[np.bool_]] | None,
+    poses: Array,
+    size: float,
 ) -> tuple[Array, float]:
     """Give the pose with the best ratio of singular values, if some are within the strokes."""
     poses = np.ascontiguousarray(poses)
@@ -61,6 +75,8 @@ def _best(
     inside = lengths.min(axis=1) > _SHORTEST * size
     if strokes is not None:
         inside &= ((lengths >= strokes[:, 0]) & (lengths <= strokes[:, 1])).all(axis=1)
+    if allowed is not None:
+        inside &= allowed(poses)
     scores = np.full(len(poses), -1.0)
     for k in np.flatnonzero(inside).tolist():
         jacobians(a, b, poses[k : k + 1], rows[k : k + 1])

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros.parallel.joint_cones import JointCones
 from robomech_ros.parallel.mechanism.limb import Axis, Limb, LimbBranches, chain_of_axes
 from robomech_ros.spatial.poses import assembled
 
@@ -18,11 +19,17 @@ _HALF = 0.5 * math.pi
 
 
 def extending_legs(
-    name: str, base_points: Array, platform_points: Array, strokes: Array | None, home: Array
+    name: str,
+    base_points: Array,
+    platform_points: Array,
+    strokes: Array | None,
+    home: Array,
+    cones: tuple[JointCones | None, JointCones | None] = (None, None),
 ) -> list[Limb]:
     """Make the limbs U P S of a platform on legs that extend.
 
-    Their passive joints are at zero where the platform is at home.
+    Their passive joints are at zero where legs are in the middle of their cones; without cones,
+    where the platform is at home.
 
     Parameters
     ----------
@@ -34,29 +41,62 @@ def extending_legs(
         Least and greatest lengths (m).
     home : ndarray, shape (4, 4)
         ``T_base_platform`` (m), in which no leg has length 0.
+    cones : tuple of JointCones or None, optional
+        Of the joints on the base and on the platform.
     """
     return [
-        _leg(name, i, a, b, (0.0, math.inf) if strokes is None else tuple(strokes[i]), home)
+        _leg(
+            name,
+            i,
+            (a, b),
+            (0.0, math.inf) if strokes is None else tuple(strokes[i]),
+            _frames(a, b, home, *((None if cone is None else cone.axes[i]) for cone in cones)),
+            [None if cone is None else float(cone.angles[i]) for cone in cones],
+        )
         for i, (a, b) in enumerate(zip(base_points, platform_points, strict=True))
     ]
 
 
-def _leg(name: str, i: int, a: Array, b: Array, stroke: tuple[float, ...], home: Array) -> Limb:
+def _frames(
+    a: Array, b: Array, home: Array, on_base: Array | None, on_platform: Array | None
+) -> tuple[Array, Array]:
+    """Give the frame of a leg in the base (3, 3), and the platform's in it, all joints at zero."""
     along = home[:3, :3] @ b + home[:3, 3] - a
-    F = _upright(along / np.linalg.norm(along))
-    leg, R_home = f"leg{i + 1}", home[:3, :3]
+    F = _upright(along / np.linalg.norm(along) if on_base is None else on_base)
+    if on_platform is None:
+        return F, F.T @ home[:3, :3]
+    side = home[:3, :3].T @ F[:, 1]
+    x = np.cross(side, -on_platform)
+    if np.linalg.norm(x) < 1e-6:
+        x = _upright(-on_platform)[:, 0]
+    x /= np.linalg.norm(x)
+    return F, np.stack((x, np.cross(-on_platform, x), -on_platform))
+
+
+def _leg(
+    name: str,
+    i: int,
+    anchors: tuple[Array, Array],
+    stroke: tuple[float, ...],
+    frames: tuple[Array, Array],
+    angles: list[float | None],
+) -> Limb:
+    leg, (a, b), (F, B) = f"leg{i + 1}", anchors, frames
+    wide = [(-x, x) if x is not None and x < _HALF else (-math.inf, math.inf) for x in angles]
+    narrow = [(max(low, -_HALF), min(high, _HALF)) for low, high in wide]
     axes = [
-        Axis(f"{leg}_base_x", f"{leg}_base_cross", F[:, 0], a),
-        Axis(f"{leg}_base_y", f"{leg}_cylinder", F[:, 1], a, limits=(-_HALF, _HALF)),
+        Axis(f"{leg}_base_x", f"{leg}_base_cross", F[:, 0], a, limits=wide[0]),
+        Axis(f"{leg}_base_y", f"{leg}_cylinder", F[:, 1], a, limits=narrow[0]),
         Axis(f"{leg}_length", f"{leg}_rod", F[:, 2], a, True, (stroke[0], stroke[1])),
-        Axis(f"{leg}_platform_x", f"{leg}_platform_cross", F[:, 0], a),
-        Axis(f"{leg}_platform_y", f"{leg}_platform_ring", F[:, 1], a, limits=(-_HALF, _HALF)),
+        Axis(f"{leg}_platform_x", f"{leg}_platform_cross", F[:, 0], a, limits=wide[1]),
+        Axis(f"{leg}_platform_y", f"{leg}_platform_ring", F[:, 1], a, limits=narrow[1]),
         Axis(f"{leg}_platform_z", f"{leg}_platform_stud", F[:, 2], a),
     ]
-    T = assembled(R_home, a - R_home @ b)
+    T = assembled(F @ B, a - F @ B @ b)
     tip = "platform" if i == 0 else f"{leg}_end"
     chain = chain_of_axes(name, axes, T, tip)
-    B = F.T @ R_home
+    bending = zip((f"{leg}_base_x", f"{leg}_platform_x"), angles, strict=True)
+    cones = [(joint, angle) for joint, angle in bending if angle is not None]
 
     def solve(T: Array, _: Array | None) -> LimbBranches:
         way = F.T @ (T[:3, :3] @ b + T[:3, 3] - a)
@@ -69,7 +109,7 @@ def _leg(name: str, i: int, a: Array, b: Array, stroke: tuple[float, ...], home:
         u, v, z = _cardan(S[:, 2], S[0])
         return LimbBranches(np.array([[x, y, length, u, v, z]]), ("0",))
 
-    return Limb(chain, (f"{leg}_length",), solve)
+    return Limb(chain, (f"{leg}_length",), solve, cones)
 
 
 def _upright(z: Array) -> Array:

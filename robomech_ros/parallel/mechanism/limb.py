@@ -73,6 +73,9 @@ class Limb:
         Gives :class:`LimbBranches` for a pose (4, 4) of the platform, and positions of the drives
         of the limb where they are known, else None: with them also where every position of a
         drive holds the pose.  By default the inverse kinematics of the chain.
+    cones : sequence of (str, float), optional
+        The first of two joints whose axes meet at a right angle, and how far they may bend what
+        follows from where both are at zero (rad).
 
     Raises
     ------
@@ -83,6 +86,7 @@ class Limb:
     chain: SerialChain
     actuated: Sequence[str]
     solver: Solver | None = None
+    cones: Sequence[tuple[str, float]] = ()
 
     def __post_init__(self) -> None:
         if not isinstance(self.chain, SerialChain):
@@ -92,11 +96,30 @@ class Limb:
             if name not in self.chain.joint_names:
                 raise UnknownJointError(name, self.chain.joint_names)
         object.__setattr__(self, "actuated", names)
+        object.__setattr__(self, "cones", tuple(self.cones))
+        for name, _ in self.cones:
+            if name not in self.chain.joint_names[:-1]:
+                raise UnknownJointError(name, self.chain.joint_names[:-1])
 
     @property
     def passive(self) -> tuple[str, ...]:
         """The joints without a drive."""
         return tuple(name for name in self.chain.joint_names if name not in self.actuated)
+
+    def limit_excess(self, q: Array) -> Array:
+        """Say by how much joints (..., n) are outside their limits (rad or m), 0 inside.
+
+        What bends beyond a cone is said of the first of its two joints.
+        """
+        excess = np.maximum(np.maximum(self.chain.lower - q, q - self.chain.upper), 0.0)
+        for name, angle in self.cones:
+            k = self.chain.joint_names.index(name)
+            one, two = q[..., k], q[..., k + 1]
+            across = np.hypot(np.sin(one) * np.cos(two), np.sin(two))
+            bend = np.arctan2(across, np.cos(one) * np.cos(two))
+            # Inside the cone both joints are inside their limits, which hold it.
+            excess[..., k], excess[..., k + 1] = np.maximum(bend - angle, 0.0), 0.0
+        return np.asarray(excess)
 
     def branches(self, T: Array, drives: Array | None = None) -> LimbBranches:
         """Find all joints of the limb for a pose (4, 4) of the platform (m).

@@ -218,6 +218,28 @@ class Mechanism:
         chord = np.linalg.norm(away[..., :3, :3], axis=(-2, -1)) / np.sqrt(8.0)
         return np.stack((distance, 2.0 * np.arcsin(np.minimum(chord, 1.0))), axis=-1)
 
+    def limit_excess(self, q: ArrayLike) -> Array:
+        """Say by how much joints are outside their limits, cones of passive joints included.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., n)
+            All joints (rad or m).
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+            rad or m, 0 inside; what bends beyond a cone is said of the first of its two joints.
+
+        Raises
+        ------
+        WrongSizeError, NonFiniteError
+            Not n finite numbers.
+        """
+        given = self._all_joints("q", q)
+        ends = zip(self.limbs, np.split(given, self.loops.starts[1:-1], axis=-1), strict=True)
+        return np.concatenate([limb.limit_excess(own) for limb, own in ends], axis=-1)
+
     def postures(
         self, T: ArrayLike, *, seed: ArrayLike | None = None, ignore_limits: bool = False
     ) -> MechanismPostures:

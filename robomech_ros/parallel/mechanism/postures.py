@@ -98,5 +98,8 @@ def _into_limits(limb: Limb, found: LimbBranches, near: Array | None) -> tuple[A
     q = q - _TURN * np.where(np.isfinite(down), np.maximum(down, 0.0), 0.0)
     up = np.where(turns, np.ceil((chain.lower - _WITHIN - q) / _TURN), 0.0)
     q = q + _TURN * np.where(np.isfinite(up), np.maximum(up, 0.0), 0.0)
-    off = np.maximum(np.maximum(chain.lower - q, q - chain.upper), 0.0)
+    # Outside both ends, the nearer one counts.
+    other = np.where(turns & (chain.lower - q + _TURN < q - chain.upper), q - _TURN, q)
+    q = np.where(q > chain.upper + _WITHIN, other, q)
+    off = limb.limit_excess(q)
     return q, np.where(off <= _WITHIN, 0.0, off)
