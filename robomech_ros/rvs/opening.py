@@ -8,8 +8,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from robomech_ros.errors import RobomechError
-from robomech_ros.parallel import ParallelRobot, load_described, load_parallel
+from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.parallel import Mechanism, ParallelRobot, load_described, load_parallel
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.serving.address import HOST, PORT
@@ -73,7 +73,7 @@ def view(
     AddressError
         The system does not let anybody listen at the address.
     BadValueError
-        It is no port number, or no text.
+        It is no port number, or no text, or the robot has limbs of any kind.
     UnknownRobotError, UnknownLinkError, RobotDescriptionError
         As for ``load_robot``.
 
@@ -96,8 +96,14 @@ def view(
     return page_of(description, description.chain(base, tip), port=port, host=host)
 
 
-def platform_page_of(robot: ParallelRobot, *, port: int, host: str) -> RobotPage:
-    """Serve the page of a parallel robot; parameters and errors are those of :func:`view`."""
+def platform_page_of(robot: ParallelRobot | Mechanism, *, port: int, host: str) -> RobotPage:
+    """Serve the page of a parallel robot; parameters and errors are those of :func:`view`.
+
+    There is none of limbs of any kind.
+    """
+    if isinstance(robot, Mechanism):
+        expected = "a robot of another type than 'limbs', which has no page"
+        raise BadValueError("parallel robot", robot.name, expected)
     require_viser()
     from robomech_ros.rvs.layers import PLATFORM_LAYERS
     from robomech_ros.rvs.model.platform import SeenPlatform
