@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.calibration import refinement
 from robomech_ros._kernels.compiling.jit import direct
-from robomech_ros.calibration.motions import Spread, check_convention
+from robomech_ros.calibration.motions import Spread, check_convention, check_units
 from robomech_ros.calibration.result import HandEyeNoise, HandEyeResult, sensor_covariance
 from robomech_ros.calibration.samples import checked_samples, distinct_samples
 from robomech_ros.calibration.start import agreeing, errors_at, packed, starts
@@ -46,6 +46,8 @@ _LEAST_VARIANCE = 1e-26
 _EXACT, _ROUGH = 1e-8, 1e-6
 # What is off by so much (rad, and the same part of the distances) is not noise of a sensor.
 _SUSPICIOUS = 0.02
+# Nor is what is so many times farther away than the hand gets.
+_FAR = 20.0
 # Poses that have nothing to do with each other are a radian apart.
 _CHAOS = 0.3
 _WEAK = 5.0
@@ -112,7 +114,8 @@ def hand_eye(
         Pure translations or parallel axes (the message and ``free`` give the direction), or half
         turns that several sensors fit.
     ContradictionError
-        An exchanged mount or inverted poses, or samples that contradict each other.
+        An exchanged mount or inverted poses, positions in two units (m and mm), or samples that
+        contradict each other.
 
     See Also
     --------
@@ -149,6 +152,8 @@ def hand_eye(
     spread = Spread(moving[first], sensor[first])
     spread.check(parent)
     fit, others, squares = _started(A, S, given)
+    if _suspicious(squares, S) or _far(fit.at, A):
+        check_units(A, S, squares[1])
     if _suspicious(squares, S):
         check_convention(moving[first], sensor[first], kind, squares)
     _refined(fit, A, S, kind, careful)
@@ -240,6 +245,12 @@ def _suspicious(squares: tuple[float, float], S: Array) -> bool:
     """Whether errors are larger than those of any sensor."""
     reach = float(np.mean(S[:, 9:] ** 2)) * 3.0
     return squares[0] > _SUSPICIOUS**2 or squares[1] > _SUSPICIOUS**2 * reach
+
+
+def _far(at: Array, A: Array) -> bool:
+    """Whether sensor or target are farther away than they can be, for the reach of the hand."""
+    reach = float(np.sqrt(3.0 * np.mean(A[:, 9:] ** 2)))
+    return float(np.abs(at[[9, 10, 11, 21, 22, 23]]).max()) > _FAR * reach
 
 
 def _refined(fit: _Fit, A: Array, S: Array, mount: str, robust: bool) -> None:

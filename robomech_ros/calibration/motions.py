@@ -12,7 +12,7 @@ from robomech_ros.spatial.matrices import nearest_rotation
 from robomech_ros.spatial.poses import inverse_pose
 from robomech_ros.spatial.rotations.quaternions import quaternion_from_matrix
 
-__all__ = ["Spread", "check_convention"]
+__all__ = ["Spread", "check_convention", "check_units"]
 
 Array = NDArray[np.float64]
 
@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 _NO_TURN = 1e-6
 # Residuals of another convention are so much smaller where that one is meant.
 _CLEARLY = 0.2
+# Positions in mm among others in m.
+_MILLI = 1e-3
 
 
 def _spread(poses: Array) -> tuple[Array, Array]:
@@ -85,6 +87,40 @@ class Spread:
         return all(
             one <= self._chance * noise for one, noise in zip(turned, variances, strict=True)
         )
+
+
+def check_units(A: Array, S: Array, shift: float) -> None:
+    """Refuse samples whose positions are in m on one side and in mm on the other.
+
+    Parameters
+    ----------
+    A, S : ndarray, shape (n, 12)
+        Poses of A X S = Z, as :func:`packed` gives them.
+    shift : float
+        Median squared position error (m^2) as they are.
+
+    Raises
+    ------
+    ContradictionError
+    """
+    voters = agreeing(A, S)
+    moved = float(np.median(((A[:, 9:] - np.median(A[:, 9:], axis=0)) ** 2).sum(axis=1)))
+    for factor in (_MILLI, 1.0 / _MILLI):
+        scaled = S.copy()
+        scaled[:, 9:] *= factor
+        _, shifts = errors_at(A, scaled, starts(A, scaled, voters)[0])
+        found = float(np.median(shifts))
+        # So the sensor must explain how the hand moved, not only see next to nothing.
+        if found <= _CLEARLY**2 * min(moved, shift):
+            ours, theirs = ("m", "mm") if factor < 1.0 else ("mm", "m")
+            # In the larger unit, so that the change of units itself does not count.
+            better = min(factor, 1.0) * float(np.sqrt(shift / max(found, 1e-24 * shift)))
+            raise ContradictionError(
+                "unit of positions",
+                f"{ours} in robot_poses and {theirs} in sensor_poses, as it seems",
+                f"m in both: with those of the sensor times {factor:g} the samples fit "
+                f"{better:.3g} times better",
+            )
 
 
 def check_convention(robot: Array, sensor: Array, mount: str, squares: tuple[float, float]) -> None:

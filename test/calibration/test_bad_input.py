@@ -117,12 +117,45 @@ CASES = {
         ContradictionError,
         "of which one is inverted here",
     ),
+    "a sensor in mm": (
+        lambda: hand_eye(A, in_mm(S)),
+        ContradictionError,
+        "'m in robot_poses and mm in sensor_poses, as it seems', expected m in both: with those of "
+        "the sensor times 0.001 the samples fit .* times better",
+    ),
+    "a robot in mm": (
+        lambda: hand_eye(in_mm(A), S),
+        ContradictionError,
+        "'mm in robot_poses and m in sensor_poses, as it seems', expected m in both: with those of "
+        "the sensor times 1000 the samples fit .* times better",
+    ),
     "samples of other moments": (
         lambda: hand_eye(A, np.roll(S, 3, axis=0)),
         ContradictionError,
         "contradict each other; are they of the same moments",
     ),
 }
+
+
+def in_mm(poses):
+    result = poses.copy()
+    result[:, :3, 3] *= 1e3
+    return result
+
+
+@pytest.mark.parametrize("mount", ["eye-in-hand", "eye-to-hand"])
+@pytest.mark.parametrize("wrong", [0, 4])
+def test_two_units_are_told_from_noise_and_outliers(mount, wrong):
+    camera = np.radians(0.3), 1e-3
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        robot, sensor, *_ = samples(rng, 20, camera=camera, robot=camera, mount=mount)
+        sensor[:wrong, :3, 3] += rng.normal(size=(wrong, 3))
+        for given in ((robot, in_mm(sensor)), (in_mm(robot), sensor)):
+            with pytest.raises(ContradictionError, match="unit of positions"):
+                hand_eye(*given, mount=mount)
+        # A wrong sample is no matter of units.
+        assert hand_eye(robot, sensor, mount=mount).inlier.sum() >= 20 - wrong - 1
 
 
 @pytest.mark.parametrize("case", CASES)

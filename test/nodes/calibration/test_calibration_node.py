@@ -166,6 +166,11 @@ def test_more_samples_than_there_is_room_for_are_refused(graph):
     assert "list of samples has size 6, expected at most 5, the parameter" in answer.error_msg
 
 
+def in_two_units(robot, tracking):
+    tracking[:, :3, 3] *= 1e3
+    return robot, tracking
+
+
 REFUSED = {
     "none": (lambda: (np.zeros((0, 4, 4)),) * 2, {}, 108, "has size 0, expected 3 or more"),
     "too few": (lambda: samples(np.random.default_rng(1), 2)[:2], {}, 108, "has size 2"),
@@ -200,6 +205,12 @@ REFUSED = {
         {},
         208,
         "of which one is inverted here",
+    ),
+    "a sensor in mm": (
+        lambda: in_two_units(*samples(np.random.default_rng(1), 8)[:2]),
+        {},
+        208,
+        "unit of positions is 'm in robot_poses and mm in sensor_poses, as it seems', expected m",
     ),
     "an unknown mount": (
         lambda: samples(np.random.default_rng(1), 8)[:2],
