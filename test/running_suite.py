@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import rclpy
 from rclpy.node import Node
@@ -20,9 +21,17 @@ from robomech_ros.nodes.process.free_domain import free_domain
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.nodes.process.reach import stay_on_this_machine
 
-__all__ = ["RunningSuite", "running_suite"]
+__all__ = ["NODES", "RunningSuite", "running_suite"]
 
 PATIENCE = 60.0
+# The node that calibrates sensors is among them: it hears poses on topics, which nobody publishes.
+NODES = LaunchOptions(calibration=True).nodes
+_SAMPLED = {
+    "robot_topic": "hand_pose",
+    "tracking_topic": "target_pose",
+    "tracking_base_frame": "camera",
+    "sample_timeout": "0.5",
+}
 # The last service that the suite offers: the servo computes a while before it serves.
 _LAST = "/servo/pause_servo"
 
@@ -54,13 +63,13 @@ class RunningSuite:
         pid, found = self._process.pid, {}
         for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
             words = Path(f"/proc/{child}/cmdline").read_bytes().decode().split("\0")
-            found.update({node: int(child) for node in LaunchOptions().nodes if node in words})
+            found.update({node: int(child) for node in NODES if node in words})
         return found
 
     def wait_until_ready(self, node: Node) -> None:
         """Wait until every node serves, seen by somebody in the same domain whom nobody spins."""
         deadline = time.monotonic() + PATIENCE
-        for name in LaunchOptions().nodes:
+        for name in NODES:
             client = ask(node, Trigger, f"{name}/ready")
             while not client.service_is_ready():
                 assert self.alive() and time.monotonic() < deadline, f"{name} does not come up"
@@ -93,8 +102,16 @@ def running_suite(robot: str, *, log: str = os.devnull) -> Iterator[RunningSuite
     """
     stay_on_this_machine()
     command = [str(Path(sys.executable).parent / "robomech"), "bringup", "--robot", robot]
-    with free_domain() as domain, open(log, "w", encoding="utf-8") as stream:
+    with (
+        free_domain() as domain,
+        open(log, "w", encoding="utf-8") as stream,
+        TemporaryDirectory() as folder,
+    ):
         os.environ["ROS_DOMAIN_ID"] = str(domain)
+        parameters = {**_SAMPLED, "folder": folder}
+        command += ["--calibration", "--ros-args"]
+        for name, value in parameters.items():
+            command += ["-p", f"calibration:{name}:={value}"]
         suite = RunningSuite(subprocess.Popen(command, stdout=stream, stderr=stream))
         try:
             yield suite

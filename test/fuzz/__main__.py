@@ -23,9 +23,8 @@ sys.path[:0] = [str(HERE), str(HERE.parent), str(HERE.parent / "nodes")]
 from attack import Attack, Outcome  # noqa: E402
 from messages import MessageMaker  # noqa: E402
 from robot_watch import Watch, why_it_does_not_move  # noqa: E402
-from running_suite import RunningSuite, running_suite  # noqa: E402
+from running_suite import NODES, RunningSuite, running_suite  # noqa: E402
 
-from robomech_ros.nodes.process.launch_options import LaunchOptions  # noqa: E402
 from robomech_ros.robots import SerialChain, load_robot  # noqa: E402
 
 
@@ -66,7 +65,7 @@ def attack_suite(suite: RunningSuite, chain: SerialChain, count: int, seed: int)
     suite.wait_until_ready(node)
     watch = Watch(node, chain)
     maker = MessageMaker(rng, chain)
-    attack = Attack(node, list(LaunchOptions().nodes), maker, rng, suite.alive)
+    attack = Attack(node, list(NODES), maker, rng, suite.alive)
     began = time.monotonic()
     attack.run(count)
     if watch.fault:

@@ -29,11 +29,10 @@ from clients import CLIENTS, Clients, client_processes  # noqa: E402
 from flood import WAYS, Flood  # noqa: E402
 from flooding import Asker, Flooding, flood_all, flooder, topics  # noqa: E402
 from robot_watch import Watch, why_it_does_not_move  # noqa: E402
-from running_suite import RunningSuite, running_suite  # noqa: E402
+from running_suite import NODES, RunningSuite, running_suite  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 from valid import ValidMaker  # noqa: E402
 
-from robomech_ros.nodes.process.launch_options import LaunchOptions  # noqa: E402
 from robomech_ros.nodes.process.run import Spinner  # noqa: E402
 from robomech_ros.robots import load_robot  # noqa: E402
 
@@ -126,7 +125,7 @@ def services(node: Node) -> Interfaces:
     """Name all services of all nodes, with their types."""
     return [
         (name, kinds[0])
-        for owner in LaunchOptions().nodes
+        for owner in NODES
         for name, kinds in node.get_service_names_and_types_by_node(owner, node.get_namespace())
         if "/_action/" not in name and not name.endswith(_OF_RCL)
     ]
@@ -137,7 +136,7 @@ def actions(node: Node) -> Interfaces:
     own = node.get_namespace()
     return [
         (name, kinds[0])
-        for owner in LaunchOptions().nodes
+        for owner in NODES
         for name, kinds in get_action_server_names_and_types_by_node(node, owner, own)
     ]
 

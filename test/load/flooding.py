@@ -16,13 +16,12 @@ from caller import AGAIN
 from flood import Flood, serve_floods
 from memory import Usage
 from rclpy.node import Node
-from running_suite import RunningSuite
+from running_suite import NODES, RunningSuite
 from std_srvs.srv import Trigger
 from valid import ValidMaker
 
 from robomech_interfaces.srv import SolveIK
 from robomech_ros.nodes.middleware.deep_queues import ask
-from robomech_ros.nodes.process.launch_options import LaunchOptions
 
 __all__ = ["Asker", "Bearing", "Flooding", "flood_all", "flooder", "topics"]
 
@@ -105,7 +104,7 @@ def topics(node: Node) -> list[tuple[str, str]]:
     """Name all topics that a node of the suite listens to, with their types."""
     found = {
         name: kinds[0]
-        for owner in LaunchOptions().nodes
+        for owner in NODES
         for name, kinds in node.get_subscriber_names_and_types_by_node(owner, node.get_namespace())
     }
     return sorted((name, kind) for name, kind in found.items() if _ACTION not in name)
@@ -137,7 +136,7 @@ class Flooding:
         times: list[float] = []
         silent = [
             service
-            for service in (f"{name}/ready" for name in LaunchOptions().nodes)
+            for service in (f"{name}/ready" for name in NODES)
             if self._ask(service, Trigger, Trigger.Request()) is None
         ]
         while not self._pipe.poll() and not silent:

@@ -14,8 +14,9 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.message_fields import duration_from_seconds
-from robomech_ros.nodes.common.pose_messages import stamped_pose
+from robomech_ros.nodes.common.pose_messages import pose_from_matrix, stamped_pose
 from robomech_ros.robots import SerialChain
+from robomech_ros.spatial import inverse_pose, pose_exponential
 
 __all__ = ["ValidMaker"]
 
@@ -24,6 +25,11 @@ Array = NDArray[np.float64]
 # How far from home postures are, rad or m, and how far a moving tip goes, m.
 _NEAR, _STEP = 0.3, 0.02
 _PROFILES = 6
+# Samples of one request to calibrate a camera in the hand, and where that and its target are, m.
+_SAMPLES = 2
+_CAMERA, _TARGET = pose_exponential(
+    [[0.1, 0.2, 0.3, 0.0, 0.1, 0.2], [0.0, 2.0, 0.5, 0.8, 0.0, 0.1]]
+)
 # Times of a motion that stays at home and of one that leaves it, s.
 _SHORT, _LONG = 0.05, 0.5
 
@@ -59,6 +65,7 @@ class ValidMaker:
             "GetPositionFK_Request": self._moveit_links,
             "Execute_Request": self._rest,
             "SetSpeed_Request": self._full_speed,
+            "AddSamples_Request": self._samples,
             "ExecuteTrajectory_Goal": self._motion,
             "FollowJointTrajectory_Goal": self._motion,
         }
@@ -156,6 +163,13 @@ class ValidMaker:
 
     def _full_speed(self, request: Any) -> None:
         request.speed = 1.0
+
+    def _samples(self, request: Any) -> None:
+        """Give where the hand is, and a target before the base as a camera on the hand sees it."""
+        T = np.array([forward_kinematics(self._chain, self.posture()) for _ in range(_SAMPLES)])
+        seen = inverse_pose(T @ _CAMERA) @ _TARGET
+        request.robot.poses = [pose_from_matrix(one) for one in T]
+        request.tracking.poses = [pose_from_matrix(one) for one in seen]
 
     def _motion(self, message: Any) -> None:
         away = self._chain.home() + self._rng.uniform(-_STEP, _STEP, self._chain.n)

@@ -21,9 +21,8 @@ sys.path[:0] = [str(HERE.parent / place) for place in ("fuzz", "", "nodes")] + [
 
 from load import Load  # noqa: E402
 from memory import Usage  # noqa: E402
-from running_suite import RunningSuite, running_suite  # noqa: E402
+from running_suite import NODES, RunningSuite, running_suite  # noqa: E402
 
-from robomech_ros.nodes.process.launch_options import LaunchOptions  # noqa: E402
 from robomech_ros.nodes.process.memory import PERIOD  # noqa: E402
 from robomech_ros.robots import load_robot  # noqa: E402
 
@@ -68,7 +67,7 @@ def soak(suite: RunningSuite, arguments: argparse.Namespace) -> list[str]:
     node = Node("soaker")
     suite.wait_until_ready(node)
     chain, options = load_robot(arguments.robot), {"wild": arguments.wild}
-    load = Load(node, list(LaunchOptions().nodes), chain, arguments.seed, suite.alive, **options)
+    load = Load(node, list(NODES), chain, arguments.seed, suite.alive, **options)
     began = time.monotonic()
     load.touch_everything()
     before = use(load, suite, began, arguments.first, arguments.rounds)

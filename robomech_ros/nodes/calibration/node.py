@@ -28,6 +28,7 @@ from robomech_ros.nodes.calibration.messages import (
 from robomech_ros.nodes.calibration.samples import Frames, Placed, Samples, Solution
 from robomech_ros.nodes.calibration.sampling import Sampler
 from robomech_ros.nodes.calibration.settings import (
+    LONGEST_WAIT,
     MOUNT_OF_TYPE,
     CalibrationSettings,
     check_settings,
@@ -121,6 +122,8 @@ class CalibrationNode(Node):
     async def _take_sample(self, request: Any, response: Any) -> Any:
         settings = self._table.settings
         patience = seconds_from_duration(request.timeout, "timeout") or settings.sample_timeout
+        if patience > LONGEST_WAIT:
+            raise BadValueError("timeout", patience, f"at most {LONGEST_WAIT:g} s")
         self._check_frames(settings)
         robot, tracking = await self._sampler.take(patience)
         most = settings.largest_count

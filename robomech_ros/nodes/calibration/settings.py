@@ -6,10 +6,18 @@ from dataclasses import dataclass
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.robot_description import RobotSettings
 
-__all__ = ["MOUNT_OF_TYPE", "CalibrationSettings", "check_settings", "is_plain_name"]
+__all__ = [
+    "LONGEST_WAIT",
+    "MOUNT_OF_TYPE",
+    "CalibrationSettings",
+    "check_settings",
+    "is_plain_name",
+]
 
 # Types of calibrations as easy_handeye2 calls them, and the library's names for them.
 MOUNT_OF_TYPE = {"eye_in_hand": "eye-in-hand", "eye_on_base": "eye-to-hand"}
+# How long a request for a sample may wait, s.
+LONGEST_WAIT = 60.0
 _PLAIN = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}")
 
 
@@ -52,7 +60,7 @@ class CalibrationSettings(RobotSettings):
         "How long take_sample waits until the robot stands and the sensor has seen the target "
         "after the request, while others are served",
         0.0,
-        60.0,
+        LONGEST_WAIT,
         "s",
         read_only=False,
     )

@@ -164,6 +164,8 @@ def test_nothing_is_heard_at_all(graph):
     assert answer.error_msg == "pose on '/marker_pose': nothing received"
     answer = stage.ask("take_sample", timeout=Duration(sec=-1))
     assert (answer.error_code, "timeout is -1" in answer.error_msg) == (109, True)
+    answer = stage.ask("take_sample", timeout=Duration(sec=61))
+    assert (answer.error_code, answer.error_msg) == (109, "timeout is 61.0, expected at most 60 s")
 
 
 def test_others_are_served_while_a_sample_is_waited_for(stage):
