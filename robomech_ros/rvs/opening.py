@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.errors import RobomechError
 from robomech_ros.parallel import Mechanism, ParallelRobot, load_described, load_parallel
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.motion import Motion
@@ -97,13 +97,7 @@ def view(
 
 
 def platform_page_of(robot: ParallelRobot | Mechanism, *, port: int, host: str) -> RobotPage:
-    """Serve the page of a parallel robot; parameters and errors are those of :func:`view`.
-
-    There is none of limbs of any kind.
-    """
-    if isinstance(robot, Mechanism):
-        expected = "a robot of another type than 'limbs', which has no page"
-        raise BadValueError("parallel robot", robot.name, expected)
+    """Serve the page of a parallel robot; parameters and errors are those of :func:`view`."""
     require_viser()
     from robomech_ros.rvs.layers import PLATFORM_LAYERS
     from robomech_ros.rvs.model.platform import SeenPlatform

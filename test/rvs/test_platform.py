@@ -4,15 +4,17 @@ import numpy as np
 import pytest
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.parallel import list_parallel, load_parallel, velocity_matrices
+from robomech_ros.parallel import list_parallel, load_parallel, pose_limits, velocity_matrices
 from robomech_ros.rvs.model.platform import SeenPlatform
 from robomech_ros.rvs.model.platform_facts import platform_facts
 from robomech_ros.rvs.model.platform_ghosts import PlatformGhosts, limb_points
 from robomech_ros.rvs.model.platform_lists import LISTS, platform_list
+from robomech_ros.rvs.model.platform_reach import platform_reach
 from robomech_ros.spatial import pose_exponential
 
-# The members of the library that are regular where they begin.
 ROBOTS = list_parallel()
+# Of limbs of any kind: what is found is not proved to be all.
+ANY = {"linapod", "tripod_3prs"}
 
 
 def closed(platform):
@@ -28,7 +30,9 @@ def test_the_platform_follows_a_drag_in_the_motions_that_it_has(name):
     assert platform.study.sentence.startswith(("Stopped", "Looking"))
     assert not platform.faulty_links
     assert closed(platform)
-    np.testing.assert_allclose(platform.tip, platform.target, atol=1e-8)
+    if name != "tripod_3prs":
+        # Its turns and motions depend on each other.
+        np.testing.assert_allclose(platform.tip, platform.target, atol=1e-8)
     moved = np.abs(platform.tip - start).max(axis=None)
     assert moved > 1e-3
 
@@ -88,14 +92,16 @@ def test_modes_have_the_same_drives_and_branches_the_same_pose(name, kind):
     platform = SeenPlatform(load_parallel(name))
     found = platform_list(platform.robot, platform.q, kind)
     mechanism = platform.mechanism
-    assert found.complete and found.postures[0].is_here
+    assert any(posture.is_here for posture in found.postures)
     for posture in found.postures:
         if kind == LISTS[0]:
             np.testing.assert_allclose(posture.q[mechanism.drive_index], platform.values)
         else:
             np.testing.assert_allclose(mechanism.pose(posture.q), platform.tip, atol=1e-7)
         assert mechanism.loop_errors(posture.q).max() < 1e-6
-    assert str(len(found.postures)) in found.text and "these are all" in found.text
+    assert str(len(found.postures)) in found.text
+    assert found.complete is ("these are all" in found.text)
+    assert found.complete or (kind == LISTS[0] and name in ANY)
 
 
 def test_a_posture_keeps_its_number_while_the_robot_moves():
@@ -138,8 +144,32 @@ def test_ghosts_have_rods_between_the_joints_that_are_apart(name):
 
 
 def test_the_gizmo_has_the_handles_of_the_motions():
-    options = {name: SeenPlatform(load_parallel(name)).gizmo for name in ROBOTS}
-    assert options["hexapod"] == {"disable_rotations": False}
-    assert options["delta"] == {"disable_rotations": True}
-    assert options["agile_eye"] == {"disable_axes": True, "disable_sliders": True}
-    assert options["planar_3rrr"] == {"active_axes": (True, True, False)}
+    options = {name: SeenPlatform(load_parallel(name)).gizmo(0.1) for name in ROBOTS}
+    assert options["hexapod"] == {"scale": 0.1, "disable_rotations": False}
+    assert options["delta"] == {"scale": 0.1, "disable_rotations": True}
+    assert options["agile_eye"]["disable_axes"] and options["agile_eye"]["disable_sliders"]
+    assert options["planar_3rrr"] == {"scale": 0.1, "active_axes": (True, True, False)}
+
+
+@pytest.mark.parametrize("name", ["hexapod", "planar_3rrr"])
+def test_the_boundary_of_positions_is_where_the_limits_are(name):
+    robot = load_parallel(name)
+    q = robot.mechanism.home()
+    found = platform_reach(robot, q)
+    assert found.flat is (name == "planar_3rrr")
+    assert sum(found.shares.values()) == pytest.approx(1.0)
+    T = robot.mechanism.pose(q)
+    for cause, part in found.parts.items():
+        assert cause in found.colours
+        for point in part[:3, 0]:
+            outwards = (point - T[:3, 3]) / np.linalg.norm(point - T[:3, 3])
+            for step, inside in ((-1e-6, True), (1e-6, False)):
+                T_near = T.copy()
+                T_near[:3, 3] = point + step * outwards
+                assert bool(pose_limits(robot, T_near).inside) is inside
+
+
+def test_a_platform_that_only_turns_has_no_boundary_of_positions():
+    robot = load_parallel("agile_eye")
+    with pytest.raises(BadValueError, match="moves to places"):
+        platform_reach(robot, robot.mechanism.home())

@@ -6,6 +6,7 @@ from robomech_ros.rvs.layers.dh_table import DHTableLayer
 from robomech_ros.rvs.layers.keeping import KeepingLayer
 from robomech_ros.rvs.layers.motions import MotionLayer
 from robomech_ros.rvs.layers.platform import PlatformLayer
+from robomech_ros.rvs.layers.platform_workspace import PlatformWorkspaceLayer
 from robomech_ros.rvs.layers.understand import UnderstandLayer
 from robomech_ros.rvs.layers.workspace import WorkspaceLayer
 from robomech_ros.rvs.page.layer import LayerMaker
@@ -24,4 +25,8 @@ LAYERS: tuple[LayerMaker, ...] = (
 )
 
 # Of a page of a parallel robot.
-PLATFORM_LAYERS: tuple[LayerMaker, ...] = (PlatformLayer, CameraLayer)
+PLATFORM_LAYERS: tuple[LayerMaker, ...] = (
+    PlatformLayer,
+    PlatformWorkspaceLayer,
+    CameraLayer,
+)

@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.parallel import Mechanism
 from robomech_ros.rvs.model.platform_facts import PlatformFacts, platform_facts
 from robomech_ros.rvs.model.platform_lists import LISTS, PlatformList, platform_list
 from robomech_ros.rvs.model.understanding import twist_arrows
@@ -113,7 +114,9 @@ class PlatformLayer:
         before = () if self._list is None else self._list.postures
         try:
             found = platform_list(robot, q, kind, before)
-            return found, platform_facts(robot, q) if judged else None
+            if not judged or isinstance(robot, Mechanism):
+                return found, None
+            return found, platform_facts(robot, q)
         except RobomechError as error:
             return PlatformList((), False, f"Nothing is known here: {error}."), None
 
@@ -148,6 +151,8 @@ class PlatformLayer:
         """Write what is known."""
         if not any(self._on.values()):
             return [("", "Singularities of this robot, live.")]
+        if isinstance(self._place.platform.robot, Mechanism):
+            return [("", "Singularities are not named for limbs of any kind.")]
         if self._facts is None:
             return [("", "Looking for the characteristic length ...")]
         lines = self._facts.lines if self._on["numbers"] else []

@@ -101,10 +101,9 @@ class SeenArm:
         """Links to be marked: none of an arm."""
         return ()
 
-    @property
-    def gizmo(self) -> dict[str, Any]:
-        """What the gizmo has: all handles."""
-        return {}
+    def gizmo(self, scale: float) -> dict[str, Any]:
+        """Give the options of the gizmo: a size (m), and all handles."""
+        return {"scale": scale}
 
     @property
     def q(self) -> Array:

@@ -72,9 +72,8 @@ class Moved(Protocol):
     def faulty_links(self) -> tuple[str, ...]:
         """Links that are in the way of what was asked for."""
 
-    @property
-    def gizmo(self) -> dict[str, Any]:
-        """Options of the gizmo (of viser's transform controls): which handles it has."""
+    def gizmo(self, scale: float) -> dict[str, Any]:
+        """Give the options of the gizmo, of viser's transform controls: a size (m), handles."""
 
     def travel(self, joint: int) -> Travel:
         """Give between what a slider moves."""

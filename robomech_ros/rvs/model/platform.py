@@ -13,14 +13,14 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import Status
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel import ParallelRobot, velocity_matrices
+from robomech_ros.parallel import Mechanism, ParallelRobot
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.rvs.model.arm import OPEN_TURN, ROUNDING, Travel
 from robomech_ros.rvs.model.platform_ghosts import PlatformGhosts
 from robomech_ros.rvs.model.platform_lists import PlatformList
 from robomech_ros.rvs.model.postures import PoseStudy
 from robomech_ros.rvs.model.seen_robot import SeenRobot
-from robomech_ros.spatial import as_pose
+from robomech_ros.spatial import as_pose, pose_error
 
 __all__ = ["PlatformStudy", "SeenPlatform"]
 
@@ -29,7 +29,11 @@ Array = NDArray[np.float64]
 # A drive without a limit slides so many sizes of the robot at most.
 OPEN_SIZES = 2.0
 # Columns of a twist [angular; linear].
-ANGULAR, ABOUT_Z = 3, 2
+TWIST, ANGULAR, ABOUT_Z = 6, 3, 2
+# How many times larger the gizmo of a platform is that only turns.
+AROUND = 3.0
+# Entries of twists that are nothing, of the largest; steps towards a pose that is not taken.
+NOTHING, STEPS = 1e-9, 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,14 +61,15 @@ class SeenPlatform:
 
     Parameters
     ----------
-    robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR, Spherical3RRR or Mechanism
     """
 
-    def __init__(self, robot: ParallelRobot) -> None:
+    def __init__(self, robot: ParallelRobot | Mechanism) -> None:
         self.robot, self.mechanism = robot, robot.mechanism
         self._q = self.mechanism.home()
         self._home = self._q
-        self._motions = velocity_matrices(robot, self.tip, self.values).motions
+        twists = np.abs(self.mechanism.twist_matrix(self._q)).max(axis=1)
+        self._motions = tuple(np.flatnonzero(twists > NOTHING * twists.max()).tolist())
         self._list: PlatformList | None = None
         self._study = self._at_rest()
         # The limb that ended the last drag, from 0; None where none did.
@@ -136,16 +141,16 @@ class SeenPlatform:
             return ()
         return tuple(self.mechanism.limbs[self._faulty].chain.links[1:-1])
 
-    @property
-    def gizmo(self) -> dict[str, Any]:
-        """What the gizmo has: handles for the motions of the platform alone."""
+    def gizmo(self, scale: float) -> dict[str, Any]:
+        """Give the options of the gizmo: a size (m), and handles for the platform's motions."""
         turns = [k for k in range(ANGULAR) if k in self._motions]
         slides = [k for k in range(ANGULAR) if k + ANGULAR in self._motions]
         if not slides:
-            return {"disable_axes": True, "disable_sliders": True}
+            # Around the platform, which is where all axes meet.
+            return {"scale": AROUND * scale, "disable_axes": True, "disable_sliders": True}
         if turns == [ABOUT_Z]:
-            return {"active_axes": (True, True, False)}
-        return {"disable_rotations": not turns}
+            return {"scale": scale, "active_axes": (True, True, False)}
+        return {"scale": scale, "disable_rotations": not turns}
 
     def travel(self, joint: int) -> Travel:
         """Give between what a drive's slider moves: its limits, or a range about its home."""
@@ -197,19 +202,24 @@ class SeenPlatform:
     def drag(self, T: ArrayLike) -> None:
         """Bring the platform to a pose, as near to the present posture as its limbs can.
 
-        Motions that the platform does not have are left out.  Where a limb does not reach, the
-        robot stays, and the study names it.
+        Motions that the platform does not have are left out; one whose motions depend on each other
+        goes to about the nearest pose.  Where a limb does not reach, the robot stays, and the study
+        names it.
 
         Raises
         ------
         BadValueError, WrongSizeError, NonFiniteError
-            It is no pose.
+            It is no pose; or the nearest one is outside the limits.
         """
         target = self._possible(as_pose(T))
         found = self.mechanism.postures(target, seed=self._q)
         if len(found):
             self._go(found.q[0])
             self._study = replace(self._study, target=target)
+            return
+        if self.mechanism is self.robot and self.mechanism.dof < TWIST:
+            # Its motions depend on each other: it hardly ever takes a pose exactly.
+            self.move_to(self._nearest(target))
             return
         self._faulty = int(np.argmax(found.excess)) if found.excess.any() else None
         text = f"Stopped: {found.reason}."
@@ -286,11 +296,27 @@ class SeenPlatform:
         T[:3, :3] = R
         return T
 
+    def _nearest(self, T: Array) -> Array:
+        """Follow the drives towards a pose, in the sense of least squares."""
+        mechanism, q = self.mechanism, self._q
+        scale = np.repeat((mechanism.size, 1.0), 3)
+        for _ in range(STEPS):
+            missing = scale * pose_error(T, mechanism.pose(q))
+            step = np.linalg.lstsq(scale[:, None] * mechanism.twist_matrix(q), missing)[0]
+            found = mechanism.close(q[mechanism.drive_index] + step, q)
+            if found.status != Code.NONE:
+                break
+            q = found.q
+        return q
+
     def _check_inside(self, q: Array) -> None:
         mechanism = self.mechanism
-        off = np.maximum(mechanism.lower - q, q - mechanism.upper)
+        off = mechanism.limit_excess(q)
         worst = int(np.argmax(off))
         if off[worst] > ROUNDING:
             low, high = float(mechanism.lower[worst]), float(mechanism.upper[worst])
-            expected = f"{low:.6g} to {high:.6g} {mechanism.units[worst]}"
+            unit = mechanism.units[worst]
+            expected = (
+                f"{low:.6g} to {high:.6g} {unit}, or in its cone: {off[worst]:.3g} {unit} off"
+            )
             raise BadValueError(f"joint '{mechanism.joint_names[worst]}'", q[worst], expected)

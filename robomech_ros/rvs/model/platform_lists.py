@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.parallel import ParallelRobot, dexterity
+from robomech_ros.parallel import Mechanism, ParallelRobot, dexterity
 from robomech_ros.rvs.model.postures import MOST_POSTURES, Posture
 
 __all__ = ["LISTS", "PlatformList", "platform_list"]
@@ -39,13 +39,13 @@ class PlatformList:
 
 
 def platform_list(
-    robot: ParallelRobot, q: Array, kind: str, before: Sequence[Posture] = ()
+    robot: ParallelRobot | Mechanism, q: Array, kind: str, before: Sequence[Posture] = ()
 ) -> PlatformList:
     """Find the assembly modes of a robot, or all branches of its limbs.
 
     Parameters
     ----------
-    robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR, Spherical3RRR or Mechanism
     q : ndarray, shape (n,)
         Where its joints are (rad or m), loops closed.
     kind : str
@@ -62,7 +62,7 @@ def platform_list(
         found = mechanism.direct(q[mechanism.drive_index], seed=q)
         rows, names, complete = found.q, ["" for _ in found.q], found.complete
         noun = "assembly mode" if len(rows) == 1 else "assembly modes"
-        whether = "these are all" if complete else f"there may be more: {found.reason}"
+        whether = "these are all" if complete else "there may be more"
         text = f"{len(rows)} {noun} for these drives ({found.family}); {whether}."
     else:
         branches = mechanism.postures(mechanism.pose(q), seed=q)
@@ -87,14 +87,13 @@ def _as_before(rows: Array, before: Sequence[Posture]) -> list[int]:
     return order + left
 
 
-def _postures(robot: ParallelRobot, q: Array, rows: Array, names: Sequence[str]) -> list[Posture]:
+def _postures(
+    robot: ParallelRobot | Mechanism, q: Array, rows: Array, names: Sequence[str]
+) -> list[Posture]:
     if not len(rows):
         return []
     mechanism = robot.mechanism
-    drives = rows[:, mechanism.drive_index]
-    indices = np.atleast_1d(dexterity(robot, mechanism.pose(rows), drives))
-    with np.errstate(divide="ignore"):
-        conditions = 1.0 / indices
+    conditions = _conditions(robot, rows)
     margins = np.minimum(rows - mechanism.lower, mechanism.upper - rows).min(axis=1)
     distances = np.abs(rows - q).max(axis=1)
     found = []
@@ -102,3 +101,15 @@ def _postures(robot: ParallelRobot, q: Array, rows: Array, names: Sequence[str])
         numbers = (float(distances[k]), float(margins[k]), float(conditions[k]))
         found.append(Posture(rows[k], name or f"mode {k + 1}", *numbers))
     return found
+
+
+def _conditions(robot: ParallelRobot | Mechanism, rows: Array) -> Array:
+    """Give the condition number of the map from drives to twists in postures (k, n)."""
+    mechanism = robot.mechanism
+    if isinstance(robot, Mechanism):
+        scale = np.repeat((mechanism.size, 1.0), 3)
+        maps = [scale[:, None] * mechanism.twist_matrix(q) for q in rows]
+        return np.array([np.linalg.cond(one) for one in maps])
+    drives = rows[:, mechanism.drive_index]
+    with np.errstate(divide="ignore"):
+        return 1.0 / np.atleast_1d(dexterity(robot, mechanism.pose(rows), drives))

@@ -91,10 +91,9 @@ class Panel:
         self._add_switches(switches)
         self._gizmo = client.scene.add_transform_controls(
             f"{base}/target",
-            scale=GIZMO * reach,
             depth_test=False,
             visible=switches["gizmo"],
-            **arm.gizmo,
+            **arm.gizmo(GIZMO * reach),
             **placed(arm.target),
         )
         self._handles.append(self._gizmo)
