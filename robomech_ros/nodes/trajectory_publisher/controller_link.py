@@ -75,9 +75,9 @@ class ControllerLink:
             for joint in model.description.joints
             if joint.type != "prismatic" and np.isneginf(joint.lower) and np.isposinf(joint.upper)
         )
-        chain = model.chain
-        limits = Joints.of(chain).acceleration.tolist()
-        self._acceleration = dict(zip(chain.joint_names, limits, strict=True))
+        joints = Joints.of(model.commanded)
+        limits = joints.acceleration.tolist()
+        self._acceleration = dict(zip(joints.names, limits, strict=True))
 
     def missing(self, transport: Transport) -> str:
         """Say what is not there to send by; empty if all is."""

@@ -88,6 +88,9 @@ class ProgramService:
         if model is None:
             allowed = "a robot, for a program to be planned"
             raise ParameterError("robot_description", "", allowed)
+        if model.mechanism is not None:
+            allowed = "a robot without loops: programs are of chains"
+            raise ParameterError("robot_description", model.mechanism.name, allowed)
         if self._runner.runs:
             raise self._busy()
         place = self._place(model.chain)
