@@ -113,7 +113,8 @@ def refuse(mechanism: Mechanism, status: int, q: Array, what: str = "q") -> None
         raise BadValueError("least inertia of the robot", 0.0, expected)
     if status == OPEN:
         limbs = len(mechanism.limbs)
-        errors = mechanism.loop_errors(q).reshape(-1, limbs, 2)
+        with np.errstate(over="ignore", invalid="ignore"):
+            errors = mechanism.loop_errors(q).reshape(-1, limbs, 2)
         state, limb = divmod(int(errors.max(axis=2).argmax()), limbs)
         metres, radians = errors[state, limb].tolist()
         off = f"{metres:.3g} m and {radians:.3g} rad"

@@ -13,19 +13,21 @@ from robomech_ros.dynamics import ConstrainedBodies
 from robomech_ros.dynamics.friction import friction_model, friction_of_rates
 from robomech_ros.dynamics.model import GRAVITY, surroundings
 from robomech_ros.dynamics.systems import CompiledForward, LostPostureError
-from robomech_ros.errors import BadValueError, NonFiniteError, RobomechError, WrongSizeError
+from robomech_ros.errors import BadValueError, RobomechError, WrongSizeError
 from robomech_ros.outcomes import Code
+from robomech_ros.parallel.dynamics.calls import (
+    as_rows,
+    complements,
+    finite,
+    loop_arguments,
+    states,
+)
 from robomech_ros.parallel.dynamics.complement import (
     JointReactions,
     bodies_in_motion,
     joint_reactions,
 )
-from robomech_ros.parallel.dynamics.model import (
-    limb_totals,
-    mechanism_model,
-    platform_body,
-    refuse,
-)
+from robomech_ros.parallel.dynamics.model import limb_totals, platform_body, refuse
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combined
 from robomech_ros.spatial.arrays import as_finite
@@ -62,6 +64,21 @@ class ParallelDynamics:
     mechanism : Mechanism
         With the body of its platform; links of which nothing is known have no mass.
 
+    Attributes
+    ----------
+    name : str
+        The robot.
+    joint_names, drive_names : tuple of str
+        All n joints, and the m of them with drives.
+    drives_at : ndarray of int, shape (m,)
+        Where these are among the joints.
+    lower, upper : ndarray, shape (n,)
+        Position limits (rad or m).
+    effort : ndarray, shape (m,)
+        Limits of the drives (N m or N), NaN where there is none.
+    friction_rows : ndarray, shape (4, n)
+        Viscous, Coulomb, excess at rest and one over its rate.
+
     Raises
     ------
     BadValueError
@@ -88,62 +105,36 @@ class ParallelDynamics:
     """
 
     mechanism: Mechanism
-    _friction: Array = field(init=False, repr=False)
+    name: str = field(init=False)
+    joint_names: tuple[str, ...] = field(init=False)
+    drive_names: tuple[str, ...] = field(init=False)
+    drives_at: NDArray[np.int64] = field(init=False, repr=False)
+    lower: Array = field(init=False, repr=False)
+    upper: Array = field(init=False, repr=False)
+    effort: Array = field(init=False, repr=False)
+    friction_rows: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        if not isinstance(self.mechanism, Mechanism):
-            raise BadValueError(
-                "mechanism", self.mechanism, "a Mechanism, as load_parallel(...) has"
-            )
-        chains = [limb.chain for limb in self.mechanism.limbs]
-        friction = np.concatenate([friction_model(chain) for chain in chains], axis=1)
-        object.__setattr__(self, "_friction", friction)
-
-    @property
-    def name(self) -> str:
-        """The robot."""
-        return self.mechanism.name
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """All n joints."""
-        return self.mechanism.joint_names
-
-    @property
-    def drive_names(self) -> tuple[str, ...]:
-        """The m joints with drives."""
-        return self.mechanism.actuated
-
-    @property
-    def drives_at(self) -> NDArray[np.int64]:
-        """Where these are among the joints, shape (m,)."""
-        return self.mechanism.drive_index
-
-    @property
-    def lower(self) -> Array:
-        """Lower position limits (rad or m), shape (n,)."""
-        return self.mechanism.lower
-
-    @property
-    def upper(self) -> Array:
-        """Upper position limits (rad or m), shape (n,)."""
-        return self.mechanism.upper
-
-    @property
-    def effort(self) -> Array:
-        """Limits of the drives (N m or N), shape (m,); NaN where there is none."""
-        return self.mechanism.effort[self.mechanism.drive_index]
-
-    @property
-    def friction_rows(self) -> Array:
-        """Viscous, Coulomb, excess at rest and one over its rate, shape (4, n)."""
-        return self._friction
+        robot = self.mechanism
+        if not isinstance(robot, Mechanism):
+            raise BadValueError("mechanism", robot, "a Mechanism")
+        friction = [friction_model(limb.chain) for limb in robot.limbs]
+        for name, value in (
+            ("name", robot.name),
+            ("joint_names", robot.joint_names),
+            ("drive_names", robot.actuated),
+            ("drives_at", robot.drive_index),
+            ("lower", robot.lower),
+            ("upper", robot.upper),
+            ("effort", robot.effort[robot.drive_index]),
+            ("friction_rows", np.concatenate(friction, axis=1)),
+        ):
+            object.__setattr__(self, name, value)
 
     @property
     def mass(self) -> float:
         """Of all that moves (kg)."""
-        home = np.zeros(self.mechanism.n)
-        return float(limb_totals(self.mechanism, home, home)[0])
+        return float(limb_totals(self.mechanism, *np.zeros((2, self.mechanism.n)))[0])
 
     def checked_posture(self, q: ArrayLike, what: str = "q") -> Array:
         """Give joint values (n,) that close all loops, or raise an error.
@@ -159,7 +150,9 @@ class ParallelDynamics:
         if given.ndim != 1:
             raise WrongSizeError(what, given.shape, (self.mechanism.n,))
         units = np.array([self.mechanism.size, 1.0])
-        if (self.mechanism.loop_errors(given) > _OPEN * units).any():
+        with np.errstate(over="ignore", invalid="ignore"):
+            errors = self.mechanism.loop_errors(given)
+        if not (errors <= _OPEN * units).all():
             refuse(self.mechanism, kernels.OPEN, given, what)
         found = self.mechanism.close(given[self.drives_at], given)
         if found.status != Code.NONE:
@@ -169,10 +162,7 @@ class ParallelDynamics:
     def posture(self, values: Array, near: Array) -> Array:
         """Give all joints (n,) for values of the drives (m,), in the assembly mode of ``near``.
 
-        Raises
-        ------
-        LostPostureError
-            The mode ends before, in a singular posture.
+        LostPostureError says where the mode ends before, in a singular posture.
         """
         found = self.mechanism.close(values, near)
         if found.status != Code.NONE:
@@ -223,16 +213,16 @@ class ParallelDynamics:
         ------
         BadValueError, WrongSizeError, NonFiniteError
             Not finite real numbers of these shapes, open loops, or a singular posture.
-
-        References
-        ----------
-        Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 12.4.
         """
-        q, rates, accelerations = self._states(q, rates=rates, accelerations=accelerations)
+        q, rates, accelerations = states(
+            self.mechanism, q, rates=rates, accelerations=accelerations
+        )
         around, out = surroundings(q.shape, gravity, tip_wrench), np.empty(rates.shape)
-        given = _rows(q), _rows(rates), _rows(accelerations)
-        self._check(kernels.inverse(*self._loops(), *given, around, _rows(out)), q)
-        return self._finite(out)
+        given = as_rows(q), as_rows(rates), as_rows(accelerations)
+        self._check(
+            kernels.inverse(*loop_arguments(self.mechanism), *given, around, as_rows(out)), q
+        )
+        return finite(out)
 
     def forward(
         self,
@@ -262,16 +252,18 @@ class ParallelDynamics:
         BadValueError, WrongSizeError, NonFiniteError
             As for :meth:`inverse`, or nothing resists some motion.
         """
-        q, rates, efforts = self._states(q, rates=rates, efforts=efforts)
+        q, rates, efforts = states(self.mechanism, q, rates=rates, efforts=efforts)
         around, out = surroundings(q.shape, gravity, tip_wrench), np.empty(rates.shape)
-        given = _rows(q), _rows(rates), _rows(efforts)
-        self._check(kernels.forward(*self._loops(), *given, around, _rows(out)), q)
-        return self._finite(out)
+        given = as_rows(q), as_rows(rates), as_rows(efforts)
+        self._check(
+            kernels.forward(*loop_arguments(self.mechanism), *given, around, as_rows(out)), q
+        )
+        return finite(out)
 
     def compiled_forward(self, gravity: ArrayLike, tip_wrench: ArrayLike | None) -> CompiledForward:
         """Give :meth:`forward` of single states without checks: accelerations into the last."""
         around = surroundings((self.mechanism.n,), gravity, tip_wrench)
-        loops = self._loops()
+        loops = loop_arguments(self.mechanism)
 
         def forward(q: Array, rates: Array, efforts: Array, out: Array) -> int:
             given = q[None], rates[None], efforts[None]
@@ -286,52 +278,50 @@ class ParallelDynamics:
         return forward
 
     def mass_matrix(self, q: ArrayLike) -> Array:
-        """Compute the generalised inertia ``N^T M N``, shape (..., m, m), with the rotors.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            As for :meth:`inverse`.
-        """
-        (given,) = self._states(q)
+        """Compute the generalised inertia ``N^T M N``, shape (..., m, m), with the rotors."""
+        (given,) = states(self.mechanism, q)
         m = self.mechanism.dof
         out = np.empty((*given.shape[:-1], m, m))
-        self._check(kernels.inertias(*self._loops(), _rows(given), out.reshape(-1, m, m)), given)
-        return self._finite(out)
+        self._check(
+            kernels.inertias(
+                *loop_arguments(self.mechanism), as_rows(given), out.reshape(-1, m, m)
+            ),
+            given,
+        )
+        return finite(out)
 
     def coriolis_matrix(self, q: ArrayLike, rates: ArrayLike) -> Array:
         """Compute C of the Coriolis and centrifugal efforts ``C rates``, shape (..., m, m).
 
-        It is :attr:`ConstrainedBodies.coupling` of :meth:`bodies`: the rate of the generalised
-        inertia less 2 C is skew-symmetric.
+        It is the ``coupling`` of :meth:`bodies`: the rate of the inertia less 2 C is skew.
         """
         return self.bodies(q, rates).coupling
 
     def gravity(self, q: ArrayLike, *, gravity: ArrayLike = GRAVITY) -> Array:
         """Compute the efforts (..., m) that hold the robot still under its weight."""
-        (given,) = self._states(q)
+        (given,) = states(self.mechanism, q)
         still = np.zeros((*given.shape[:-1], self.mechanism.dof))
         return self.inverse(given, still, still, gravity=gravity)
 
     def friction(self, q: ArrayLike, rates: ArrayLike) -> Array:
         """Compute the efforts (..., m) that the friction of drives and passive joints takes."""
-        q, rates = self._states(q, rates=rates)
+        q, rates = states(self.mechanism, q, rates=rates)
         N = self.mechanism.complement(q)
-        lost = friction_of_rates(self._friction, (N @ rates[..., None])[..., 0])
+        lost = friction_of_rates(self.friction_rows, (N @ rates[..., None])[..., 0])
         return np.asarray((lost[..., None, :] @ N)[..., 0, :])
 
     def kinetic_energy(self, q: ArrayLike, rates: ArrayLike) -> Array:
         """Compute the kinetic energy of bodies and rotors, shape () or (...,) (J)."""
-        q, rates = self._states(q, rates=rates)
+        q, rates = states(self.mechanism, q, rates=rates)
         sums = limb_totals(self.mechanism, q, self.joint_rates(q, rates))
-        return self._finite(sums[..., 10])
+        return finite(sums[..., 10])
 
     def potential_energy(self, q: ArrayLike, *, gravity: ArrayLike = GRAVITY) -> Array:
         """Compute the potential energy, shape () or (...,) (J): 0 with the mass at the base."""
-        (given,) = self._states(q)
+        (given,) = states(self.mechanism, q)
         upwards = surroundings((self.mechanism.n,), gravity)[0, 6:9]
         moments = limb_totals(self.mechanism, given, np.zeros(given.shape))[..., 1:4]
-        return self._finite(moments @ upwards)
+        return finite(moments @ upwards)
 
     def bodies(self, q: ArrayLike, rates: ArrayLike) -> ConstrainedBodies:
         """Form the matrices of all links in motion, one for each joint.
@@ -352,8 +342,8 @@ class ParallelDynamics:
         BadValueError, WrongSizeError, NonFiniteError
             As for :meth:`inverse`.
         """
-        q, rates = self._states(q, rates=rates)
-        return bodies_in_motion(self.mechanism, *self._complements(q, rates))[0]
+        q, rates = states(self.mechanism, q, rates=rates)
+        return bodies_in_motion(self.mechanism, *complements(self.mechanism, q, rates))[0]
 
     def reactions(
         self,
@@ -381,10 +371,12 @@ class ParallelDynamics:
             As for :meth:`inverse`.
         """
         joints = self.checked_posture(q)
-        joints, speeds, gains = self._states(joints, rates=rates, accelerations=accelerations)
+        joints, speeds, gains = states(
+            self.mechanism, joints, rates=rates, accelerations=accelerations
+        )
         around = surroundings((self.mechanism.n,), gravity, tip_wrench)[0]
-        motion = self._complements(joints, speeds)
-        return joint_reactions(self.mechanism, *motion, gains, around)
+        shaped = complements(self.mechanism, joints, speeds)
+        return joint_reactions(self.mechanism, *shaped, gains, around)
 
     def with_payload(self, payload: Body) -> ParallelDynamics:
         """Give the robot whose platform carries a load, seen in the frame of the platform.
@@ -402,39 +394,6 @@ class ParallelDynamics:
         assert whole is not None
         return ParallelDynamics(self.mechanism.with_platform_body(whole))
 
-    def _loops(self) -> tuple[Array, NDArray[np.int64], NDArray[np.int64], float]:
-        loops = self.mechanism.loops
-        return mechanism_model(self.mechanism), loops.starts, loops.drives, 1.0 / loops.size
-
-    def _states(self, q: ArrayLike, **of_drives: ArrayLike) -> list[Array]:
-        """Give joints (..., n), and what belongs to the drives (..., m), with the same batch."""
-        joints = np.ascontiguousarray(as_finite("q", q, (self.mechanism.n,)))
-        found, shape = [joints], (*joints.shape[:-1], self.mechanism.dof)
-        for what, value in of_drives.items():
-            array = np.ascontiguousarray(as_finite(what, value, (self.mechanism.dof,)))
-            if array.shape != shape:
-                raise WrongSizeError(what, array.shape, shape)
-            found.append(array)
-        return found
-
-    def _complements(self, q: Array, rates: Array) -> tuple[Array, Array, Array, Array]:
-        """Give q, the rates of all joints, N and its rate."""
-        n, m = self.mechanism.n, self.mechanism.dof
-        N, N_dot = np.empty((2, *q.shape[:-1], n, m))
-        qd = np.empty(q.shape)
-        out = N.reshape(-1, n, m), N_dot.reshape(-1, n, m), _rows(qd)
-        self._check(kernels.complements(*self._loops(), _rows(q), _rows(rates), *out), q)
-        return q, self._finite(qd), N, self._finite(N_dot)
-
     def _check(self, status: int, q: Array) -> None:
         if status:
             refuse(self.mechanism, status, q)
-
-    def _finite(self, result: Array) -> Array:
-        if not np.isfinite(result).all():
-            raise NonFiniteError("result", result)
-        return result
-
-
-def _rows(array: Array) -> Array:
-    return array.reshape(-1, array.shape[-1])
