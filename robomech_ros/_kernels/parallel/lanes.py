@@ -1,17 +1,18 @@
 """Eight poses at a time, in step: each array has them along its last axis.
 
-Numbers are complex, real and imaginary part in arrays of their own, so that every innermost loop
-runs over the poses and becomes a few instructions for all of them.
+Numbers are complex, real and imaginary part in arrays of their own.  A loop over the poses becomes
+a few instructions for all of them if it is the innermost one, or has only short loops of constant
+length in it, which are written out; then sums stay in registers.
 """
 
-from robomech_ros._kernels.compiling.joining import joined
+from robomech_ros._kernels.compiling.jit import fused
 
 __all__ = ["LANES", "factor", "frame", "moved", "solve"]
 
 LANES = 8
 
 
-@joined
+@fused
 def _turn(pr, pi, mr, mi):
     """Write R row by row and q = R^T p (12, lanes) of the poses (8, lanes)."""
     for n in range(LANES):
@@ -64,7 +65,7 @@ def _turn(pr, pi, mr, mi):
         mr[11, n], mi[11, n] = u * x - v * y, u * y + v * x
 
 
-@joined
+@fused
 def frame(pr, pi, A, B, mr, mi, ar, ai, Jr, Ji, rr, ri):
     """Write base points in the platform's frame, the rows J (6, 6) and minus a quarter of d . d.
 
@@ -93,7 +94,7 @@ def frame(pr, pi, A, B, mr, mi, ar, ai, Jr, Ji, rr, ri):
             ri[k, n] = 0.5 * (e * i + f * j + g * m)
 
 
-@joined
+@fused
 def factor(Jr, Ji):
     """Replace J (6, 6) by its factors L U, the inverses of its pivots on the diagonal.
 
@@ -115,28 +116,26 @@ def factor(Jr, Ji):
                     Ji[i, j, n] -= x * v + y * u
 
 
-@joined
+@fused
 def solve(Jr, Ji, xr, xi):
     """Solve with the factors that :func:`factor` has left, the result in place of x (6, lanes)."""
-    for k in range(6):
-        for i in range(k + 1, 6):
-            for n in range(LANES):
+    for n in range(LANES):
+        for i in range(1, 6):
+            for k in range(i):
                 x, y, u, v = Jr[i, k, n], Ji[i, k, n], xr[k, n], xi[k, n]
                 xr[i, n] -= x * u - y * v
                 xi[i, n] -= x * v + y * u
-    for m in range(6):
-        k = 5 - m
-        for n in range(LANES):
-            x, y, u, v = Jr[k, k, n], Ji[k, k, n], xr[k, n], xi[k, n]
-            xr[k, n], xi[k, n] = x * u - y * v, x * v + y * u
-        for i in range(k):
-            for n in range(LANES):
+        for m in range(6):
+            i = 5 - m
+            for k in range(i + 1, 6):
                 x, y, u, v = Jr[i, k, n], Ji[i, k, n], xr[k, n], xi[k, n]
                 xr[i, n] -= x * u - y * v
                 xi[i, n] -= x * v + y * u
+            x, y, u, v = Jr[i, i, n], Ji[i, i, n], xr[i, n], xi[i, n]
+            xr[i, n], xi[i, n] = x * u - y * v, x * v + y * u
 
 
-@joined
+@fused
 def _product(pr, pi, i, qr, qi, j, n):
     """Multiply the quaternions at rows i and j, as four real and four imaginary parts."""
     a, b, c, d = pr[i, n], pr[i + 1, n], pr[i + 2, n], pr[i + 3, n]
@@ -155,7 +154,7 @@ def _product(pr, pi, i, qr, qi, j, n):
     )
 
 
-@joined
+@fused
 def moved(pr, pi, xr, xi, sr, si, outr, outi):
     """Move poses by steps x = (tau, w) in their own frames; s (8, lanes) is room for the step."""
     for n in range(LANES):

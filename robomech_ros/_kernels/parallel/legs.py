@@ -11,13 +11,13 @@ from robomech_ros._kernels.compiling.jit import (
     IN2,
     IOUT1,
     OUT1,
+    fused,
     i8,
     inline,
     kernel,
     scratch,
     scratch_integers,
 )
-from robomech_ros._kernels.compiling.joining import joined
 from robomech_ros._kernels.parallel.lanes import LANES, factor, frame, moved, solve
 from robomech_ros._kernels.parallel.projective import FAILED, REGULAR, SINGULAR
 from robomech_ros._kernels.parallel.quadrics import COUT2
@@ -40,7 +40,7 @@ _LEAST_STEP = 1e-11
 _T, _H, _CAP, _STEP, _SIZE = range(5)
 
 
-@joined
+@fused
 def _lengths(s0, s1, state, rr, ri):
     """Add a quarter of the squared lengths at t + h."""
     for k in range(6):
@@ -52,7 +52,7 @@ def _lengths(s0, s1, state, rr, ri):
             ri[k, n] += y + t * v
 
 
-@joined
+@fused
 def _steps(Sr, Si, state):
     """Choose how far each lane goes."""
     for n in range(LANES):
@@ -75,7 +75,7 @@ def _steps(Sr, Si, state):
         state[_H, n] = h
 
 
-@joined
+@fused
 def _predict(Sr, Si, state, xr, xi):
     """Evaluate the series, its last term as the first of a geometric one."""
     for n in range(LANES):
@@ -99,7 +99,7 @@ def _predict(Sr, Si, state, xr, xi):
             xr[i, n], xi[i, n] = x, y
 
 
-@joined
+@fused
 def _judge(xr, xi, state, turn, good):
     """Measure corrections, and say which lanes may take their steps."""
     for n in range(LANES):
@@ -121,7 +121,7 @@ def _fill(X, path, pr, pi, state, n):
     state[_T, n], state[_CAP, n], state[_STEP, n] = 0.0, 1.0, 0.0
 
 
-@joined
+@fused
 def _advance(pr, pi, qr, qi, state, good, n):
     """Take the step of a lane if it is good; give how its path has ended, -1 while it has not."""
     state[_STEP, n] += 1.0

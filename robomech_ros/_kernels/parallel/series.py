@@ -7,7 +7,7 @@ a leg is
         + g_0^2 - g_0 d . w = (s - d . d) / 4 (1 + w . w).
 """
 
-from robomech_ros._kernels.compiling.joining import joined
+from robomech_ros._kernels.compiling.jit import fused
 from robomech_ros._kernels.parallel.lanes import LANES, solve
 
 __all__ = ["ORDER", "coefficients", "series"]
@@ -17,7 +17,7 @@ ORDER = 8
 PARTS = 14
 
 
-@joined
+@fused
 def coefficients(ar, ai, B, Mr, Mi):
     """Write what multiplies the parts (6, 14) of each leg; those of tau . tau and g_0^2 are one."""
     for k in range(6):
@@ -37,7 +37,7 @@ def coefficients(ar, ai, B, Mr, Mi):
             Mi[k, 9, n], Mi[k, 10, n], Mi[k, 11, n] = p, q, r
 
 
-@joined
+@fused
 def _parts(Sr, Si, k, Pr, Pi):
     """Write the parts (14, lanes) of order k, and g_0 to row 6 of the series."""
     for i in range(PARTS):
@@ -96,7 +96,22 @@ def _parts(Sr, Si, k, Pr, Pi):
             Pi[13, n] += g * z + h * w
 
 
-@joined
+@fused
+def _leg(Mr, Mi, i, Pr, Pi, g, h, xr, xi):
+    """Write the right side (6, lanes) of a leg: what multiplies the rate is 1 + w . w before."""
+    for n in range(LANES):
+        u, v = Pr[PARTS + 6, n], Pi[PARTS + 6, n]
+        a = g * u - h * v - Pr[0, n] - Pr[10, n]
+        b = g * v + h * u - Pi[0, n] - Pi[10, n]
+        for j in range(12):
+            m = j + 1 if j < 9 else j + 2
+            x, y, u, v = Mr[i, j, n], Mi[i, j, n], Pr[m, n], Pi[m, n]
+            a -= x * u - y * v
+            b -= x * v + y * u
+        xr[i, n], xi[i, n] = a, b
+
+
+@fused
 def series(Jr, Ji, Mr, Mi, rate_r, rate_i, Sr, Si, Pr, Pi):
     """Write the series (9, 7, lanes) of tau, w and g_0 for rates of (s - d . d) / 4 (6,)."""
     xr, xi = Pr[PARTS : PARTS + 6], Pi[PARTS : PARTS + 6]
@@ -105,18 +120,7 @@ def series(Jr, Ji, Mr, Mi, rate_r, rate_i, Sr, Si, Pr, Pi):
     for k in range(1, ORDER + 1):
         _parts(Sr, Si, k, Pr, Pi)
         for i in range(6):
-            g, h = rate_r[i], rate_i[i]
-            for n in range(LANES):
-                # What multiplies the rate is 1 + w . w, one order lower.
-                u, v = Pr[PARTS + 6, n], Pi[PARTS + 6, n]
-                xr[i, n] = g * u - h * v - Pr[0, n] - Pr[10, n]
-                xi[i, n] = g * v + h * u - Pi[0, n] - Pi[10, n]
-            for j in range(12):
-                m = j + 1 if j < 9 else j + 2
-                for n in range(LANES):
-                    x, y, u, v = Mr[i, j, n], Mi[i, j, n], Pr[m, n], Pi[m, n]
-                    xr[i, n] -= x * u - y * v
-                    xi[i, n] -= x * v + y * u
+            _leg(Mr, Mi, i, Pr, Pi, rate_r[i], rate_i[i], xr, xi)
         for n in range(LANES):
             Pr[PARTS + 6, n] = Pr[4, n] + Pr[5, n] + Pr[6, n]
             Pi[PARTS + 6, n] = Pi[4, n] + Pi[5, n] + Pi[6, n]
