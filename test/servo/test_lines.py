@@ -72,7 +72,7 @@ def test_random_approaches(robot):
 @pytest.mark.slow
 @pytest.mark.parametrize("robot", LIBRARY)
 def test_more_random_approaches(robot):
-    run_approaches(robot, 20, 2, 0.01)
+    run_approaches(robot, 6, 2, 0.01)
 
 
 @pytest.mark.slow

@@ -140,7 +140,17 @@ def test_random_twists(robot):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("robot", "minutes"), [("puma560", 10.0), ("ur5e", 2.0), ("iiwa14", 2.0), ("scara", 1.0)]
+    ("robot", "minutes"),
+    [
+        ("puma560", 1.5),
+        ("ur5e", 0.5),
+        ("iiwa14", 0.5),
+        ("scara", 0.5),
+        pytest.param("puma560", 10.0, marks=pytest.mark.long),
+        pytest.param("ur5e", 2.0, marks=pytest.mark.long),
+        pytest.param("iiwa14", 2.0, marks=pytest.mark.long),
+        pytest.param("scara", 1.0, marks=pytest.mark.long),
+    ],
 )
 def test_random_twists_for_minutes(robot, minutes):
     run_random_twists(robot, 60.0 * minutes)
