@@ -40,6 +40,7 @@ from robomech_ros.parallel.mechanism.limb import (
 )
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.mechanism.parts import Parts
+from robomech_ros.parallel.rods import six_rods
 from robomech_ros.robots import LinkFrame, SerialChain, chain_from_dh
 from robomech_ros.robots.guarded_yaml import check_keys
 from robomech_ros.robots.yaml_rows import (
@@ -98,7 +99,9 @@ def mechanism_from_limbs(
     made = with_drive_limits(made, checked_drive_limits(drive_limits, count))
     at_zero = all("a" not in limb["joints"][0] for limb in limbs)
     homes = None if at_zero or T is None else T[None]
-    return Mechanism(made, name=name, home_poses=homes, parts=parts)
+    mechanism = Mechanism(made, name=name, home_poses=homes, parts=parts)
+    rods = six_rods(mechanism)
+    return mechanism if rods is None else mechanism.with_direct(rods)
 
 
 def _limb(given: object, where: str, robot: str, T: Array | None, i: int) -> Limb:

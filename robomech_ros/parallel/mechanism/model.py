@@ -32,6 +32,8 @@ Array = NDArray[np.float64]
 
 # Errors (rad, m) of loops that are closed where all joints are at zero.
 _CLOSED = 1e-9
+# Positions of drives (rad, m) that are the same in several branches of a limb.
+_SAME = 1e-6
 
 
 class Mechanism:
@@ -122,6 +124,14 @@ class Mechanism:
         other = copy.copy(self)
         other.__dict__.pop("description", None)
         other.platform_body = body
+        return other
+
+    def with_direct(
+        self, direct: Callable[[Array, Array | None], DirectKinematicsResult]
+    ) -> Mechanism:
+        """Give the mechanism whose poses for given drives are found in another way."""
+        other = copy.copy(self)
+        other._direct = direct
         return other
 
     @cached_property
@@ -311,7 +321,11 @@ class Mechanism:
             off = np.abs(rows[:, index >= 0] - known)
             turns = limb.chain.types[index >= 0] != PRISMATIC
             off = np.where(turns, np.abs(np.remainder(off + np.pi, 2.0 * np.pi) - np.pi), off)
-            q[own] = rows[np.argmin(off.max(axis=1, initial=0.0))] if len(rows) else np.nan
+            away = off.max(axis=1, initial=0.0)
+            same = rows[away <= away.min(initial=np.inf) + _SAME]
+            # Of branches with the same drives, the one inside limits or next to them.
+            out = limb.limit_excess(same).max(axis=1, initial=0.0)
+            q[own] = same[np.argmin(out)] if len(same) else np.nan
         q[self.drive_index] = drives
         return q
 

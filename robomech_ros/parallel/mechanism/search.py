@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 _FAMILY = "limbs of any kind, searched"
 # Starts in each of so many rounds; it ends when each mode was found so often, and none was new.
-_STARTS, _ROUNDS, _OFTEN = 256, 16, 3
+_STARTS, _ROUNDS, _OFTEN = 512, 16, 4
 # Poses nearer to each other than this (rad; of the size) are one; more of them than so many are a
 # motion of the platform while the drives are locked.
 _SAME, _MOST = 1e-5, 120
@@ -41,9 +41,9 @@ class AssemblySearch:
         self._slides = np.concatenate([chain.types for chain in chains]) == PRISMATIC
         lower = np.concatenate([chain.lower for chain in chains])
         upper = np.concatenate([chain.upper for chain in chains])
-        widest = np.where(self._slides, 2.0 * loops.size, np.pi)
-        self.lower = np.where(np.isfinite(lower), lower, -widest)
-        self.upper = np.where(np.isfinite(upper), upper, widest)
+        self._widest = np.where(self._slides, 2.0 * loops.size, np.pi)
+        self.lower = np.where(np.isfinite(lower), lower, -self._widest)
+        self.upper = np.where(np.isfinite(upper), upper, self._widest)
 
     def __call__(self, drives: Array, near: Array | None) -> AssemblyModes:
         """Search poses for positions of the drives (m,), those nearest to a pose first."""
@@ -63,6 +63,8 @@ class AssemblySearch:
         """Give postures (k, n) with closed loops, from so many random ones."""
         loops = self.loops
         q = rng.uniform(self.lower, self.upper, (count, len(self.lower)))
+        # Half of them without limits: modes beyond those of passive joints are modes, too.
+        q[::2] = rng.uniform(-self._widest, self._widest, q[::2].shape)
         q[:, loops.drives >= 0] = drives[loops.drives[loops.drives >= 0]]
         settled = np.empty(count, np.int64)
         search(
