@@ -143,7 +143,7 @@ def singularity_distances(
         As for :func:`velocity_matrices`.
     length : float, optional
         What makes linear and angular motions comparable (m); default :func:`platform_length`,
-        which takes some tenths of a second to find and is kept.
+        which takes about a second to find and is kept.
 
     Returns
     -------
