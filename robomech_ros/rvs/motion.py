@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,9 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory import PiecewisePolynomial, interpolant
+
+if TYPE_CHECKING:
+    from robomech_ros.parallel import Mechanism
 
 __all__ = ["Choice", "Motion", "NamedPosture"]
 
@@ -54,7 +57,7 @@ class Motion:
 
     Parameters
     ----------
-    chain : SerialChain
+    chain : SerialChain or Mechanism
         Of n joints.
     times : ndarray, shape (m,)
         Increasing (s).
@@ -73,7 +76,7 @@ class Motion:
         No time, times that do not increase, or arrays of another size or not finite.
     """
 
-    chain: SerialChain
+    chain: SerialChain | Mechanism
     times: Array
     q: Array
     choices: tuple[Choice, ...] = ()
@@ -83,7 +86,11 @@ class Motion:
     tau: Array | None = None
 
     def __post_init__(self) -> None:
-        forward_kinematics(self.chain, self.q)
+        # Either refuses what are no positions of its joints.
+        if isinstance(self.chain, SerialChain):
+            forward_kinematics(self.chain, self.q)
+        else:
+            self.chain.pose(self.q)
         q = np.atleast_2d(np.asarray(self.q, dtype=np.float64))
         times = np.asarray(self.times, dtype=np.float64)
         if times.ndim != 1 or not len(times) or len(times) != len(q):
@@ -96,6 +103,19 @@ class Motion:
             given = getattr(self, name)
             if given is not None:
                 object.__setattr__(self, name, _like_q(name, given, q.shape))
+
+    @property
+    def arm(self) -> SerialChain:
+        """The chain, where that is what moves.
+
+        Raises
+        ------
+        BadValueError
+            It is a parallel robot.
+        """
+        if not isinstance(self.chain, SerialChain):
+            raise BadValueError("what moves", self.chain.name, "an arm, not a parallel robot")
+        return self.chain
 
     @property
     def duration(self) -> float:

@@ -447,6 +447,23 @@ def test_demo_of_a_robot_from_a_path(suite, tmp_path, repository):
     assert sorted(path.suffix for path in (tmp_path / "out").iterdir()) == [".html", ".png"]
 
 
+@pytest.mark.parametrize(("robot", "driven"), [("hexapod", "6 of them"), ("delta", "3 of them")])
+def test_demo_of_a_parallel_robot(suite, tmp_path, robot, driven):
+    """Picked, lifted over and placed, and a circle; arrival is checked after every motion."""
+    options = ["--robot", robot, "--output", str(tmp_path)]
+    done = suite.run("robomech", "demo", *options, timeout=180)
+    assert done.returncode == 0, done.stderr
+    assert f"{driven} driven" in done.stdout
+    circle = "circle with tilt" if robot == "hexapod" else "circle"
+    for motion in ("pick", "place", circle):
+        assert f"{motion}: the tip is off by" in done.stdout
+    assert "everything worked" in done.stdout
+    assert sorted(path.name for path in tmp_path.iterdir()) == [f"{robot}.html", f"{robot}.png"]
+    refused = suite.run("robomech", "demo", *options, "--dynamic")
+    assert refused.returncode == 1
+    assert f"'{robot}' is a parallel robot" in refused.stderr
+
+
 def test_demo_with_a_payload_that_the_drives_do_not_know(suite, tmp_path):
     """Two kilograms are picked and placed by forces, within the tolerance that is said."""
     options = ["--robot", "ur5e", "--dynamic", "--payload", "2", "--output", str(tmp_path)]

@@ -2,8 +2,8 @@
 
 import threading
 import time
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 import rclpy
@@ -17,7 +17,6 @@ from robomech_ros.nodes.demonstration.suite import Suite
 from robomech_ros.nodes.middleware.deep_queues import ask
 from robomech_ros.nodes.process.run import Spinner
 from robomech_ros.outcomes import name_of
-from robomech_ros.robots import SerialChain
 
 __all__ = ["DemoClient"]
 
@@ -28,6 +27,18 @@ _CALL_SECONDS = 20.0
 _LOOK = 0.02
 
 
+class Joints(Protocol):
+    """Names and units of the joints of a robot."""
+
+    @property
+    def joint_names(self) -> Sequence[str]:
+        """All of them, in order."""
+
+    @property
+    def units(self) -> Sequence[str]:
+        """Of each ``"rad"`` or ``"m"``."""
+
+
 class DemoClient:
     """Talks to the suite, and notices at once when a node of it is gone.
 
@@ -35,13 +46,13 @@ class DemoClient:
     ----------
     suite : Suite
         The running nodes.
-    chain : SerialChain
+    robot : SerialChain or RobotToShow
         Whose joints are to be recorded.
     """
 
-    def __init__(self, suite: Suite, chain: SerialChain) -> None:
+    def __init__(self, suite: Suite, robot: Joints) -> None:
         self._suite = suite
-        self._names, self._units = chain.joint_names, chain.units
+        self._names, self._units = robot.joint_names, robot.units
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         self._node = Node("robomech_demo", start_parameter_services=False)
         self._clients: dict[str, Any] = {}

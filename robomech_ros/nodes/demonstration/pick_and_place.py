@@ -4,17 +4,15 @@ import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
-from robomech_interfaces.srv import PlanJoint, SolveFK, SolveIK
-from robomech_ros.kinematics import forward_kinematics
+from robomech_interfaces.srv import PlanCartesian, PlanJoint, SolveFK, SolveIK
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.demonstration.client import DemoClient
+from robomech_ros.nodes.demonstration.demo_robots import RobotToShow
 from robomech_ros.nodes.demonstration.failure import DemoFailedError
 from robomech_ros.nodes.demonstration.load import TRACKED, Load
-from robomech_ros.nodes.demonstration.postures import pick_and_place
-from robomech_ros.nodes.demonstration.report import Leg, Reporter
-from robomech_ros.robots import SerialChain
+from robomech_ros.nodes.demonstration.report import Leg, Reporter, Way
 from robomech_ros.robots.semantic import HOME
 from robomech_ros.rvs import Choice, NamedPosture
 from robomech_ros.spatial import pose_error
@@ -40,8 +38,7 @@ class PickAndPlace:
     ----------
     client : DemoClient
         Connected to the running suite.
-    chain : SerialChain
-        The robot.
+    robot : RobotToShow
     reporter : Reporter
         Where to tell what happens.
     load : Load, optional
@@ -52,12 +49,12 @@ class PickAndPlace:
     def __init__(
         self,
         client: DemoClient,
-        chain: SerialChain,
+        robot: RobotToShow,
         reporter: Reporter,
         load: Load | None = None,
     ) -> None:
         self._client = client
-        self._chain = chain
+        self._robot = robot
         self._reporter = reporter
         self._load = load
         self._joints_arrived, self._arrived = _DRIVEN if load is not None else _EXACT
@@ -73,42 +70,73 @@ class PickAndPlace:
         DemoFailedError
             A step went wrong.
         """
-        pick, place = pick_and_place(self._chain)
-        self._leg("pick", "RUCKIG", forward_kinematics(self._chain, pick))
+        pick, place = self._robot.targets()
+        over, on = self._robot.way_to_place(pick, place), self._robot.way_on(place)
+        self._leg("pick", "RUCKIG", pick)
         if self._load is not None:
             self._load.grip()
             self._reporter.say(
                 f"picked {self._load.mass:g} kg, unknown to the controller of the drives"
             )
-        self._leg("place", "POLY345", forward_kinematics(self._chain, place))
+        if over is None:
+            self._leg("place", "POLY345", place)
+        else:
+            self._along(over)
         if self._load is not None:
             self._load.release()
             self._reporter.say(
                 f"every joint stayed within {TRACKED:g} rad or m of its path: the controller would "
                 "have ended the motion (path_tolerance)"
             )
+        if on is not None:
+            self._along(on)
 
     def stands_at_home(self) -> None:
         """Check that the robot begins where the named posture home is."""
-        home = self._chain.home()
+        home = self._robot.home()
         self._client.wait_until_at(home, self._joints_arrived, _GRACE_SECONDS, lambda: None)
         self._reporter.say(f"stands at {HOME}: {_listed(home)} rad or m")
 
     def go_home(self) -> None:
         """Move to the named posture home, which the planner is told by its name alone."""
-        home = self._chain.home()
+        home = self._robot.home()
         self._reporter.heading(f"{HOME}, by its name")
         self.marks.append((self._client.now(), f"{HOME} (RUCKIG)"))
         leg = self._plan(HOME, "RUCKIG", JointState(name=[HOME]))
         self._watch(leg, home)
-        self._check(leg, forward_kinematics(self._chain, home))
+        self._check(leg, self._robot.pose(home))
         self.legs.append(leg)
 
     def _leg(self, name: str, profile: str, T: Array) -> None:
         self._reporter.heading(f"{name} at x y z = {_listed(T[:3, 3])} m")
         goal = self._solve(name, T)
         self.marks.append((self._client.now(), f"{name} ({profile})"))
-        leg = self._plan(name, profile, joint_state(self._chain.joint_names, goal))
+        leg = self._plan(name, profile, joint_state(self._robot.joint_names, goal))
+        self._watch(leg, goal)
+        self._check(leg, T)
+        self.legs.append(leg)
+
+    def _along(self, way: Way) -> None:
+        """Move the tip along a path, to where it ends."""
+        T = way.waypoints[-1]
+        count = len(way.waypoints)
+        self._reporter.heading(f"{way.name} through {count} poses to {_listed(T[:3, 3])} m")
+        goal = self._solve(way.name, T)
+        self.marks.append((self._client.now(), f"{way.name} (TIME_OPTIMAL)"))
+        request = PlanCartesian.Request(
+            start=self._present_state(),
+            waypoints=[stamped_pose(pose, self._robot.base) for pose in way.waypoints],
+            path=getattr(PlanCartesian.Request, way.path),
+            profile=PlanCartesian.Request.TIME_OPTIMAL,
+        )
+        response = self._client.call("trajectory_planner/plan_cartesian", request)
+        points = response.trajectory.points
+        duration = seconds_from_duration(points[-1].time_from_start, "time_from_start")
+        leg = Leg(way.name, way.path, duration, float("nan"))
+        self._reporter.say(
+            f"planned {way.path}: {duration:.2f} s, {len(points)} points, all of the path within "
+            "the limits of every joint"
+        )
         self._watch(leg, goal)
         self._check(leg, T)
         self.legs.append(leg)
@@ -116,7 +144,7 @@ class PickAndPlace:
     def _solve(self, name: str, T: Array) -> Array:
         """Ask for all solutions, and choose the nearest one inside the limits."""
         request = SolveIK.Request(
-            target=stamped_pose(T, self._chain.base), seed=self._present_state()
+            target=stamped_pose(T, self._robot.base), seed=self._present_state()
         )
         response = self._client.call("kinematics/solve_ik", request)
         goal = np.array(response.solutions[0].positions)
@@ -136,7 +164,7 @@ class PickAndPlace:
             f"solutions inside the limits: {count}, {how} ({response.family}, "
             f"{seconds * 1e6:.0f} us); rad or m:"
         )
-        self._reporter.solutions(shown, chosen)
+        self._reporter.solutions(shown, chosen, self._robot.shown)
         return goal
 
     def _remember(self, name: str, response: SolveIK.Response) -> None:
@@ -166,19 +194,20 @@ class PickAndPlace:
         return leg
 
     def _watch(self, leg: Leg, goal: Array) -> None:
-        """Show how far the motion is until the joints are at the goal."""
-        start = self._client.present
-        joint = int(np.argmax(np.abs(goal - start)))
-        way = goal[joint] - start[joint]
+        """Show which part of its duration a motion has lasted, until the joints are at the goal."""
+        shown, begun = list(self._robot.shown), self._client.now()
         with self._reporter.progress(leg.name) as show:
 
             def look() -> None:
-                q = self._client.present
-                show((q[joint] - start[joint]) / way if way else 1.0, q)
+                lasted = self._client.now() - begun
+                show(min(lasted / leg.duration, 1.0) if leg.duration else 1.0, self._at(shown))
 
             patience = leg.duration + _GRACE_SECONDS
             self._client.wait_until_at(goal, self._joints_arrived, patience, look)
-            look()
+            show(1.0, self._at(shown))
+
+    def _at(self, shown: list[int]) -> Array:
+        return self._client.present[shown]
 
     def _check(self, leg: Leg, T: Array) -> None:
         """Compare where the tip is, by forward kinematics of the present joints, with the target.
@@ -203,7 +232,7 @@ class PickAndPlace:
         self._reporter.say(text)
 
     def _present_state(self) -> JointState:
-        return joint_state(self._chain.joint_names, self._client.present)
+        return joint_state(self._robot.joint_names, self._client.present)
 
 
 def _listed(values: Array) -> str:

@@ -1,6 +1,6 @@
 """What the demonstration prints."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 from rich.table import Table
 
-__all__ = ["Leg", "Reporter"]
+__all__ = ["Leg", "Reporter", "Way"]
 
 Array = NDArray[np.float64]
 Shown = Callable[[float, Array], None]
@@ -18,6 +18,24 @@ Shown = Callable[[float, Array], None]
 _PIPE_WIDTH = 150
 # Narrower terminals get two lines a solution.
 _TABLE_WIDTH = 130
+
+
+class Way(NamedTuple):
+    """A path of the tip.
+
+    Attributes
+    ----------
+    name : str
+        Of what is done.
+    path : str
+        A kind of PlanCartesian, such as ``"STRAIGHT"``.
+    waypoints : ndarray, shape (m, 4, 4)
+        In the base (m).
+    """
+
+    name: str
+    path: str
+    waypoints: Array
 
 
 class Leg:
@@ -49,12 +67,12 @@ class Reporter:
         self._console.print()
         self._console.print(text, style="bold", markup=False)
 
-    def solutions(self, response: Any, chosen: int) -> None:
-        """Print all solutions of a SolveIK response, the chosen one marked."""
+    def solutions(self, response: Any, chosen: int, shown: Sequence[int]) -> None:
+        """Print all solutions of a SolveIK response, the chosen one marked; joints by number."""
         if self._console.width >= _TABLE_WIDTH:
-            self._solution_table(response, chosen)
+            self._solution_table(response, chosen, shown)
             return
-        for i, row in enumerate(_rows(response)):
+        for i, row in enumerate(_rows(response, shown)):
             style = None if row.inside else "dim"
             mark = "->" if i == chosen else "  "
             self._console.print(
@@ -63,14 +81,14 @@ class Reporter:
                 style=style,
             )
 
-    def _solution_table(self, response: Any, chosen: int) -> None:
+    def _solution_table(self, response: Any, chosen: int, shown: Sequence[int]) -> None:
         table = Table(box=None, padding=(0, 1), header_style="bold")
         # A rich table breaks at spaces, and joints have long names.
-        joints = [name.replace("_", " ") for name in response.joint_names]
+        joints = [response.joint_names[k].replace("_", " ") for k in shown]
         for title in ("", "posture", *joints, "to limit", "distance", "condition"):
             words = title in ("", "posture")
             table.add_column(title, justify="left" if words else "right", no_wrap=words)
-        for i, row in enumerate(_rows(response)):
+        for i, row in enumerate(_rows(response, shown)):
             table.add_row(
                 "->" if i == chosen else "",
                 row.posture,
@@ -93,7 +111,7 @@ class Reporter:
                 leg.name,
                 leg.profile,
                 f"{leg.duration:.2f} s",
-                f"{leg.peak:.0%} of limit",
+                "" if np.isnan(leg.peak) else f"{leg.peak:.0%} of limit",
                 f"{leg.position_error * 1e3:.1e} mm",
                 f"{leg.orientation_error:.1e} rad",
             )
@@ -149,13 +167,13 @@ class _Row(NamedTuple):
     condition: str
 
 
-def _rows(response: Any) -> Iterator[_Row]:
+def _rows(response: Any, shown: Sequence[int]) -> Iterator[_Row]:
     for i, point in enumerate(response.solutions):
         margin = response.limit_margins[i]
         yield _Row(
             inside=margin >= 0.0,
             posture=response.branches[i] or f"solution {i + 1}",
-            joints=[f"{value:+.3f}" for value in point.positions],
+            joints=[f"{point.positions[k]:+.3f}" for k in shown],
             margin=f"{margin:.3f}" if margin >= 0.0 else f"{-margin:.3f} outside",
             distance=f"{response.seed_distances[i]:.3f}",
             condition=f"{response.condition_numbers[i]:.1f}",

@@ -6,18 +6,20 @@ from pathlib import Path
 
 import numpy as np
 
-from robomech_interfaces.srv import Execute, PlanJoint, SolveFK, SolveIK
+from robomech_interfaces.srv import Execute, PlanCartesian, PlanJoint, SolveFK, SolveIK
 from robomech_ros.dynamics import mass_matrix
-from robomech_ros.errors import RobomechError
+from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.demonstration.client import DemoClient
+from robomech_ros.nodes.demonstration.demo_robots import ArmToShow, RobotToShow
 from robomech_ros.nodes.demonstration.limits import Which, robot_with_limits
 from robomech_ros.nodes.demonstration.load import CARRYING, TRACKED, Load
 from robomech_ros.nodes.demonstration.pick_and_place import PickAndPlace
 from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.suite import running_suite
 from robomech_ros.nodes.process.launch_options import LaunchOptions
+from robomech_ros.parallel import Mechanism, load_described
 from robomech_ros.plotting.joint_motions import plot_motion
-from robomech_ros.robots import PRISMATIC, SerialChain, load_description
+from robomech_ros.robots import SerialChain
 from robomech_ros.rvs import Motion, ViewUnavailableError, write_motion
 
 __all__ = ["demonstrate"]
@@ -28,6 +30,7 @@ _SERVICES = {
     "kinematics/solve_ik": SolveIK,
     "kinematics/solve_fk": SolveFK,
     "trajectory_planner/plan_joint": PlanJoint,
+    "trajectory_planner/plan_cartesian": PlanCartesian,
     "trajectory_publisher/execute": Execute,
 }
 
@@ -51,23 +54,46 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
     """
     reporter = Reporter()
     start = time.perf_counter()
-    with robot_with_limits(which) as (used, chain, notice):
-        if notice:
-            reporter.say(notice)
-        written = _session(used, chain, output, reporter, payload)
+    mechanism = load_described(which.robot).mechanism
+    if mechanism is not None:
+        from robomech_ros.nodes.demonstration.platform_to_show import PlatformToShow
+
+        _check_options(which, payload)
+        platform = PlatformToShow(mechanism)
+        written = _session(which, platform, mechanism, output, reporter, None)
+    else:
+        with robot_with_limits(which) as (used, chain, notice):
+            if notice:
+                reporter.say(notice)
+            if payload is not None:
+                # A robot that cannot be simulated is refused here, once, instead of by a node.
+                mass_matrix(chain, chain.midrange())
+            written = _session(used, ArmToShow(chain), chain, output, reporter, payload)
     for line in written:
         reporter.say(line)
     reporter.say(f"everything worked, in {time.perf_counter() - start:.1f} s")
 
 
+def _check_options(which: Which, payload: float | None) -> None:
+    """Refuse what is for arms only."""
+    given = {"--srdf": which.srdf, "--group": which.group, "--dynamic": payload is not None}
+    for option, value in given.items():
+        if value:
+            raise BadValueError(option, value, f"none: '{which.robot}' is a parallel robot")
+
+
 def _session(
-    which: Which, chain: SerialChain, output: Path, reporter: Reporter, payload: float | None
+    which: Which,
+    robot: RobotToShow,
+    moved: SerialChain | Mechanism,
+    output: Path,
+    reporter: Reporter,
+    payload: float | None,
 ) -> list[str]:
-    joints = "".join("P" if kind == PRISMATIC else "R" for kind in chain.types)
-    reporter.heading(f"{chain.name}: {chain.n} joints {joints}, {chain.base} to {chain.tip}")
+    reporter.heading(robot.title)
     start = time.perf_counter()
-    with running_suite(_commands(which, chain, payload is not None)) as suite:
-        client = DemoClient(suite, chain)
+    with running_suite(_commands(which, payload is not None)) as suite:
+        client = DemoClient(suite, robot)
         try:
             client.wait_until_up(_SERVICES if payload is None else _SERVICES | CARRYING)
             seconds = time.perf_counter() - start
@@ -76,7 +102,7 @@ def _session(
                 f"{suite.domain}: {', '.join(suite.names)}"
             )
             load = None if payload is None else Load(client, payload)
-            task = PickAndPlace(client, chain, reporter, load)
+            task = PickAndPlace(client, robot, reporter, load)
             if which.srdf:
                 task.stands_at_home()
             task.run()
@@ -85,8 +111,8 @@ def _session(
             reporter.heading("summary")
             reporter.summary(task.legs)
             output.mkdir(parents=True, exist_ok=True)
-            plot = _plot(chain, client, task, output)
-            return [f"plot: {plot}", _page(which, chain, client, task, output)]
+            plot = _plot(robot, client, task, output)
+            return [f"plot: {plot}", _page(which, moved, client, task, output)]
         except RobomechError:
             print(f"last words of the nodes:\n{suite.last_words()}", file=sys.stderr)
             raise
@@ -94,10 +120,7 @@ def _session(
             client.close()
 
 
-def _commands(which: Which, chain: SerialChain, dynamic: bool) -> dict[str, list[str]]:
-    if dynamic:
-        # A robot that cannot be simulated is refused here, once, instead of by a node.
-        mass_matrix(chain, chain.midrange())
+def _commands(which: Which, dynamic: bool) -> dict[str, list[str]]:
     options = LaunchOptions(
         which.robot, srdf=which.srdf, group=which.group, dynamic=dynamic, servo=False
     )
@@ -108,16 +131,20 @@ def _commands(which: Which, chain: SerialChain, dynamic: bool) -> dict[str, list
 
 
 def _page(
-    which: Which, chain: SerialChain, client: DemoClient, task: PickAndPlace, output: Path
+    which: Which,
+    moved: SerialChain | Mechanism,
+    client: DemoClient,
+    task: PickAndPlace,
+    output: Path,
 ) -> str:
     """Write the motion as a page, and say where; or why not."""
     times, q, _ = client.recording()
     keep = times >= _start(task)
-    motion = Motion(chain, times[keep], q[keep], tuple(task.choices))
-    title = f"{chain.name}: pick and place"
-    path = output / f"{chain.name}.html"
+    motion = Motion(moved, times[keep], q[keep], tuple(task.choices))
+    title = f"{moved.name}: pick and place"
+    path = output / f"{moved.name}.html"
     try:
-        write_motion(path, load_description(which.robot), motion, title=title)
+        write_motion(path, load_described(which.robot).description, motion, title=title)
     except ViewUnavailableError as error:
         return f"no page: {error}"
     return f"page: {path}"
@@ -128,18 +155,18 @@ def _start(task: PickAndPlace) -> float:
     return max(task.marks[0][0] - _LEAD_SECONDS, 0.0)
 
 
-def _plot(chain: SerialChain, client: DemoClient, task: PickAndPlace, output: Path) -> Path:
+def _plot(robot: RobotToShow, client: DemoClient, task: PickAndPlace, output: Path) -> Path:
     times, q, qd = client.recording()
     start = _start(task)
-    keep = times >= start
-    times, q, qd = times[keep] - start, q[keep], qd[keep]
+    keep, shown = times >= start, list(robot.shown)
+    times, q, qd = times[keep] - start, q[keep][:, shown], qd[keep][:, shown]
     qdd = np.gradient(qd, times, axis=0)
     return plot_motion(
-        output / f"{chain.name}.png",
-        chain.joint_names,
+        output / f"{robot.name}.png",
+        [robot.joint_names[k] for k in shown],
         times,
         (q, qd, qdd),
-        title=f"{chain.name}: pick and place, as published on joint_states",
-        prismatic=[bool(kind == PRISMATIC) for kind in chain.types],
+        title=f"{robot.name}: pick and place, as published on joint_states",
+        prismatic=[robot.units[k] == "m" for k in shown],
         marks=[(instant - start, label) for instant, label in task.marks],
     )

@@ -49,7 +49,7 @@ class SweptPlan(NamedTuple):
 
 def swept(motion: Motion) -> SweptPlan:
     """Prepare what of a plan is seen at once."""
-    chain, first, last = motion.chain, motion.times[0], motion.times[-1]
+    chain, first, last = motion.arm, motion.times[0], motion.times[-1]
     links = chain.links
     poses = link_poses(chain, motion.at(np.linspace(first, last, TRACE)), links)
     sweep = motion.at(np.linspace(first, last, SWEEP))

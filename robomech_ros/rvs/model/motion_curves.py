@@ -70,7 +70,7 @@ def motion_curves(motion: Motion) -> MotionCurves:
     ----------
     motion : Motion
     """
-    chain, times = motion.chain, motion.times - motion.times[0]
+    chain, times = motion.arm, motion.times - motion.times[0]
     qd = _rate(motion.q, times) if motion.qd is None else motion.qd
     qdd = _rate(qd, times) if motion.qdd is None else motion.qdd
     qddd = _rate(qdd, times) if motion.qddd is None else motion.qddd

@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from robomech_ros.robots import RobotDescription
+from robomech_ros.parallel import Mechanism
+from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.eye import marker_points, seen_points
-from robomech_ros.rvs.model.ghosts import PALETTE, Ghosts
+from robomech_ros.rvs.model.ghosts import PALETTE, GhostMaker, Ghosts
 from robomech_ros.rvs.model.live_robot import SeenMarker
+from robomech_ros.rvs.model.platform_ghosts import PlatformGhosts
 from robomech_ros.rvs.model.seen_robot import SeenRobot, seen_robot
 from robomech_ros.rvs.motion import Choice, Motion
 from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
@@ -88,9 +90,9 @@ def _recorded(server: Any, seen: SeenRobot, motion: Motion, markers: Sequence[Se
     chain = motion.chain
     add_surroundings(server, seen.reach)
     robot = RobotNodes(server.scene, seen)
-    add_base(server.scene, seen, chain.base)
-    drawn = seen.tree.chain(chain.base, chain.tip)
-    ghosts = GhostNodes(server.scene, BASE, Ghosts(drawn, seen.shapes), seen.reach)
+    base, maker = _base_and_ghosts(seen, chain)
+    add_base(server.scene, seen, base)
+    ghosts = GhostNodes(server.scene, BASE, maker, seen.reach)
     times, q = motion.sampled(RATE)
     others = [posture.q for choice in motion.choices for posture in choice.others]
     at_first = dict(zip(chain.joint_names, q[0].tolist(), strict=True))
@@ -111,6 +113,14 @@ def _recorded(server: Any, seen: SeenRobot, motion: Motion, markers: Sequence[Se
         if k + 1 < len(times):
             recording.insert_sleep(float(times[k + 1] - time))
     return str(recording.as_html())
+
+
+def _base_and_ghosts(seen: SeenRobot, chain: SerialChain | Mechanism) -> tuple[str, GhostMaker]:
+    """Give the base link of what moves, and the pieces of its ghosts."""
+    if isinstance(chain, SerialChain):
+        drawn = seen.tree.chain(chain.base, chain.tip)
+        return chain.base, Ghosts(drawn, seen.shapes)
+    return chain.base_link, PlatformGhosts(chain, seen.reach)
 
 
 def _ghosts(choice: Choice) -> list[Ghost]:

@@ -1,0 +1,95 @@
+"""What the demonstration knows of the robot that it moves: an arm, or a parallel robot."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.demonstration.postures import pick_and_place
+from robomech_ros.nodes.demonstration.report import Way
+from robomech_ros.robots import PRISMATIC, SerialChain
+
+__all__ = ["ArmToShow", "RobotToShow"]
+
+Array = NDArray[np.float64]
+
+
+class RobotToShow(Protocol):
+    """A robot of n joints."""
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+
+    @property
+    def base(self) -> str:
+        """Its base link."""
+
+    @property
+    def title(self) -> str:
+        """What it is, in a line."""
+
+    @property
+    def joint_names(self) -> Sequence[str]:
+        """All joints."""
+
+    @property
+    def units(self) -> Sequence[str]:
+        """Of all joints, ``"rad"`` or ``"m"``."""
+
+    @property
+    def shown(self) -> Sequence[int]:
+        """Numbers of the joints that are printed and plotted."""
+
+    def home(self) -> Array:
+        """Where it begins, shape (n,), rad or m."""
+
+    def pose(self, q: Array) -> Array:
+        """Pose of the tip in the base (4, 4), of joints (n,)."""
+
+    def targets(self) -> tuple[Array, Array]:
+        """Poses (4, 4) where to pick and where to place."""
+
+    def way_to_place(self, pick: Array, place: Array) -> Way | None:
+        """Give the path of the tip from pick to place; None where only the joints matter."""
+
+    def way_on(self, place: Array) -> Way | None:
+        """Give a path of the tip that begins at place; None for no more."""
+
+
+class ArmToShow:
+    """An arm.
+
+    Parameters
+    ----------
+    chain : SerialChain
+    """
+
+    def __init__(self, chain: SerialChain) -> None:
+        self._chain = chain
+        self.name, self.base = chain.name, chain.base
+        self.joint_names, self.units = chain.joint_names, chain.units
+        self.shown = range(chain.n)
+        joints = "".join("P" if kind == PRISMATIC else "R" for kind in chain.types)
+        self.title = f"{chain.name}: {chain.n} joints {joints}, {chain.base} to {chain.tip}"
+
+    def home(self) -> Array:
+        """Where it begins, shape (n,), rad or m."""
+        return self._chain.home()
+
+    def pose(self, q: Array) -> Array:
+        """Pose of the tip in the base (4, 4), of joints (n,)."""
+        return forward_kinematics(self._chain, q)
+
+    def targets(self) -> tuple[Array, Array]:
+        """Poses (4, 4) where to pick and where to place."""
+        pick, place = pick_and_place(self._chain)
+        return self.pose(pick), self.pose(place)
+
+    def way_to_place(self, pick: Array, place: Array) -> Way | None:
+        """Leave the way to the joints."""
+
+    def way_on(self, place: Array) -> Way | None:
+        """End at place."""
