@@ -1,13 +1,16 @@
 """``robomech robots``: the robots known by name."""
 
 import argparse
+from collections.abc import Iterable
 from textwrap import shorten
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics.inverse.families.selection import family_of
+from robomech_ros.parallel import list_parallel, load_described
 from robomech_ros.robots import PRISMATIC, list_robots, load_description
 
 __all__ = ["add_arguments", "run"]
@@ -27,16 +30,40 @@ def run(args: argparse.Namespace) -> int:
     console = Console(width=None if console.is_terminal else 160)
     table = Table("name", "joints", "inverse kinematics", "source")
     code = 0
-    for name in list_robots():
+    rows = [(name, _arm) for name in list_robots()]
+    rows += [(name, _parallel) for name in list_parallel()]
+    for name, facts in rows:
         try:
-            description = load_description(name)
-            chain = description.chain()
-            joints = "".join("P" if kind == PRISMATIC else "R" for kind in chain.types)
-            source = description.source or "none given"
+            joints, family, source = facts(name)
             shown = source if args.full else shorten(source, _SHORT, placeholder=" ...")
-            table.add_row(name, joints, family_of(chain).name, shown)
+            table.add_row(name, joints, family, shown)
         except RobomechError as error:
             table.add_row(name, "", "", f"cannot be loaded: {error}")
             code = 1
     console.print(table)
     return code
+
+
+def _arm(name: str) -> tuple[str, str, str]:
+    """Give the joints, the solver and the source of an arm."""
+    description = load_description(name)
+    chain = description.chain()
+    return _letters(chain.types), family_of(chain).name, description.source or "none given"
+
+
+def _parallel(name: str) -> tuple[str, str, str]:
+    """Give limbs, family and source of a parallel robot; the drives are in brackets."""
+    robot = load_described(name)
+    mechanism = robot.mechanism
+    assert mechanism is not None
+    limb = mechanism.limbs[0]
+    letters = [
+        f"[{letter}]" if joint in limb.actuated else letter
+        for joint, letter in zip(limb.chain.joint_names, _letters(limb.chain.types), strict=True)
+    ]
+    joints = escape(f"{len(mechanism.limbs)} x {''.join(letters)}")
+    return joints, "parallel", robot.description.source
+
+
+def _letters(types: Iterable[int]) -> str:
+    return "".join("P" if kind == PRISMATIC else "R" for kind in types)

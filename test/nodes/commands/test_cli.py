@@ -208,6 +208,8 @@ def test_robots_are_listed_with_joints_and_family(capfd):
     assert re.search(r"ur5e.*RRRRRR.*three-parallel", out)
     assert re.search(r"panda.*RRRRRRR.*redundant", out)
     assert re.search(r"stanford.*RRPRRR.*decoupled", out)
+    assert re.search(r"hexapod.*6 x RR\[P\]RRR.*parallel", out)
+    assert re.search(r"delta.*3 x \[R\]RRRR.*parallel", out)
 
 
 def test_warmup_imports_every_kernel_module(capfd):
