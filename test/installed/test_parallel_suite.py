@@ -10,10 +10,18 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
+from trajectory_msgs.msg import JointTrajectoryPoint
 
-from robomech_interfaces.srv import AnalyzeSingularity, PlanJoint, SolveFK, SolveIK
+from robomech_interfaces.srv import (
+    AnalyzeSingularity,
+    InverseDynamics,
+    PlanJoint,
+    SolveFK,
+    SolveIK,
+    SummarizeTorques,
+)
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
-from robomech_ros.parallel import load_described, load_parallel
+from robomech_ros.parallel import ParallelDynamics, load_described, load_parallel
 
 PATIENCE = 60.0
 LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -64,6 +72,16 @@ def test_a_parallel_robot_is_brought_up_and_moved_as_an_arm_is(bringup, outsider
             AnalyzeSingularity, "kinematics/analyze_singularity", AnalyzeSingularity.Request()
         )
         assert report.error_code == 0 and report.summary.startswith("regular")
+        request = SummarizeTorques.Request(trajectory=planned.trajectory)
+        demand = outsider.call(SummarizeTorques, "dynamics/summarize_torques", request)
+        assert demand.error_code == 0, demand.error_msg
+        assert tuple(demand.joint_names) == mechanism.actuated
+        posture = JointTrajectoryPoint(positions=last.position)
+        request = InverseDynamics.Request(points=[posture], joint_names=last.name)
+        held = outsider.call(InverseDynamics, "dynamics/inverse_dynamics", request)
+        assert held.error_code == 0, held.error_msg
+        holding = ParallelDynamics(mechanism).gravity(last.position)
+        np.testing.assert_allclose(np.array(held.effort)[mechanism.drive_index], holding, rtol=1e-6)
         with news:
             links = len(load_described(name).description.links)
             assert news.wait_for(lambda: descriptions and len(frames) == links - 1, PATIENCE)
