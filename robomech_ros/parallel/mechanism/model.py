@@ -15,16 +15,15 @@ from robomech_ros.parallel.arguments import platform_poses
 from robomech_ros.parallel.mechanism.limb import Limb, checked_limbs
 from robomech_ros.parallel.mechanism.loops import Loops
 from robomech_ros.parallel.mechanism.mobility import check_drives
+from robomech_ros.parallel.mechanism.motion import LoopMotion
 from robomech_ros.parallel.mechanism.parts import Parts, limbs_with_parts
-from robomech_ros.parallel.mechanism.postures import limb_postures
-from robomech_ros.parallel.mechanism.result import AssemblyModes, ClosedPosture, MechanismPostures
+from robomech_ros.parallel.mechanism.postures import joints_of_mode, limb_postures
+from robomech_ros.parallel.mechanism.result import AssemblyModes, MechanismPostures
 from robomech_ros.parallel.mechanism.search import AssemblySearch
 from robomech_ros.parallel.mechanism.shapes import shapes_of_limbs
 from robomech_ros.parallel.mechanism.tree import tree_of_limbs
 from robomech_ros.parallel.result import DirectKinematicsResult
 from robomech_ros.robots import Body, RobotDescription
-from robomech_ros.robots.chain_layout import PRISMATIC
-from robomech_ros.spatial.arrays import as_finite
 
 __all__ = ["Mechanism"]
 
@@ -32,11 +31,9 @@ Array = NDArray[np.float64]
 
 # Errors (rad, m) of loops that are closed where all joints are at zero.
 _CLOSED = 1e-9
-# Positions of drives (rad, m) that are the same in several branches of a limb.
-_SAME = 1e-6
 
 
-class Mechanism:
+class Mechanism(LoopMotion):
     """Limbs that carry one platform: chains with actuated and passive joints, and closed loops.
 
     Joints are counted limb by limb, from the base to the platform.  In the tree of links the
@@ -97,14 +94,13 @@ class Mechanism:
         driven = {name for limb in self.limbs for name in limb.actuated}
         self.actuated = tuple(name for name in self.joint_names if name in driven)
         self.passive = tuple(name for name in self.joint_names if name not in driven)
-        self.n, self.dof = len(self.joint_names), len(self.actuated)
         for limit in ("lower", "upper", "velocity", "acceleration", "jerk", "effort"):
             setattr(self, limit, np.concatenate([getattr(chain, limit) for chain in chains]))
         self.types = np.concatenate([chain.types for chain in chains])
         self.units = tuple(unit for chain in chains for unit in chain.units)
         # Where the drives stand among all joints.
         self.drive_index = np.flatnonzero([name in driven for name in self.joint_names])
-        self.loops = Loops.of(chains, self.drive_index)
+        super().__init__(Loops.of(chains, self.drive_index), len(self.joint_names), len(driven))
         # The longest constant offset in it (m).
         self.size = self.loops.size
         self._home_poses = None if home_poses is None else platform_poses(home_poses)
@@ -162,71 +158,6 @@ class Mechanism:
             platform is.
         """
         return self.description.document
-
-    def pose(self, q: ArrayLike) -> Array:
-        """Compute the pose of the platform, by the joints of the first limb.
-
-        Parameters
-        ----------
-        q : array_like, shape (..., n)
-            All joints (rad or m).
-
-        Returns
-        -------
-        ndarray, shape (..., 4, 4)
-            ``T_base_platform`` (m).
-
-        Raises
-        ------
-        WrongSizeError, NonFiniteError
-            Not n finite numbers.
-        """
-        return np.ascontiguousarray(self.limb_poses(q)[..., 0, :, :])
-
-    def limb_poses(self, q: ArrayLike) -> Array:
-        """Compute where each limb holds the platform: the same pose where all loops are closed.
-
-        Parameters
-        ----------
-        q : array_like, shape (..., n)
-            All joints (rad or m).
-
-        Returns
-        -------
-        ndarray, shape (..., limbs, 4, 4)
-            In the base (m).
-
-        Raises
-        ------
-        WrongSizeError, NonFiniteError
-            Not n finite numbers.
-        """
-        return self.loops.limb_poses(self._all_joints("q", q))
-
-    def loop_errors(self, q: ArrayLike) -> Array:
-        """Measure how far each limb holds the platform from where the first one does.
-
-        Parameters
-        ----------
-        q : array_like, shape (..., n)
-            All joints (rad or m).
-
-        Returns
-        -------
-        ndarray, shape (..., limbs, 2)
-            Distance (m) and angle (rad); 0 for the first limb.
-
-        Raises
-        ------
-        WrongSizeError, NonFiniteError
-            Not n finite numbers.
-        """
-        poses = self.limb_poses(q)
-        away = poses - poses[..., :1, :, :]
-        distance = np.linalg.norm(away[..., :3, 3], axis=-1)
-        # Of a turn by an angle, the difference of the matrices has the norm 2 sqrt(2) sin(angle/2).
-        chord = np.linalg.norm(away[..., :3, :3], axis=(-2, -1)) / np.sqrt(8.0)
-        return np.stack((distance, 2.0 * np.arcsin(np.minimum(chord, 1.0))), axis=-1)
 
     def limit_excess(self, q: ArrayLike) -> Array:
         """Say by how much joints are outside their limits, cones of passive joints included.
@@ -305,153 +236,10 @@ class Mechanism:
         found = self._direct(given, near)
         if isinstance(found, AssemblyModes):
             return found
-        rows = [self._of_mode(pose, given) for pose in found.poses]
+        rows = [joints_of_mode(self.limbs, self.loops, pose, given) for pose in found.poses]
         q = np.array(rows).reshape(-1, self.n)
         fields = ("poses", "multiplicity", "complete", "family", "status", "reason", "errors")
         return AssemblyModes(**{key: getattr(found, key) for key in fields}, q=q)
-
-    def _of_mode(self, pose: Array, drives: Array) -> Array:
-        """Give all joints (n,) of a pose for which the drives are known."""
-        q = np.empty(self.n)
-        for limb, start in zip(self.limbs, self.loops.starts, strict=False):
-            own = slice(start, start + limb.chain.n)
-            index = self.loops.drives[own]
-            known = drives[index[index >= 0]]
-            rows = limb.branches(pose, known).q
-            off = np.abs(rows[:, index >= 0] - known)
-            turns = limb.chain.types[index >= 0] != PRISMATIC
-            off = np.where(turns, np.abs(np.remainder(off + np.pi, 2.0 * np.pi) - np.pi), off)
-            away = off.max(axis=1, initial=0.0)
-            same = rows[away <= away.min(initial=np.inf) + _SAME]
-            # Of branches with the same drives, the one inside limits or next to them.
-            out = limb.limit_excess(same).max(axis=1, initial=0.0)
-            q[own] = same[np.argmin(out)] if len(same) else np.nan
-        q[self.drive_index] = drives
-        return q
-
-    def close(self, actuated: ArrayLike, near: ArrayLike) -> ClosedPosture:
-        """Find all joints for positions of the drives, in the assembly mode of a posture near by.
-
-        The drives go from where they are to the given positions on a straight way, in steps
-        after which Newton's iteration contracts as Kantorovich's theorem asks for; the bound
-        itself is estimated, not proved.
-
-        Parameters
-        ----------
-        actuated : array_like, shape (m,)
-            Of the drives (rad or m).
-        near : array_like, shape (n,)
-            All joints (rad or m), loops closed or nearly.
-
-        Returns
-        -------
-        ClosedPosture
-
-        Raises
-        ------
-        WrongSizeError, NonFiniteError
-            Not m and n finite numbers.
-        """
-        target = checked_drives("actuated", actuated, self.dof)
-        return self.loops.close(target, checked_drives("near", near, self.n))
-
-    def rates(self, q: ArrayLike, actuated_rates: ArrayLike) -> tuple[Array, Array]:
-        """Compute the rates of all joints, and the twist of the platform, for rates of the drives.
-
-        Parameters
-        ----------
-        q : array_like, shape (..., n)
-            All joints (rad or m), loops closed.
-        actuated_rates : array_like, shape (..., m)
-            Of the drives (rad/s or m/s).
-
-        Returns
-        -------
-        qd : ndarray, shape (..., n)
-            Of all joints (rad/s or m/s).
-        twist : ndarray, shape (..., 6)
-            [angular velocity; velocity of the platform's origin] in the base (rad/s, m/s).
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not numbers of joints and drives, or a posture in which the drives do not determine
-            the motion.
-        """
-        given = as_finite("actuated_rates", actuated_rates, (self.dof,))
-        qd, twist = self.loops.rates(self._all_joints("q", q), given[..., None])
-        return qd[..., 0], twist[..., 0]
-
-    def complement(self, q: ArrayLike) -> Array:
-        """Compute the natural orthogonal complement of the loops: ``qd = N qd_actuated``.
-
-        Parameters
-        ----------
-        q : array_like, shape (..., n)
-            All joints (rad or m), loops closed.
-
-        Returns
-        -------
-        ndarray, shape (..., n, m)
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            As for :meth:`rates`.
-
-        References
-        ----------
-        Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 12.2.
-        """
-        return self.loops.rates(self._all_joints("q", q), np.eye(self.dof))[0]
-
-    def twist_matrix(self, q: ArrayLike) -> Array:
-        """Compute the twist of the platform for rates of the drives, as a matrix.
-
-        Parameters
-        ----------
-        q : array_like, shape (..., n)
-            All joints (rad or m), loops closed.
-
-        Returns
-        -------
-        ndarray, shape (..., 6, m)
-            Angular rows first, in the base.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            As for :meth:`rates`.
-        """
-        return self.loops.rates(self._all_joints("q", q), np.eye(self.dof))[1]
-
-    def accelerations(
-        self, q: ArrayLike, qd: ArrayLike, actuated_accelerations: ArrayLike
-    ) -> tuple[Array, Array]:
-        """Compute accelerations of all joints and of the platform, for those of the drives.
-
-        Parameters
-        ----------
-        q, qd : array_like, shape (..., n)
-            All joints, loops closed, and their rates from :meth:`rates` (rad or m, and per s).
-        actuated_accelerations : array_like, shape (..., m)
-            Of the drives (rad/s^2 or m/s^2).
-
-        Returns
-        -------
-        qdd : ndarray, shape (..., n)
-            Of all joints (rad/s^2 or m/s^2).
-        acceleration : ndarray, shape (..., 6)
-            [angular acceleration; acceleration of the platform's origin] in the base.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            As for :meth:`rates`.
-        """
-        joints, speeds = self._all_joints("q", q), self._all_joints("qd", qd)
-        given = as_finite("actuated_accelerations", actuated_accelerations, (self.dof,))
-        return self.loops.accelerations(joints, speeds, given)
 
     def home(self) -> Array:
         """Give the posture to begin with: of those offered, the one furthest from singular.
@@ -492,7 +280,3 @@ class Mechanism:
         values = np.linalg.svd(twists, compute_uv=False)
         ratio: float = values[-1] / values[0]
         return ratio
-
-    def _all_joints(self, what: str, q: ArrayLike) -> Array:
-        array: Array = as_finite(what, q, (self.n,))
-        return array

@@ -11,16 +11,19 @@ from numpy.typing import NDArray
 
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.mechanism.limb import Limb, LimbBranches
+from robomech_ros.parallel.mechanism.loops import Loops
 from robomech_ros.parallel.mechanism.result import MechanismPostures
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["limb_postures"]
+__all__ = ["joints_of_mode", "limb_postures"]
 
 Array = NDArray[np.float64]
 
 # Rounding of positions at limits (rad or m).
 _WITHIN = 1e-9
 _TURN = 2.0 * math.pi
+# Positions of drives (rad, m) that are the same in several branches of a limb.
+_SAME = 1e-6
 # Postures that are given at most.
 _MOST = 4096
 
@@ -103,3 +106,23 @@ def _into_limits(limb: Limb, found: LimbBranches, near: Array | None) -> tuple[A
     q = np.where(q > chain.upper + _WITHIN, other, q)
     off = limb.limit_excess(q)
     return q, np.where(off <= _WITHIN, 0.0, off)
+
+
+def joints_of_mode(limbs: Sequence[Limb], loops: Loops, T: Array, drives: Array) -> Array:
+    """Give all joints (n,) for a pose (4, 4) and the drives (m,) that hold it; NaN of no branch."""
+    q = np.empty(len(loops.drives))
+    for limb, start in zip(limbs, loops.starts, strict=False):
+        own = slice(start, start + limb.chain.n)
+        index = loops.drives[own]
+        known = drives[index[index >= 0]]
+        rows = limb.branches(T, known).q
+        off = np.abs(rows[:, index >= 0] - known)
+        turns = limb.chain.types[index >= 0] != PRISMATIC
+        off = np.where(turns, np.abs(np.remainder(off + np.pi, _TURN) - np.pi), off)
+        away = off.max(axis=1, initial=0.0)
+        same = rows[away <= away.min(initial=np.inf) + _SAME]
+        # Of branches with the same drives, the one inside limits or next to them.
+        out = limb.limit_excess(same).max(axis=1, initial=0.0)
+        q[own] = same[np.argmin(out)] if len(same) else np.nan
+    q[loops.drives >= 0] = drives
+    return q

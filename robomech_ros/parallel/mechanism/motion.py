@@ -1,0 +1,223 @@
+"""Motions of closed loops: poses, rates and accelerations of all joints and of the platform."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.parallel.arguments import actuated as checked_drives
+from robomech_ros.parallel.mechanism.loops import Loops
+from robomech_ros.parallel.mechanism.result import ClosedPosture
+from robomech_ros.spatial.arrays import as_finite
+
+__all__ = ["LoopMotion"]
+
+Array = NDArray[np.float64]
+
+
+class LoopMotion:
+    """Where joints of closed loops are, and how they move.
+
+    Parameters
+    ----------
+    loops : Loops
+        The chains.
+    n, dof : int
+        Numbers of all joints and of drives.
+    """
+
+    def __init__(self, loops: Loops, n: int, dof: int) -> None:
+        self.loops, self.n, self.dof = loops, n, dof
+
+    def pose(self, q: ArrayLike) -> Array:
+        """Compute the pose of the platform, by the joints of the first limb.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., n)
+            All joints (rad or m).
+
+        Returns
+        -------
+        ndarray, shape (..., 4, 4)
+            ``T_base_platform`` (m).
+
+        Raises
+        ------
+        WrongSizeError, NonFiniteError
+            Not n finite numbers.
+        """
+        return np.ascontiguousarray(self.limb_poses(q)[..., 0, :, :])
+
+    def limb_poses(self, q: ArrayLike) -> Array:
+        """Compute where each limb holds the platform: the same pose where all loops are closed.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., n)
+            All joints (rad or m).
+
+        Returns
+        -------
+        ndarray, shape (..., limbs, 4, 4)
+            In the base (m).
+
+        Raises
+        ------
+        WrongSizeError, NonFiniteError
+            Not n finite numbers.
+        """
+        return self.loops.limb_poses(self._all_joints("q", q))
+
+    def loop_errors(self, q: ArrayLike) -> Array:
+        """Measure how far each limb holds the platform from where the first one does.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., n)
+            All joints (rad or m).
+
+        Returns
+        -------
+        ndarray, shape (..., limbs, 2)
+            Distance (m) and angle (rad); 0 for the first limb.
+
+        Raises
+        ------
+        WrongSizeError, NonFiniteError
+            Not n finite numbers.
+        """
+        poses = self.limb_poses(q)
+        away = poses - poses[..., :1, :, :]
+        distance = np.linalg.norm(away[..., :3, 3], axis=-1)
+        # Of a turn by an angle, the difference of the matrices has the norm 2 sqrt(2) sin(angle/2).
+        chord = np.linalg.norm(away[..., :3, :3], axis=(-2, -1)) / np.sqrt(8.0)
+        return np.stack((distance, 2.0 * np.arcsin(np.minimum(chord, 1.0))), axis=-1)
+
+    def close(self, actuated: ArrayLike, near: ArrayLike) -> ClosedPosture:
+        """Find all joints for positions of the drives, in the assembly mode of a posture near by.
+
+        The drives go from where they are to the given positions on a straight way, in steps
+        after which Newton's iteration contracts as Kantorovich's theorem asks for; the bound
+        itself is estimated, not proved.
+
+        Parameters
+        ----------
+        actuated : array_like, shape (m,)
+            Of the drives (rad or m).
+        near : array_like, shape (n,)
+            All joints (rad or m), loops closed or nearly.
+
+        Returns
+        -------
+        ClosedPosture
+
+        Raises
+        ------
+        WrongSizeError, NonFiniteError
+            Not m and n finite numbers.
+        """
+        target = checked_drives("actuated", actuated, self.dof)
+        return self.loops.close(target, checked_drives("near", near, self.n))
+
+    def rates(self, q: ArrayLike, actuated_rates: ArrayLike) -> tuple[Array, Array]:
+        """Compute the rates of all joints, and the twist of the platform, for rates of the drives.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., n)
+            All joints (rad or m), loops closed.
+        actuated_rates : array_like, shape (..., m)
+            Of the drives (rad/s or m/s).
+
+        Returns
+        -------
+        qd : ndarray, shape (..., n)
+            Of all joints (rad/s or m/s).
+        twist : ndarray, shape (..., 6)
+            [angular velocity; velocity of the platform's origin] in the base (rad/s, m/s).
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not numbers of joints and drives, or a posture in which the drives do not determine
+            the motion.
+        """
+        given = as_finite("actuated_rates", actuated_rates, (self.dof,))
+        qd, twist = self.loops.rates(self._all_joints("q", q), given[..., None])
+        return qd[..., 0], twist[..., 0]
+
+    def complement(self, q: ArrayLike) -> Array:
+        """Compute the natural orthogonal complement of the loops: ``qd = N qd_actuated``.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., n)
+            All joints (rad or m), loops closed.
+
+        Returns
+        -------
+        ndarray, shape (..., n, m)
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            As for :meth:`rates`.
+
+        References
+        ----------
+        Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 12.2.
+        """
+        return self.loops.rates(self._all_joints("q", q), np.eye(self.dof))[0]
+
+    def twist_matrix(self, q: ArrayLike) -> Array:
+        """Compute the twist of the platform for rates of the drives, as a matrix.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., n)
+            All joints (rad or m), loops closed.
+
+        Returns
+        -------
+        ndarray, shape (..., 6, m)
+            Angular rows first, in the base.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            As for :meth:`rates`.
+        """
+        return self.loops.rates(self._all_joints("q", q), np.eye(self.dof))[1]
+
+    def accelerations(
+        self, q: ArrayLike, qd: ArrayLike, actuated_accelerations: ArrayLike
+    ) -> tuple[Array, Array]:
+        """Compute accelerations of all joints and of the platform, for those of the drives.
+
+        Parameters
+        ----------
+        q, qd : array_like, shape (..., n)
+            All joints, loops closed, and their rates from :meth:`rates` (rad or m, and per s).
+        actuated_accelerations : array_like, shape (..., m)
+            Of the drives (rad/s^2 or m/s^2).
+
+        Returns
+        -------
+        qdd : ndarray, shape (..., n)
+            Of all joints (rad/s^2 or m/s^2).
+        acceleration : ndarray, shape (..., 6)
+            [angular acceleration; acceleration of the platform's origin] in the base.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            As for :meth:`rates`.
+        """
+        joints, speeds = self._all_joints("q", q), self._all_joints("qd", qd)
+        given = as_finite("actuated_accelerations", actuated_accelerations, (self.dof,))
+        return self.loops.accelerations(joints, speeds, given)
+
+    def _all_joints(self, what: str, q: ArrayLike) -> Array:
+        array: Array = as_finite(what, q, (self.n,))
+        return array
