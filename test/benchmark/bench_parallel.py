@@ -29,6 +29,8 @@ ALL_POSES = {"general": 600.0, "hexapod": 540.0, "planar": 700.0, "6-3": 430.0, 
 FORTY = [1.0, 0.645275, 1.086284, 1.503439, 1.281933, 0.771071]
 FORTY_LIMIT, KERNEL_LIMIT = 530.0, 2.0
 INVERSE_LIMIT = 20.0
+# What a controller of 500 Hz can spend on one of them, in a tenth of its period.
+CYCLE_LIMIT = 200.0
 REQUESTS, CALLS = 20, 100
 
 
@@ -38,7 +40,7 @@ def rows() -> list[Row]:
     forty = load_parallel("dietmaier")
     what = "all 40 poses of Dietmaier's platform"
     found.append(_row(what, lambda: forty.direct(FORTY), 1, FORTY_LIMIT))
-    return [*found, *_followed(), *_small(), *_kernels(), *_dynamics()]
+    return [*found, *_followed(), *_small(), *_kernels(), *_loops(), *_dynamics()]
 
 
 def _row(what: str, call: Callable[[], object], units: int, limit: float | None = None) -> Row:
@@ -106,6 +108,22 @@ def _kernels() -> list[Row]:
              CALLS, KERNEL_LIMIT),
         _row("kernel: Delta, all angles of a place", both, CALLS, KERNEL_LIMIT),
         _row("kernel: Delta, both places of three angles", modes, CALLS, KERNEL_LIMIT),
+    ]  # fmt: skip
+
+
+def _loops() -> list[Row]:
+    """All 36 joints of a hexapod in one cycle of a controller."""
+    mechanism = load_parallel("hexapod").mechanism
+    q = mechanism.home()
+    drives, speeds = q[mechanism.drive_index] + 1e-3, np.linspace(0.1, 0.2, 6)
+    qd, _ = mechanism.rates(q, speeds)
+    assert mechanism.close(drives, q).status == 0
+    return [
+        _row("hexapod: all joints for drives moved by 1 mm",
+             lambda: mechanism.close(drives, q), 1, CYCLE_LIMIT),
+        _row("hexapod: rates of all joints", lambda: mechanism.rates(q, speeds), 1, CYCLE_LIMIT),
+        _row("hexapod: accelerations of all joints",
+             lambda: mechanism.accelerations(q, qd, speeds), 1, CYCLE_LIMIT),
     ]  # fmt: skip
 
 

@@ -1,0 +1,63 @@
+"""The assembly mode that is kept, against the one that is proved, and the one that is lost."""
+
+import numpy as np
+
+from robomech_ros.outcomes import Code
+from robomech_ros.parallel import load_parallel
+
+
+def test_closing_keeps_the_mode_that_following_proves():
+    """Squared lengths and lengths move on different ways: moves are small enough for both."""
+    rng = np.random.default_rng(9)
+    kept = 0
+    for name in ("hexapod", "dietmaier", "sgp_6_3"):
+        robot = load_parallel(name)
+        mechanism = robot.mechanism
+        q = mechanism.home()
+        T, drives = mechanism.pose(q), q[mechanism.drive_index]
+        for _ in range(40):
+            given = drives * (1.0 + 0.08 * rng.uniform(-1.0, 1.0, 6))
+            proved = robot.follow(given, T)
+            closed = mechanism.close(given, q)
+            if proved.certified and closed.status == Code.NONE:
+                assert np.abs(mechanism.pose(closed.q) - proved.pose).max() <= 1e-9
+                kept += 1
+    assert kept >= 60
+
+
+def test_a_singularity_in_the_way_is_found_and_nothing_jumps_over_it():
+    """Arms of a planar robot that are pulled apart until a limb is stretched."""
+    mechanism = load_parallel("planar_3rrr").mechanism
+    rng = np.random.default_rng(3)
+    q = mechanism.home()
+    lost = 0
+    for _ in range(40):
+        given = q[mechanism.drive_index] + rng.uniform(-2.0, 2.0, 3)
+        closed = mechanism.close(given, q)
+        assert mechanism.loop_errors(closed.q).max() <= 1e-12
+        if closed.status == Code.NONE:
+            assert closed.part == 1.0
+            continue
+        lost += 1
+        assert closed.status == Code.SINGULAR
+        assert 0.0 <= closed.part < 1.0
+        assert "assembly modes meet" in closed.reason
+        # As far as it went, the drives are on their way.
+        way = given - q[mechanism.drive_index]
+        gone = closed.q[mechanism.drive_index] - q[mechanism.drive_index]
+        assert np.abs(gone - closed.part * way).max() <= 1e-9
+        # Just before a singularity the twists of the drives are great.
+        values = np.linalg.svd(mechanism.twist_matrix(closed.q), compute_uv=False)
+        assert values[0] > 10.0 * np.linalg.svd(mechanism.twist_matrix(q), compute_uv=False)[0]
+    assert lost >= 3
+
+
+def test_open_loops_that_do_not_close_are_said():
+    mechanism = load_parallel("hexapod").mechanism
+    q = mechanism.home()
+    torn = q.copy()
+    torn[mechanism.joint_names.index("leg1_base_x")] += 2.5
+    closed = mechanism.close(q[mechanism.drive_index], torn)
+    assert closed.status == Code.NOT_CONVERGED
+    assert "loops of the posture given are open" in closed.reason
+    assert np.array_equal(closed.q, torn)
