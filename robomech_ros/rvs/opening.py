@@ -6,7 +6,7 @@ import os
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.parallel import Mechanism, ParallelRobot, load_described, load_parallel
@@ -120,27 +120,36 @@ def page_of(
 
 
 def live_page_of(
-    description: RobotDescription, chain: SerialChain, robot: LiveRobot, *, port: int, host: str
+    description: RobotDescription,
+    moved: SerialChain | ParallelRobot | Mechanism,
+    robot: LiveRobot,
+    *,
+    port: int,
+    host: str,
 ) -> RobotPage:
     """Serve the page of a robot that runs; parameters and errors are those of :func:`view`.
 
     Parameters
     ----------
     description : RobotDescription
-    chain : SerialChain
-        The arm of it that is commanded.
+    moved : SerialChain, StewartGough, Delta, ... or Mechanism
+        The arm of it that is commanded; or the whole of it, if it is parallel.
     robot : LiveRobot
         Carries out what the page asks for, and tells it how the robot is.
     port, host : int, str
     """
     require_viser()
-    from robomech_ros.rvs.layers import LAYERS
+    from robomech_ros.rvs.layers import LAYERS, PLATFORM_LAYERS
     from robomech_ros.rvs.layers.live import LiveLayer
+    from robomech_ros.rvs.model.platform import SeenPlatform
     from robomech_ros.rvs.page.layer import LayerMaker
     from robomech_ros.rvs.page.page import RobotPage
 
-    layers: list[LayerMaker] = [partial(LiveLayer, robot=robot), *LAYERS]
-    return RobotPage(description, chain, port=port, host=host, layers=layers, fixed=True)
+    live: LayerMaker = partial(LiveLayer, robot=robot)
+    where: dict[str, Any] = {"port": port, "host": host, "fixed": True}
+    if isinstance(moved, SerialChain):
+        return RobotPage(description, moved, layers=[live, *LAYERS], **where)
+    return RobotPage(description, SeenPlatform(moved), layers=[live, *PLATFORM_LAYERS], **where)
 
 
 def write_motion(

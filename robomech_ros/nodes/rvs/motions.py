@@ -1,7 +1,7 @@
 """Has motions planned, executed and stopped, as any client would."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,6 @@ from robomech_ros.nodes.rvs.requests import Requests
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.rvs.stopping import Stopping
 from robomech_ros.outcomes import name_of
-from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.live_robot import LiveView
 
 __all__ = ["Motions"]
@@ -49,19 +48,19 @@ class Motions:
     ----------
     node : Node
         Owner of the clients.
-    chain : SerialChain
-        What moves.
+    names : sequence of str
+        The joints that move.
     settings : RvsSettings
         Whom to call.
     view : LiveView
     """
 
     def __init__(
-        self, node: Node, chain: SerialChain, settings: RvsSettings, view: LiveView
+        self, node: Node, names: Sequence[str], settings: RvsSettings, view: LiveView
     ) -> None:
         self._node, self._view, self._publisher = node, view, settings.publisher
         self._plans = f"{settings.planner}/planned_trajectory"
-        self._names = chain.joint_names
+        self._names = tuple(names)
         planner, publisher, controller = settings.planner, settings.publisher, settings.controller
         self._planner = ask(node, PlanJoint, f"{planner}/plan_joint")
         self._executor = ask(node, Execute, f"{publisher}/execute")

@@ -27,19 +27,20 @@ class RvsNode(Node):
         super().__init__("rvs", **options)
         require_viser()
         self._settings = NodeParameters(self, RvsSettings).settings
-        when_robot_known(self, self._settings, self._serve)
+        when_robot_known(self, self._settings, self._serve, parallel=True)
 
     def _serve(self, model: RobotModel) -> None:
         settings = self._settings
         robot = RunningRobot(self, model, settings)
-        described = model.description, model.chain
+        described = model.description, model.robot or model.chain
         self._page = live_page_of(*described, robot, port=settings.port, host=settings.host)
         self._robot = robot
         StatusReport(self, "view", model.chain.name, self._condition)
         self.create_timer(_LOOK, robot.look)
         # Not logged: the log goes to a topic that everybody reads, and the address has the token.
         print(f"{self.get_fully_qualified_name()}: open {self._page.url}", flush=True)
-        self.get_logger().info(f"ready: {model.chain.name}, {model.chain.n} joints")
+        joints = len(model.commanded.joint_names)
+        self.get_logger().info(f"ready: {model.chain.name}, {joints} joints")
 
     @property
     def url(self) -> str:

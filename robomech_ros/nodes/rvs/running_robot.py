@@ -52,11 +52,12 @@ class RunningRobot:
         """Tell this page, from now on."""
         node, model, settings = self._node, self._model, self._settings
         self._view = view
-        self._motions = Motions(node, model.chain, settings, view)
+        self._motions = Motions(node, model.commanded.joint_names, settings, view)
         self._feed = feed = StateFeed(node, model, settings, view)
         self._jogger = Jogger(node, model, settings, lambda: feed.servo_is_silent, view.show_jog)
-        topic = f"{settings.planner}/planned_trajectory"
-        node.create_subscription(JointTrajectory, topic, self._take_plan, _PLANS)
+        if model.mechanism is None:
+            topic = f"{settings.planner}/planned_trajectory"
+            node.create_subscription(JointTrajectory, topic, self._take_plan, _PLANS)
 
     @property
     def condition(self) -> str:

@@ -44,7 +44,9 @@ class StateFeed:
         self, node: Node, model: RobotModel, settings: RvsSettings, view: LiveView
     ) -> None:
         self._view, self._settings, self._logger = view, settings, node.get_logger()
-        self._chain, self._joints = model.chain.joint_names, model.joint_names
+        # Of a parallel robot it takes all joints to say where it is.
+        moved = model.chain if model.mechanism is None else model.mechanism
+        self._chain, self._joints = moved.joint_names, model.joint_names
         self._monitor = JointStateMonitor(node)
         self._topic = node.resolve_topic_name("joint_states")
         self._inbox = Inbox(node, ServoStatus, f"{settings.servo}/status", _DEPTH, lambda: None)

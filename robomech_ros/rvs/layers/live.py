@@ -39,10 +39,10 @@ class LiveLayer:
         self._nodes, self._goal_nodes = place.separate()
         self._goal_nodes.show(False)
         self._markers = MarkerNodes(place.server.scene, self._nodes.path)
-        self._goal = FollowingGoal(place.arm.q)
+        self._goal = FollowingGoal(place.moved.q)
         # Whether ghosts and gizmo are to be hidden: the robot has left where they are.
         self._behind = False
-        self._names = place.chain.joint_names
+        self._names = place.moved.state_joints
         self._seen, self._clients = threading.Event(), set[int]()
         self._speaking = threading.Lock()
         self._lines = dict.fromkeys(("state", "servo", "jog", "result", "dropped"), "")
@@ -69,14 +69,14 @@ class LiveLayer:
 
     def show(self) -> None:
         """Show the goal where it is not the robot."""
-        self._goal.put(self._place.arm.q)
+        self._goal.put(self._place.moved.q)
         self._goal_nodes.show(self._goal.is_apart)
 
     def controls(self, client: Any) -> LiveControls:
         """Give the browser that commands its controls."""
         self._controls = LiveControls(
             client,
-            self._place.chain,
+            self._place.jogged,
             self._robot,
             self,
             waiting=self._waiting,
@@ -114,7 +114,7 @@ class LiveLayer:
                 elif controls is None or controls.gone:
                     dropped = "another browser has taken command"
                 else:
-                    way(self._place.arm.q.copy())
+                    way(self._place.moved.values.copy())
             if dropped:
                 self._say("dropped", f"{refusal}: {dropped}.")
 
@@ -138,9 +138,8 @@ class LiveLayer:
         """Put the goal where the robot is, at the limits where that is outside."""
         q = self._goal.followed()
         if q is not None:
-            chain = self._place.chain
-            self._place.arm.move_to(np.clip(q, chain.lower, chain.upper))
-            self._goal.put(self._place.arm.q, followed=True)
+            self._place.moved.follow(q)
+            self._goal.put(self._place.moved.q, followed=True)
 
     async def _came(self, client: Any) -> None:
         self._clients.add(client.client_id)

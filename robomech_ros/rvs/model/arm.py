@@ -83,6 +83,15 @@ class SeenArm:
         return self.chain.units
 
     @property
+    def state_joints(self) -> tuple[str, ...]:
+        """The joints of a posture."""
+        return self.chain.joint_names
+
+    def follow(self, q: Array) -> None:
+        """Be where a robot is (rad or m), at the limits where that is outside."""
+        self.move_to(np.clip(q, self.chain.lower, self.chain.upper))
+
+    @property
     def values(self) -> Array:
         """Positions of the joints (rad or m)."""
         return self._q

@@ -46,6 +46,13 @@ class Moved(Protocol):
         """Of these joints."""
 
     @property
+    def state_joints(self) -> tuple[str, ...]:
+        """The joints of a posture."""
+
+    def follow(self, q: Array) -> None:
+        """Be where a robot is, all joints (rad or m)."""
+
+    @property
     def values(self) -> Array:
         """Where these joints are (rad or m)."""
 

@@ -106,6 +106,15 @@ class SeenPlatform:
         return tuple(self.mechanism.units[k] for k in self.mechanism.drive_index)
 
     @property
+    def state_joints(self) -> tuple[str, ...]:
+        """The joints of a posture."""
+        return self.mechanism.joint_names
+
+    def follow(self, q: Array) -> None:
+        """Be where a robot is (rad or m)."""
+        self._go(q)
+
+    @property
     def values(self) -> Array:
         """Positions of the drives (rad or m)."""
         return np.asarray(self._q[self.mechanism.drive_index])

@@ -116,6 +116,11 @@ class Place:
         return self.moved
 
     @property
+    def jogged(self) -> SerialChain | None:
+        """The arm that can be jogged; None of a parallel robot."""
+        return self.moved.chain if isinstance(self.moved, SeenArm) else None
+
+    @property
     def platform(self) -> SeenPlatform:
         """What is moved, of the page of a parallel robot."""
         if not isinstance(self.moved, SeenPlatform):

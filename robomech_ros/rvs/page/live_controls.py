@@ -50,8 +50,8 @@ class LiveControls:
     ----------
     client : viser.ClientHandle
         The browser.
-    chain : SerialChain
-        The arm.
+    chain : SerialChain or None
+        The arm that is jogged, if there is one.
     robot : LiveRobot
     commands : LiveCommands
     waiting : bool
@@ -63,21 +63,23 @@ class LiveControls:
     def __init__(
         self,
         client: Any,
-        chain: SerialChain,
+        chain: SerialChain | None,
         robot: LiveRobot,
         commands: LiveCommands,
         *,
         waiting: bool,
         markers: bool,
     ) -> None:
-        self._robot, self._commands, self._joints = robot, commands, chain.n
+        self._robot, self._commands = robot, commands
         self.client_id = client.client_id
         self._handles: list[Any] = []
         # Whether the browser commands no more; changed while nothing is jogged.
         self.gone, self._jogging = False, threading.Lock()
         gui = client.gui
         self._add_goal(gui)
-        self._add_jog(gui, chain)
+        if chain is not None:
+            self._joints = chain.n
+            self._add_jog(gui, chain)
         folder = gui.add_folder("ROS", order=50, expand_by_default=False)
         self._handles.append(folder)
         with folder:
@@ -97,7 +99,7 @@ class LiveControls:
 
     def _add_goal(self, gui: Any) -> None:
         hint = (
-            "Plan a motion from the robot to the goal, the orange arm; plan and execute it; put "
+            "Plan a motion from the robot to the goal, the orange robot; plan and execute it; put "
             "the goal where the robot is"
         )
         group = gui.add_button_group(GOAL, (PLAN, EXECUTE, TO_ROBOT), hint=hint, order=-0.1)
