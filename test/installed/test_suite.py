@@ -450,7 +450,7 @@ def test_demo_of_a_robot_from_a_path(suite, tmp_path, repository):
 @pytest.mark.parametrize(("robot", "driven"), [("hexapod", "6 of them"), ("delta", "3 of them")])
 def test_demo_of_a_parallel_robot(suite, tmp_path, robot, driven):
     """Picked, lifted over and placed, and a circle; arrival is checked after every motion."""
-    options = ["--robot", robot, "--output", str(tmp_path)]
+    options = ["--robot", robot, "--output", str(tmp_path / "out")]
     done = suite.run("robomech", "demo", *options, timeout=180)
     assert done.returncode == 0, done.stderr
     assert f"{driven} driven" in done.stdout
@@ -458,7 +458,8 @@ def test_demo_of_a_parallel_robot(suite, tmp_path, robot, driven):
     for motion in ("pick", "place", circle):
         assert f"{motion}: the tip is off by" in done.stdout
     assert "everything worked" in done.stdout
-    assert sorted(path.name for path in tmp_path.iterdir()) == [f"{robot}.html", f"{robot}.png"]
+    written = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert written == [f"{robot}.html", f"{robot}.png"]
     refused = suite.run("robomech", "demo", *options, "--dynamic")
     assert refused.returncode == 1
     assert f"'{robot}' is a parallel robot" in refused.stderr
