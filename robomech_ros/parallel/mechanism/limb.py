@@ -117,8 +117,10 @@ class Limb:
             one, two = q[..., k], q[..., k + 1]
             across = np.hypot(np.sin(one) * np.cos(two), np.sin(two))
             bend = np.arctan2(across, np.cos(one) * np.cos(two))
-            # Inside the cone both joints are inside their limits, which hold it.
-            excess[..., k], excess[..., k + 1] = np.maximum(bend - angle, 0.0), 0.0
+            # Limits of both joints are those of the cone; beyond a right angle, the second one has
+            # turned over, and bends the same way with the first one at half a turn.
+            excess[..., k] = np.maximum(bend - angle, 0.0)
+            excess[..., k + 1] = np.maximum(np.abs(two) - 0.5 * np.pi, 0.0)
         return np.asarray(excess)
 
     def branches(self, T: Array, drives: Array | None = None) -> LimbBranches:

@@ -79,3 +79,12 @@ def test_cones_of_a_document_bound_what_bends_not_each_joint():
     excess = mechanism.limit_excess(q)
     assert excess[x] == pytest.approx(bend - 0.8, abs=1e-12)
     assert np.count_nonzero(excess) == 1
+
+
+def test_a_joint_that_has_turned_over_is_outside_its_limits():
+    mechanism = load_parallel("linapod")
+    assert len(mechanism.postures(mechanism.pose(mechanism.home()))) == 1
+    x = mechanism.joint_names.index("leg2_foot_x")
+    q = mechanism.home()
+    q[x], q[x + 1] = np.pi, np.pi
+    assert mechanism.limit_excess(q)[x + 1] == pytest.approx(np.pi / 2)
