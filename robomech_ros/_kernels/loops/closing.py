@@ -3,6 +3,8 @@
 Newton's steps move all joints and the platform at once.  By Kantorovich's theorem the first step of
 an equation that has one solution near is followed by one of less than a quarter of its size (h at
 most 1/2); where it is not, the way of the drives is divided, down to nothing at a singularity.
+That is seen in one direction only, so that steps of more than a tenth of a radian are divided, too:
+long ones jumped over singularities into other modes.
 """
 
 import numpy as np
@@ -14,9 +16,11 @@ from robomech_ros._kernels.loops.factors import REGULAR, SINGULAR, factors, loop
 __all__ = ["close"]
 
 _CONTRACTION = 0.25
+# Longest first step of a joint (rad; of the size).
+_LONGEST = 0.1
 # A step that changes nothing any more, and errors of loops that are closed (rad; of the size).
 _SETTLED, _CLOSED = 1e-13, 1e-12
-_ITERATIONS, _STEPS = 12, 400
+_ITERATIONS, _STEPS = 12, 1000
 # Least part of the way, after which a singularity is in it.
 _LEAST = 1e-5
 
@@ -36,7 +40,8 @@ def _newton(packed, starts, drives, scale, weights, trial, rates, J, T, R, Q, A,
         size = 0.0
         for j in range(trial.size):
             size = max(size, abs(qd[j, 0]) * weights[j])
-        if not (turn == 0 or size <= max(_SETTLED, _CONTRACTION * before)):
+        longest = _LONGEST if turn == 0 else max(_SETTLED, _CONTRACTION * before)
+        if not size <= longest:
             return SINGULAR
         for j in range(trial.size):
             trial[j] += qd[j, 0]
@@ -83,7 +88,8 @@ def close(packed, starts, drives, scale, weights, target, q, report):
             left -= step * left
             if step == 1.0:
                 break
-            step = min(1.0, 4.0 * step)
+            # Of what is left, so that the same way again is a greater part of it.
+            step = min(1.0, 2.0 * step / (1.0 - step))
         else:
             step *= 0.25
             if step * left < _LEAST:
@@ -93,4 +99,4 @@ def close(packed, starts, drives, scale, weights, target, q, report):
         s, e = starts[i], starts[i + 1]
         forward_body(packed[s + i : e + i + 1], q[s:e], T[i])
     report[1] = loop_errors(T, scale, D)
-    return status if left > 0.0 else REGULAR
+    return SINGULAR if left > 0.0 else REGULAR

@@ -1,6 +1,7 @@
 """The assembly mode that is kept, against the one that is proved, and the one that is lost."""
 
 import numpy as np
+import pytest
 
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import load_parallel
@@ -50,6 +51,51 @@ def test_a_singularity_in_the_way_is_found_and_nothing_jumps_over_it():
         values = np.linalg.svd(mechanism.twist_matrix(closed.q), compute_uv=False)
         assert values[0] > 10.0 * np.linalg.svd(mechanism.twist_matrix(q), compute_uv=False)[0]
     assert lost >= 3
+
+
+@pytest.mark.parametrize("name", ["agile_eye", "delta", "hexapod"])
+def test_a_long_way_ends_in_the_mode_in_which_short_ones_end(name):
+    """One call for turns of up to 2 rad, or for half of the strokes, against 200 calls."""
+    rng = np.random.default_rng(5)
+    mechanism = load_parallel(name).mechanism
+    q = mechanism.home()
+    drives = q[mechanism.drive_index]
+    reach = 0.15 if name == "hexapod" else 2.0
+    for _ in range(60):
+        way = reach * rng.uniform(-1.0, 1.0, mechanism.dof)
+        closed = mechanism.close(drives + way, q)
+        if closed.status != Code.NONE:
+            continue
+        assert np.array_equal(closed.q[mechanism.drive_index], drives + way)
+        near = q
+        for part in np.linspace(0.0, 1.0, 201)[1:]:
+            short = mechanism.close(drives + part * way, near)
+            assert short.status == Code.NONE
+            near = short.q
+        np.testing.assert_allclose(mechanism.pose(closed.q), mechanism.pose(near), atol=1e-9)
+
+
+def test_lengths_do_not_jump_through_zero():
+    """At -1 times the lengths the loops close as well, but a singularity is in between."""
+    mechanism = load_parallel("hexapod").mechanism
+    q = mechanism.home()
+    for factor in (0.0, -0.5, -1.0, -1.2):
+        closed = mechanism.close(factor * q[mechanism.drive_index], q)
+        assert closed.status == Code.SINGULAR
+        assert mechanism.pose(closed.q)[2, 3] > 0.0
+        assert abs(closed.part * (1.0 - factor) - 0.1866) < 1e-3
+
+
+@pytest.mark.parametrize("far", [1e2, 1e4, 1e300])
+def test_drives_that_are_far_away_are_reached_or_refused(far):
+    for name in ("delta", "planar_3rpr", "agile_eye"):
+        mechanism = load_parallel(name).mechanism
+        q = mechanism.home()
+        given = q[mechanism.drive_index] + far
+        closed = mechanism.close(given, q)
+        assert mechanism.loop_errors(closed.q).max() <= 1e-12
+        if closed.status == Code.NONE:
+            assert np.array_equal(closed.q[mechanism.drive_index], given)
 
 
 def test_open_loops_that_do_not_close_are_said():
