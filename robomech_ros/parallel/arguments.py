@@ -81,8 +81,8 @@ def translation_only(T: ArrayLike) -> Array:
     pose = _single(T)
     off = float(np.abs(pose[:3, :3] - np.eye(3)).max())
     if off > _OFF:
-        what = "rotation of the pose, which differs from none by"
-        raise BadValueError(what, off, "a translation: the platform does not turn")
+        why = "0 rad: the platform only translates"
+        raise BadValueError("turn of the pose", _turn(pose), why)
     return np.ascontiguousarray(pose[:3, 3])
 
 
@@ -93,8 +93,8 @@ def planar_pose(T: ArrayLike) -> Array:
     pose = _single(T)
     off = max(float(np.abs(pose[2, :2]).max()), abs(float(pose[2, 3])))
     if off > _OFF:
-        what = "pose, which leaves the plane by"
-        raise BadValueError(what, off, "a turn about z and a position with z = 0")
+        why = "0: the platform moves in that plane and turns about z"
+        raise BadValueError("distance of the pose from the plane z = 0", off, why)
     return np.array([pose[0, 3], pose[1, 3], np.arctan2(pose[1, 0], pose[0, 0])])
 
 
@@ -105,7 +105,7 @@ def rotation_only(T: ArrayLike) -> Array:
     pose = _single(T)
     off = float(np.abs(pose[:3, 3]).max())
     if off > _OFF:
-        raise BadValueError("position of the pose", off, "0 0 0: the platform only turns")
+        raise BadValueError("distance of the pose", off, "0 m: the platform only turns")
     return np.ascontiguousarray(pose[:3, :3])
 
 
@@ -128,6 +128,12 @@ def _single(T: ArrayLike) -> Array:
     if pose.shape != (4, 4):
         raise WrongSizeError("pose", pose.shape, (4, 4))
     return pose
+
+
+def _turn(pose: Array) -> float:
+    """Give the angle of a pose's rotation (rad)."""
+    chord = np.linalg.norm(pose[:3, :3] - np.eye(3)) / np.sqrt(8.0)
+    return round(float(2.0 * np.arcsin(min(chord, 1.0))), 9)
 
 
 def pose_about_z(planar: Array) -> Array:

@@ -149,12 +149,6 @@ class Planar3RPR(_Planar):
         """
         return np.asarray(np.linalg.norm(self._corners(T) - self.base_points, axis=1))
 
-    def lengths_at(self, poses: Array) -> Array:
-        """Give the leg lengths (k, 3) of poses (k, 4, 4) in the plane that need no check."""
-        corners = self.platform_points @ np.swapaxes(poses[:, :2, :2], 1, 2)
-        away = corners + poses[:, None, :2, 3] - self.base_points
-        return np.asarray(np.linalg.norm(away, axis=2))
-
     def direct(self, lengths: ArrayLike, seed: ArrayLike | None = None) -> DirectKinematicsResult:
         """Find all poses that leg lengths allow: up to six.
 

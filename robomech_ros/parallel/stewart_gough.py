@@ -159,14 +159,10 @@ class StewartGough:
             Not poses.
         """
         poses = platform_poses(T)
-        return self.lengths_at(poses.reshape(-1, 4, 4)).reshape(*poses.shape[:-2], 6)
-
-    def lengths_at(self, poses: Array) -> Array:
-        """Give the leg lengths (k, 6) of poses (k, 4, 4) that need no check."""
-        out = np.empty((len(poses), 6))
-        flat = np.ascontiguousarray(poses)
+        flat = np.ascontiguousarray(poses.reshape(-1, 4, 4))
+        out = np.empty((len(flat), 6))
         newton.leg_lengths(self.base_points, self.platform_points, flat, out)
-        return out
+        return out.reshape(*poses.shape[:-2], 6)
 
     def excess(self, lengths: ArrayLike) -> Array:
         """Say by how much leg lengths are outside the strokes.
@@ -209,10 +205,27 @@ class StewartGough:
         BadValueError, WrongSizeError, NonFiniteError
             Not poses.
         """
-        return np.maximum(self.cone_margins(platform_poses(T)), 0.0)
+        return np.maximum(self.cone_margins(T), 0.0)
 
-    def cone_margins(self, poses: Array) -> Array:
-        """Give the excess of cones (..., 2, 6) with its sign: negative inside, -pi without one."""
+    def cone_margins(self, T: ArrayLike) -> Array:
+        """Give the excess of cones with its sign.
+
+        Parameters
+        ----------
+        T : array_like, shape (..., 4, 4)
+            ``T_base_platform`` (m).
+
+        Returns
+        -------
+        ndarray, shape (..., 2, 6)
+            As :meth:`cone_excess`, but negative inside (rad), -pi without a cone.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not poses.
+        """
+        poses = platform_poses(T)
         R = poses[..., :3, :3]
         legs = poses[..., None, :3, 3] - self.base_points
         legs = legs + self.platform_points @ np.swapaxes(R, -1, -2)

@@ -158,7 +158,10 @@ def test_arguments_that_are_refused():
         (lambda: drive_rates(robot, T, [np.nan] * 6, q), "twist"),
         (lambda: platform_twist(robot, T, [1.0, 2.0], q), "rates has shape"),
         (lambda: drive_forces(robot, T, np.ones((2, 6)), q), "exerted_wrench has shape"),
-        (lambda: velocity_matrices(robot, np.diag([1.0, -1.0, -1.0, 1.0]), q), "motions by is 2"),
+        (
+            lambda: velocity_matrices(robot, np.diag([1.0, -1.0, -1.0, 1.0]), q),
+            "platform does not have is 2",
+        ),
         (lambda: velocity_matrices("hexapod", T), "expected one of StewartGough"),
         (lambda: velocity_matrices(load_parallel("hexapod"), [0, 0, 0.5]), r"\(\.\.\., 4, 4\)"),
     ):

@@ -130,11 +130,11 @@ def test_strokes_that_are_refused(strokes):
 def test_poses_that_a_robot_cannot_have():
     turned = np.eye(4)
     turned[:2, :2] = [[0.0, -1.0], [1.0, 0.0]]
-    with pytest.raises(BadValueError, match="the platform does not turn"):
+    with pytest.raises(BadValueError, match="the platform only translates"):
         load_parallel("delta").inverse(turned)
     lifted = np.eye(4)
     lifted[2, 3] = 0.1
-    with pytest.raises(BadValueError, match=r"leaves the plane by is 0\.1"):
+    with pytest.raises(BadValueError, match=r"from the plane z = 0 is 0\.1"):
         load_parallel("planar_3rpr").inverse(lifted)
     with pytest.raises(BadValueError, match="the platform only turns"):
         load_parallel("agile_eye").inverse(lifted)

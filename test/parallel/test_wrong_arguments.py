@@ -13,7 +13,10 @@ from robomech_ros.parallel import (
     Planar3RRR,
     Spherical3RRR,
     StewartGough,
+    follow_drives,
     load_parallel,
+    plan_drives,
+    platform_length,
 )
 
 VALUES = (
@@ -60,6 +63,13 @@ def calls():
     found |= with_options(hexapod.direct, lengths=lengths)
     found |= with_options(hexapod.follow, lengths=lengths, T=T)
     found |= {"jacobian": hexapod.jacobian, "excess": hexapod.excess, "lengths": hexapod.inverse}
+    found |= {"cone_excess": hexapod.cone_excess, "cone_margins": hexapod.cone_margins}
+    found["platform_length"] = platform_length
+    delta = load_parallel("delta").mechanism
+    home = delta.home()
+    way = home[delta.drive_index] + np.linspace(0.0, 0.1, 3)[:, None]
+    found |= with_options(follow_drives, mechanism=delta, drives=way, start=home)
+    found |= with_options(plan_drives, mechanism=delta, points=way, start=home)
     for name in ("delta", "planar_3rrr", "planar_3rpr", "agile_eye"):
         robot = load_parallel(name)
         found[f"{name}.inverse"] = robot.inverse

@@ -201,6 +201,8 @@ class PlatformServices:
     async def get_jacobian(self, request: Any, response: Any) -> Any:
         """Give the twist of any link that a limb carries, for rates of the drives."""
         chain = self._model.chain_to(request.tip_link)
+        if not chain.n:
+            raise BadValueError("tip_link", request.tip_link, "a link of a limb, which joints move")
         q, point, axes = await self._asked(request)
         names = self.mechanism.joint_names
         index = [names.index(name) for name in chain.joint_names]

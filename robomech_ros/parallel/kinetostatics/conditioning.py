@@ -77,7 +77,6 @@ def _scaled(robot: ParallelRobot, limbs: Legs | Arcs, length: float) -> ScaledMa
     return ScaledMatrices(K[..., list(motions)] * scale, J / limbs.lever, limbs.lever, length)
 
 
-@functools.lru_cache(maxsize=64)
 def platform_length(robot: ParallelRobot) -> float:
     r"""Find the characteristic length: with it the best conditioned pose is nearest to isotropic.
 
@@ -110,6 +109,12 @@ def platform_length(robot: ParallelRobot) -> float:
     >>> round(platform_length(load_parallel("hexapod")), 2)
     0.27
     """
+    motions_of(robot)
+    return _length_of(robot)
+
+
+@functools.lru_cache(maxsize=64)
+def _length_of(robot: ParallelRobot) -> float:
     motions = motions_of(robot)
     if min(motions) >= _ANGULAR or max(motions) < _ANGULAR:
         return 1.0

@@ -23,7 +23,16 @@ from robomech_ros.spatial.arrays import as_finite, real_array
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_axis_angle
 
-__all__ = ["Arcs", "Legs", "drive_values", "drives_of", "limbs_at", "motions_of", "poses_of"]
+__all__ = [
+    "Arcs",
+    "Legs",
+    "drive_values",
+    "drives_of",
+    "leg_lengths",
+    "limbs_at",
+    "motions_of",
+    "poses_of",
+]
 
 Array = NDArray[np.float64]
 
@@ -155,8 +164,8 @@ def poses_of(robot: ParallelRobot, T: ArrayLike) -> Array:
     kept = [k for k in range(6) if k not in motions]
     worst = float(np.abs(off[..., kept]).max(initial=0.0))
     if worst > _OFF:
-        why = "a pose of the kind that the platform can have"
-        raise BadValueError("pose, which leaves the platform's motions by", worst, why)
+        what = "motion in the pose that the platform does not have"
+        raise BadValueError(what, worst, "0 rad and m")
     return poses
 
 
@@ -217,6 +226,15 @@ def limbs_at(robot: ParallelRobot, poses: Array, q: Array | None) -> Legs | Arcs
     at = _AT[type(robot)]
     found: Legs | Arcs = at(robot, poses, q)
     return found
+
+
+def leg_lengths(robot: StewartGough | Planar3RPR, poses: Array) -> Array:
+    """Give the lengths (..., legs) of legs that extend, for poses (..., 4, 4) (m)."""
+    if isinstance(robot, StewartGough):
+        return robot.inverse(poses)
+    found = limbs_at(robot, poses, None)
+    assert isinstance(found, Legs)
+    return np.asarray(np.linalg.norm(found.legs, axis=-1))
 
 
 def _unit(vectors: Array) -> Array:

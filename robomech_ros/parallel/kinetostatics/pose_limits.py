@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.delta import Delta
-from robomech_ros.parallel.kinetostatics.limb_geometry import poses_of
+from robomech_ros.parallel.kinetostatics.limb_geometry import leg_lengths, poses_of
 from robomech_ros.parallel.kinetostatics.pose_samples import size_of
 from robomech_ros.parallel.library import ParallelRobot
 from robomech_ros.parallel.limbs import into_limits
@@ -124,7 +124,7 @@ def limits_at(robot: ParallelRobot, poses: Array, branches: str | None) -> PoseL
 
 
 def _of_legs(robot: StewartGough | Planar3RPR, poses: Array) -> PoseLimits:
-    lengths = robot.lengths_at(poses)
+    lengths = leg_lengths(robot, poses)
     count = lengths.shape[1]
     over, names = [], []
     if robot.strokes is not None:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
 from robomech_ros.parallel.arguments import pose_about_z
 from robomech_ros.parallel.delta import Delta
+from robomech_ros.parallel.kinetostatics.limb_geometry import leg_lengths
 from robomech_ros.parallel.library import ParallelRobot
 from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
 from robomech_ros.parallel.spherical import Spherical3RRR
@@ -81,7 +82,7 @@ def _on_legs(robot: StewartGough | Planar3RPR, count: int) -> tuple[Array, Array
     middle = robot.platform_points.mean(axis=0)
     n = len(middle)
     T[:, :n, 3] -= T[:, :n, :n] @ middle
-    lengths = robot.lengths_at(T)
+    lengths = leg_lengths(robot, T)
     inside = (lengths > 0.0).all(axis=1)
     if robot.strokes is not None:
         low, high = robot.strokes.T

@@ -249,9 +249,8 @@ def with_drive_limits(limbs: Sequence[Limb], limits: Mapping[str, Array]) -> lis
         for name in limb.chain.joint_names:
             index.append(drive if name in limb.actuated else -1)
             drive += name in limb.actuated
-        passive = np.array(index) < 0
         of_joints: dict[str, Any] = {
-            key: np.where(passive, np.nan, row[index]) for key, row in limits.items()
+            key: np.append(row, np.nan)[index] for key, row in limits.items()
         }
         found.append(replace(limb, chain=replace(chain, **of_joints)))
     return found

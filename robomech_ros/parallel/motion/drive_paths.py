@@ -95,13 +95,13 @@ def follow_drives(
     >>> found.q.shape, found.stop
     ((4, 15), None)
     """
+    first = require_closed(mechanism, start)
     way = as_finite("drives", drives, (mechanism.dof,))
     if way.ndim != 2:
         raise WrongSizeError("drives", way.shape, f"(k, {mechanism.dof})")
     most = real_number("condition", condition, "a number above 1")
     if not most > 1.0:
         raise BadValueError("condition", condition, "a number above 1")
-    first = require_closed(mechanism, start)
     rows, q, status, reason = np.empty((len(way), mechanism.n)), first, Code.NONE, ""
     reached = 0
     for point in way:
@@ -132,8 +132,10 @@ def require_closed(mechanism: Mechanism, q: ArrayLike, what: str = "start") -> A
     WrongSizeError, NonFiniteError
         Not n finite numbers.
     BadValueError
-        A loop is open: the limb and the amounts are named.
+        Not a mechanism, or a loop is open: the limb and the amounts are named.
     """
+    if not isinstance(mechanism, Mechanism):
+        raise BadValueError("mechanism", mechanism, "a Mechanism")
     posture = as_finite(what, q, (mechanism.n,))
     if posture.shape != (mechanism.n,):
         raise WrongSizeError(what, posture.shape, (mechanism.n,))

@@ -193,7 +193,7 @@ def plan_drives(
         As for `follow_drives`.
     **options
         As for `robomech_ros.trajectory.plans.fitting_plan.fitting_plan`: duration, scales, periods
-        and the like.
+        and the like; samples by default as `Sampling` says.
 
     Returns
     -------
@@ -213,6 +213,14 @@ def plan_drives(
     if places.ndim != 2 or len(places) < 2:
         raise WrongSizeError("points", places.shape, f"(k, {mechanism.dof}) with k at least 2")
     drives = allowed.only(mechanism.drive_index.tolist())
+    sampling = Sampling()
+    options = {
+        "wanted_period": 0.0,
+        "usual_period": sampling.period,
+        "max_points": sampling.max_points,
+        "max_duration": sampling.max_duration,
+        **options,
+    }
     slower, names = 1.0, ("velocity_scale", "acceleration_scale", "jerk_scale")
     scales = np.array([options.pop(name, 1.0) for name in names])
     for _ in range(_ROUNDS):

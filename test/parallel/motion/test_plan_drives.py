@@ -20,6 +20,15 @@ def planned(name, away, **options):
     return mechanism, plan_drives(mechanism, points, home, **options)
 
 
+def test_a_plan_needs_no_more_than_places_and_a_posture():
+    mechanism = load_parallel("delta").mechanism
+    home = mechanism.home()
+    here = home[mechanism.drive_index]
+    plan = plan_drives(mechanism, [here, here + AWAY["delta"]], home)
+    assert plan.way.stop is None
+    assert np.diff(plan.sampled.waypoints.times).max() <= 0.01 + 1e-12
+
+
 @pytest.mark.parametrize("name", AWAY)
 @pytest.mark.parametrize("profile", ["poly345", "ruckig", "time_optimal"])
 def test_all_joints_follow_the_drives(name, profile):
