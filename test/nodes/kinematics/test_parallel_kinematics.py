@@ -166,12 +166,20 @@ def test_requests_that_no_parallel_robot_can_serve(asked, name, fields, text):
     assert text in response.error_msg
 
 
+def test_the_base_has_no_jacobian(asked):
+    node = asked("delta")
+    response = node.ask(GetJacobian, "get_jacobian", tip_link="base_link")
+    assert response.error_code == ErrorCode.BAD_VALUE
+    assert "which joints move" in response.error_msg
+
+
 def test_a_delta_cannot_tilt(asked):
     node = asked("delta")
     T = node.mechanism.pose(node.home)
     T[:3, :3] = np.diag([1.0, -1.0, -1.0])
     response = node.ik(T)
     assert response.error_code == ErrorCode.BAD_VALUE
+    assert "turn of the pose is 3.14159265" in response.error_msg
     assert not response.solutions
 
 

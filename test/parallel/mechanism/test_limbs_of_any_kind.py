@@ -190,6 +190,7 @@ def test_limbs_may_be_given_without_any_document():
     ("drives", "said"),
     [
         ([["slide"]] * 5 + [[]], "number of drives is 5, expected 6"),
+        ([[]] * 6, "number of drives is 0, expected 6"),
         ([["slide", "foot_x"]] + [["slide"]] * 5, "number of drives is 7, expected 6"),
     ],
 )
