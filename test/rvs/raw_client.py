@@ -9,7 +9,7 @@ import numpy as np
 import viser
 from websockets.sync.client import connect
 
-PATIENCE = 60.0
+PATIENCE = 180.0
 
 
 class Client:
