@@ -20,6 +20,9 @@ ROW_SLACK = 1e-10
 
 # By how much a line may seem beyond another one, parallel to it, that it coincides with.
 _BESIDE = 1e-9
+# A row along the line of another one is parallel to it where no larger part of its coefficients is
+# left: rounding is less, and lines of the shortest cells that cross differ by more.
+_PARALLEL = 1e-14
 
 
 @inline
@@ -36,7 +39,7 @@ def _along(first, second, rest, order, rows, offset, slope, box):
             rise = first[i] + second[i] * slope
             value = rest[i] + second[i] * offset
             below, above = -1.0 - value, 1.0 - value
-            steep = abs(rise) > 1e-12 * (abs(first[i]) + abs(second[i]))
+            steep = abs(rise) > _PARALLEL * (abs(first[i]) + abs(second[i]))
         else:
             rise, value, steep = slope, offset, abs(slope) > 1e-12
             below, above = box[2] - offset, box[3] - offset

@@ -233,7 +233,8 @@ def _rows(
         a, b, c = (margin * powers for powers in torques.powers(nodes))
         time_rows.other_rows(a, b, c, spans, bends, start, first, second, rest)
         start += 7 * torques.count
-    return first, second, rest, owners + 1
+    # Without gravity, as on a horizontal plane, nothing drifts: every path can be passed slowly.
+    return first, second, rest if rest.any() else rest[:1], owners + 1
 
 
 def _impossible(limits: PathLimits, where: float) -> BadValueError:

@@ -8,6 +8,9 @@ whose first three terms are inverse dynamics at (q, 0, q'), (q, q', q'') and (q,
 is no function of the square of the speed; it is replaced by its tangent at the speeds of the motion
 before, and the motion found anew until it takes no more than the torques there are.
 
+Of a robot in which drives move other joints, q' and q'' are those of the drives, and inverse
+dynamics gives their torques at the postures of all joints along the path.
+
 References
 ----------
 J. E. Bobrow, S. Dubowsky and J. S. Gibson, "Time-optimal control of robotic manipulators along
@@ -17,29 +20,34 @@ J. Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.4 an
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from robomech_ros._kernels.timing import rows as time_rows
-from robomech_ros.errors import BadValueError, MissingLimitsError, NonFiniteError, WrongSizeError
+from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.curves.bounds import hull
+from robomech_ros.trajectory.curves.motion_to_rest import check_positions
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.timing.driven_path import (
+    DrivenPath,
+    DrivenRobot,
+    Dynamics,
+    Friction,
+)
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
 from robomech_ros.trajectory.timing.path_sections import checked_path
 from robomech_ros.trajectory.timing.path_timing import TimeOptimal, time_optimal
 from robomech_ros.trajectory.tolerances import PATH_STANDSTILL
 
-__all__ = ["Dynamics", "Friction", "torque_limited"]
-
-Dynamics = Callable[[FloatArray, FloatArray, FloatArray], npt.ArrayLike]
-Friction = Callable[[FloatArray], npt.ArrayLike]
+__all__ = ["torque_limited"]
 
 # The largest part of a torque limit that a sampled motion may take.
 _ACCURACY = 1e-6
@@ -65,7 +73,7 @@ _PLACES = np.array([1e-9, 0.25, 0.5, 0.75, 1.0 - 1e-9])
 def torque_limited(
     path: PiecewisePolynomial,
     limits: JointLimits | Any,
-    inverse_dynamics: Dynamics,
+    inverse_dynamics: Dynamics | DrivenRobot,
     *,
     effort: npt.ArrayLike | None = None,
     friction: Friction | None = None,
@@ -80,49 +88,57 @@ def torque_limited(
         n joints over the path coordinate s, as for :func:`time_optimal`.
     limits : JointLimits
         A chain model, `Limits`, or anything with the same attributes.  Velocity limits of every
-        joint are needed; acceleration limits count where there are any.
-    inverse_dynamics : callable
+        drive are needed; acceleration limits, and those of joints without a drive, count where
+        there are any.
+    inverse_dynamics : callable or DrivenRobot
         Of joint values, rates and accelerations, each of shape (m, n) (rad or m; per s, per s^2),
         the torques or forces, shape (m, n) (N m or N), quadratic in the rates: that of a rigid
         robot, such as ``functools.partial(robomech_ros.dynamics.inverse_dynamics, chain)``.
+        Of a robot with fewer drives than joints the system itself, such as ``ParallelDynamics``:
+        the path is that of all joints then, such as ``plan_platform(...).followed.joints.pieces``.
     effort : array_like, shape (n,), optional
-        Largest magnitudes of the torques or forces (N m or N), infinite or NaN for none; default
-        the effort limits of `limits`.
+        Largest magnitudes of the torques or forces (N m or N) of the drives, infinite or NaN for
+        none; default the effort limits of `limits`.
     friction : callable, optional
         Of joint rates, shape (m, n), the torques besides that friction takes, such as
-        ``functools.partial(robomech_ros.dynamics.friction_torque, chain)``.
+        ``functools.partial(robomech_ros.dynamics.friction_torque, chain)``.  With a system a
+        function of joint values and the rates of the drives, such as its ``friction``.
     path_speed, speed_limits
         As for :func:`time_optimal`.
 
     Returns
     -------
     TimeOptimal
-        Its samples take at most 1 + 1e-6 of the efforts.
+        Of the drives.  Its samples take at most 1 + 1e-6 of the efforts.
 
     Raises
     ------
     MissingLimitsError
-        No joint has an effort limit, or one lacks a velocity limit.
+        No drive has an effort limit, or a drive, or a joint with acceleration limits, lacks a
+        velocity limit.
     BadValueError, WrongSizeError, NonFiniteError
-        As for :func:`time_optimal`; or what a callable returns is no finite array of its shape.
+        As for :func:`time_optimal`; or what a callable returns is no finite array of its shape; or
+        a path on which loops are open, or a singular posture.
     """
     curve = checked_path(path)
     known = Limits.of(limits)
-    _check_callable("inverse_dynamics", inverse_dynamics)
-    if friction is not None:
-        _check_callable("friction", friction)
+    driven = DrivenPath(curve, inverse_dynamics, friction)
     if curve.joints != len(known.joint_names):
         raise WrongSizeError("joints of the path", curve.joints, len(known.joint_names))
-    known.require("velocity")
+    timed = _timed(known, driven.drives)
+    known.only(timed).require("velocity")
+    efforts = _efforts(limits, known, driven.drives, effort)
+    check_positions(curve, curve.coefficients[0, 0], known)
     if friction is not None:
-        curve = _at_reversals(curve)
-    model = _Model(curve, inverse_dynamics, friction, _efforts(limits, known, effort))
-    speed, allowed, excess = model.first_speed(known.velocity), 1.0, np.inf
+        driven = replace(driven, path=_at_reversals(curve))
+    model = _Model(driven, efforts, timed)
+    speed = model.first_speed(known.velocity[driven.drives])
+    known, allowed, excess = known.only(timed), 1.0, np.inf
     best: TimeOptimal | None = None
     lasted = np.inf
     for _ in range(_ROUNDS):
         found = time_optimal(
-            curve,
+            model.timed,
             known,
             path_speed=path_speed,
             speed_limits=speed_limits,
@@ -132,40 +148,56 @@ def torque_limited(
         settled = abs(lasted - found.duration) <= _SETTLED * found.duration
         if excess <= _ACCURACY:
             if best is not None and found.duration > best.duration * (1.0 - _WORTHWHILE):
-                return min(best, found, key=lambda motion: motion.duration)
+                return model.of_drives(min(best, found, key=lambda motion: motion.duration))
             best = found
             if friction is None:
-                return found
+                return model.of_drives(found)
         elif friction is None or (settled and excess > _SLOW * before):
             allowed /= 1.0 + excess
         speed, lasted = _speed_of(found), found.duration
     if best is None:
         expected = f"torques that {_ROUNDS} rounds bring within their limits"
         raise BadValueError("largest torque in parts of its limit", 1.0 + excess, expected)
-    return best
+    return model.of_drives(best)
+
+
+def _timed(known: Limits, drives: list[int]) -> list[int]:
+    """Which joints are timed: the drives, and others whose rates have limits."""
+    limited = np.isfinite(known.velocity) | np.isfinite(known.acceleration)
+    limited[drives] = True
+    return [int(k) for k in np.flatnonzero(limited)]
 
 
 @dataclass(frozen=True, eq=False)
 class _Model:
     """What a robot takes on a path, of those joints that have an effort limit."""
 
-    path: PiecewisePolynomial
-    inverse_dynamics: Dynamics
-    friction: Friction | None
+    driven: DrivenPath
     effort: FloatArray
+    joints: list[int]
+
+    @cached_property
+    def timed(self) -> PiecewisePolynomial:
+        """The path of the joints that are timed."""
+        return _columns(self.driven.path, self.joints)
+
+    def of_drives(self, motion: TimeOptimal) -> TimeOptimal:
+        """Leave out other joints that were timed, too."""
+        kept = [self.joints.index(k) for k in self.driven.drives]
+        return replace(motion, pieces=_columns(motion.pieces, kept))
 
     def limits(self, speed: _Speed, part: float) -> TorqueLimits:
         """Limits with friction's tangent at a speed, and the part of the efforts to use."""
         joints = np.isfinite(self.effort)
 
         def coefficients(s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-            at = self.path.sample(s)
-            rest = np.zeros_like(at.position)
-            c = self.torques(at.position, rest, rest)
-            a = self.torques(at.position, rest, at.velocity) - c
-            b = self.torques(at.position, at.velocity, at.acceleration) - c
-            if self.friction is not None:
-                value, slope = self.tangent(at.velocity, s, speed)
+            q, rates, rises = self.driven.on_path(s)
+            rest = np.zeros_like(rates)
+            c = self.driven.torques(q, rest, rest)
+            a = self.driven.torques(q, rest, rates) - c
+            b = self.driven.torques(q, rates, rises) - c
+            if self.driven.friction is not None:
+                value, slope = self.tangent(q, rates, s, speed)
                 b, c = b + slope, c + value
             return a[:, joints], b[:, joints], c[:, joints]
 
@@ -177,44 +209,65 @@ class _Model:
 
         A tangent at too high a speed would ask for torques that no slow motion takes.
         """
-        rates = np.abs(hull(self.path, 1)).max(axis=0)
+        drives = _columns(self.driven.path, self.driven.drives)
+        rates = np.abs(hull(drives, 1)).max(axis=0)
         slowest = (rates / velocity).max(axis=1)
         slowest = np.maximum(slowest, _SLOWEST * slowest.max()) if slowest.any() else slowest + 1.0
-        middles = 0.5 * (self.path.breaks[1:] + self.path.breaks[:-1])
+        middles = 0.5 * (self.timed.breaks[1:] + self.timed.breaks[:-1])
         speed = _FIRST_SPEED / slowest
-        for _ in range(_HALVINGS if self.friction is not None else 0):
+        if self.driven.friction is None:
+            return _Speed(middles, speed**2)
+        q = self.driven.on_path(middles)[0]
+        for _ in range(_HALVINGS):
             moving = rates * speed[:, None]
-            wet = np.abs(self.lost(moving)) - np.abs(self.lost(_SLOWEST * moving))
+            fast, slow = (self.driven.lost(q, part * moving) for part in (1.0, _SLOWEST))
+            wet = np.abs(fast) - np.abs(slow)
             if (wet <= _FIRST_FRICTION * self.effort).all():
                 break
             speed *= 0.5
         return _Speed(middles, speed**2)
 
-    def tangent(self, rates: FloatArray, s: FloatArray, speed: _Speed) -> tuple[FloatArray, ...]:
+    def tangent(
+        self, q: FloatArray, rates: FloatArray, s: FloatArray, speed: _Speed
+    ) -> tuple[FloatArray, ...]:
         """Friction as ``value + slope square`` of the square of the speed along the path."""
         now = np.maximum(speed(s), PATH_STANDSTILL)[:, None]
         least = np.maximum(now, _LEAST_SPEED * speed.highest)
-        more, less = (self.lost(rates * (least * (1.0 + d))) for d in (_DIFFERENCE, -_DIFFERENCE))
+        more, less = (
+            self.driven.lost(q, rates * (least * (1.0 + d))) for d in (_DIFFERENCE, -_DIFFERENCE)
+        )
         slope = (more - less) / (4.0 * _DIFFERENCE * least**2)
         # A tangent to friction that falls with the speed would call for a motion that runs away.
         slope = np.where(slope * rates > 0.0, slope, 0.0)
-        return self.lost(rates * now) - slope * now**2, slope
-
-    def torques(self, q: FloatArray, qd: FloatArray, qdd: FloatArray) -> FloatArray:
-        return _rows("torques of inverse_dynamics", self.inverse_dynamics(q, qd, qdd), q.shape)
-
-    def lost(self, qd: FloatArray) -> FloatArray:
-        assert self.friction is not None
-        return _rows("torques of friction", self.friction(qd), qd.shape)
+        return self.driven.lost(q, rates * now) - slope * now**2, slope
 
     def largest_part(self, motion: TimeOptimal) -> float:
         """Find the largest torque of a motion, in parts of its limit."""
         breaks = motion.pieces.breaks
-        at = motion.sample((breaks[:-1, None] + np.diff(breaks)[:, None] * _PLACES).ravel())
-        taken = self.torques(at.position, at.velocity, at.acceleration)
-        if self.friction is not None:
-            taken = taken + self.lost(at.velocity)
+        at = self.of_drives(motion).sample(
+            (breaks[:-1, None] + np.diff(breaks)[:, None] * _PLACES).ravel()
+        )
+        q = self.driven.posture(_coordinates(motion).ravel(), at.position)
+        taken = self.driven.torques(q, at.velocity, at.acceleration)
+        if self.driven.friction is not None:
+            taken = taken + self.driven.lost(q, at.velocity)
         return float((np.abs(taken) / self.effort).max())
+
+
+def _columns(curve: PiecewisePolynomial, joints: list[int]) -> PiecewisePolynomial:
+    if joints == list(range(curve.joints)):
+        return curve
+    return PiecewisePolynomial(curve.breaks, np.ascontiguousarray(curve.coefficients[:, :, joints]))
+
+
+def _coordinates(motion: TimeOptimal) -> FloatArray:
+    """Path coordinates at the places in each piece of a motion, shape (p, places)."""
+    begin, end = motion.speeds[:-1, None], motion.speeds[1:, None]
+    gone = begin * _PLACES + 0.5 * (end - begin) * _PLACES**2
+    places: FloatArray = (
+        motion.coordinates[:-1, None] + np.diff(motion.pieces.breaks)[:, None] * gone
+    )
+    return np.clip(places, motion.coordinates[0], motion.coordinates[-1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,31 +313,25 @@ def _at_reversals(curve: PiecewisePolynomial) -> PiecewisePolynomial:
     return PiecewisePolynomial(kept, np.ascontiguousarray(local.transpose(2, 0, 1)))
 
 
-def _efforts(limits: object, known: Limits, effort: npt.ArrayLike | None) -> FloatArray:
-    """Give the effort limits of the joints, infinite for none, shape (n,)."""
-    count = len(known.joint_names)
-    given = getattr(limits, "effort", None) if effort is None else effort
-    array = np.full(count, np.inf) if given is None else real_array("effort", given)
-    if array.shape != (count,):
-        raise WrongSizeError("effort", array.shape, (count,))
+def _efforts(
+    limits: object, known: Limits, drives: list[int], effort: npt.ArrayLike | None
+) -> FloatArray:
+    """Give the effort limits of the drives, infinite for none, shape (m,)."""
+    names, given = [known.joint_names[k] for k in drives], effort
+    if effort is None and (own := getattr(limits, "effort", None)) is not None:
+        given = _sized(own, len(known.joint_names))[drives]
+    array = np.full(len(names), np.inf) if given is None else _sized(given, len(names))
     values: FloatArray = np.where(np.isnan(array), np.inf, array)
-    for name, value in zip(known.joint_names, values.tolist(), strict=True):
+    for name, value in zip(names, values.tolist(), strict=True):
         if not value > 0.0:
             raise BadValueError(f"effort of joint '{name}'", value, "a positive number")
     if not np.isfinite(values).any():
-        raise MissingLimitsError("effort", known.joint_names)
+        raise MissingLimitsError("effort", names)
     return values
 
 
-def _check_callable(what: str, given: object) -> None:
-    if not callable(given) or isinstance(given, type):
-        raise BadValueError(what, given, "a function")
-
-
-def _rows(what: str, given: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
-    array = real_array(what, given)
-    if array.shape != shape:
-        raise WrongSizeError(what, array.shape, shape)
-    if not np.isfinite(array).all():
-        raise NonFiniteError(what, array)
+def _sized(effort: npt.ArrayLike, count: int) -> FloatArray:
+    array = real_array("effort", effort)
+    if array.shape != (count,):
+        raise WrongSizeError("effort", array.shape, (count,))
     return array

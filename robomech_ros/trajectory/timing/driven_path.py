@@ -1,0 +1,126 @@
+"""Paths of robots: which of the joints have drives, and what these exert there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import real_array
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["DrivenPath", "DrivenRobot", "Dynamics", "Friction"]
+
+Dynamics = Callable[[FloatArray, FloatArray, FloatArray], npt.ArrayLike]
+# Of the rates of all joints; or, of a `DrivenRobot`, of all joint values and the rates of drives.
+Friction = Callable[..., npt.ArrayLike]
+
+
+class DrivenRobot(Protocol):
+    """Bodies with n joints, of which m have drives that move all others.
+
+    Every ``robomech_ros.dynamics.DynamicSystem`` is one, such as ``ParallelDynamics``.
+    """
+
+    @property
+    def drives_at(self) -> npt.NDArray[np.int64]:
+        """Where the drives are among the joints, shape (m,)."""
+        ...
+
+    def checked_posture(self, q: FloatArray, what: str) -> FloatArray:
+        """Give joint values (n,) whose loops are closed, with the same drives, or raise."""
+        ...
+
+    def inverse(self, q: FloatArray, rates: FloatArray, accelerations: FloatArray) -> npt.ArrayLike:
+        """Compute the efforts of the drives (k, m) for joints (k, n) and motions of the drives."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenPath:
+    """A path of n joints, and what its m drives exert on it.
+
+    Attributes
+    ----------
+    path : PiecewisePolynomial
+        Of all joints (rad or m).
+    robot : DrivenRobot or callable
+        Whose drives these are; a callable is the inverse dynamics of a robot that has a drive at
+        every joint.
+    friction : callable, optional
+        As for `torque_limited`.
+    """
+
+    path: PiecewisePolynomial
+    robot: DrivenRobot | Dynamics
+    friction: Friction | None
+
+    def __post_init__(self) -> None:
+        if not _is_robot(self.robot):
+            require_callable("inverse_dynamics", self.robot)
+        if self.friction is not None:
+            require_callable("friction", self.friction)
+
+    @property
+    def drives(self) -> list[int]:
+        """Where the drives are among the joints."""
+        robot: Any = self.robot
+        return robot.drives_at.tolist() if _is_robot(robot) else list(range(self.path.joints))
+
+    def on_path(self, s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Joint values (k, n), and two derivatives of the drives (k, m) over s."""
+        at, drives = self.path.sample(s), self.drives
+        return self.closed(at.position), at.velocity[:, drives], at.acceleration[:, drives]
+
+    def posture(self, s: FloatArray, drives: FloatArray) -> FloatArray:
+        """Joint values (k, n) where the drives have values (k, m) at places of the path."""
+        if not _is_robot(self.robot):
+            return drives
+        near = self.path.sample(s).position
+        near[:, self.drives] = drives
+        return self.closed(near)
+
+    def closed(self, q: FloatArray) -> FloatArray:
+        """Joint values (k, n) with closed loops: those of a path close them but nearly."""
+        robot: Any = self.robot
+        if not _is_robot(robot):
+            return q
+        return np.array([robot.checked_posture(row, "path") for row in q])
+
+    def torques(self, q: FloatArray, rates: FloatArray, accelerations: FloatArray) -> FloatArray:
+        """Torques or forces of the drives (k, m), without friction."""
+        robot: Any = self.robot
+        inverse = robot.inverse if _is_robot(robot) else robot
+        return _rows(
+            "torques of inverse_dynamics", inverse(q, rates, accelerations), accelerations.shape
+        )
+
+    def lost(self, q: FloatArray, rates: FloatArray) -> FloatArray:
+        """Torques or forces of the drives (k, m) that friction takes."""
+        assert self.friction is not None
+        found = self.friction(q, rates) if _is_robot(self.robot) else self.friction(rates)
+        return _rows("torques of friction", found, rates.shape)
+
+
+def require_callable(what: str, given: object) -> None:
+    """Raise BadValueError where something is no function."""
+    if not callable(given) or isinstance(given, type):
+        raise BadValueError(what, given, "a function")
+
+
+def _is_robot(given: object) -> bool:
+    return hasattr(given, "drives_at") and not isinstance(given, type)
+
+
+def _rows(what: str, given: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    array = real_array(what, given)
+    if array.shape != shape:
+        raise WrongSizeError(what, array.shape, shape)
+    if not np.isfinite(array).all():
+        raise NonFiniteError(what, array)
+    return array
