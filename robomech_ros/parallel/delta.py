@@ -112,6 +112,7 @@ class Delta:
             direct=self.direct,
             home_poses=np.concatenate(poses),
             parts=self.parts,
+            robot=self,
         )
 
     def inverse(self, T: ArrayLike, *, seed: ArrayLike | None = None) -> LimbPostures:

@@ -131,7 +131,12 @@ class Planar3RPR(_Planar):
         limbs = with_drive_limits(limbs, self.drive_limits)
         homes = planar_homes(a, b)
         return Mechanism(
-            limbs, name=self.name, direct=self.direct, home_poses=homes, parts=self.parts
+            limbs,
+            name=self.name,
+            direct=self.direct,
+            home_poses=homes,
+            parts=self.parts,
+            robot=self,
         )
 
     def inverse(self, T: ArrayLike) -> Array:
@@ -239,7 +244,12 @@ class Planar3RRR(_Planar):
         limbs = with_drive_limits(limbs, self.drive_limits)
         homes = planar_homes(a, b)
         return Mechanism(
-            limbs, name=self.name, direct=self.direct, home_poses=homes, parts=self.parts
+            limbs,
+            name=self.name,
+            direct=self.direct,
+            home_poses=homes,
+            parts=self.parts,
+            robot=self,
         )
 
     def inverse(self, T: ArrayLike, *, seed: ArrayLike | None = None) -> LimbPostures:

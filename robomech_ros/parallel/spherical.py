@@ -119,6 +119,7 @@ class Spherical3RRR:
             direct=self.direct,
             home_poses=spherical_homes(),
             parts=self.parts,
+            robot=self,
         )
 
     def inverse(self, T: ArrayLike, *, seed: ArrayLike | None = None) -> LimbPostures:

@@ -137,7 +137,12 @@ class StewartGough:
         legs = extending_legs(self.name, a, b, self.strokes, home, cones)
         legs = with_drive_limits(legs, self.drive_limits)
         return Mechanism(
-            legs, name=self.name, direct=self.direct, home_poses=home[None], parts=self.parts
+            legs,
+            name=self.name,
+            direct=self.direct,
+            home_poses=home[None],
+            parts=self.parts,
+            robot=self,
         )
 
     def inverse(self, T: ArrayLike) -> Array:

@@ -129,6 +129,16 @@ def test_numbers_and_arrows_are_those_of_the_library():
     assert np.linalg.norm(K @ facts.weakest) == pytest.approx(facts.report.distances[1])
 
 
+@pytest.mark.parametrize("name", sorted(ANY))
+def test_limbs_of_any_kind_are_judged_too(name):
+    robot = load_parallel(name)
+    q = robot.home()
+    facts = platform_facts(robot, q)
+    assert facts.mixed and not facts.report.singular
+    K, _, _ = velocity_matrices(robot, robot.pose(q), q)
+    assert np.linalg.norm(K @ facts.weakest) == pytest.approx(facts.report.distances[1])
+
+
 @pytest.mark.parametrize("name", ROBOTS)
 def test_ghosts_have_rods_between_the_joints_that_are_apart(name):
     mechanism = load_parallel(name).mechanism

@@ -18,19 +18,11 @@ Array = NDArray[np.float64]
 
 
 def singularity_at(robot: ParallelRobot | Mechanism, q: Array, point: Array) -> LoopSingularity:
-    """Judge a posture (n,) of all joints, and the motions of a point (3,) of the platform (m).
-
-    Raises
-    ------
-    BadValueError
-        The robot has limbs of any kind, of which only postures are known.
-    """
-    if isinstance(robot, Mechanism):
-        expected = "a robot of a type with singularities in closed form, not of limbs of any kind"
-        raise BadValueError("robot", robot.name, expected)
+    """Judge a posture (n,) of all joints, and the motions of a point (3,) of the platform (m)."""
     mechanism = robot.mechanism
     T = mechanism.pose(q)
-    found = loop_singularity(robot, T, q[mechanism.drive_index])
+    own = q if isinstance(robot, Mechanism) else q[mechanism.drive_index]
+    found = loop_singularity(robot, T, own)
     origin, at = np.zeros(3), T[:3, :3] @ point
     lost, free = (
         transfer_twist(twists, origin, at) if len(twists) else twists

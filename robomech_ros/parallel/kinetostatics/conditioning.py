@@ -18,9 +18,12 @@ from robomech_ros.parallel.kinetostatics.limb_geometry import (
     motions_of,
     poses_of,
 )
+from robomech_ros.parallel.kinetostatics.limb_wrenches import Wrenches
+from robomech_ros.parallel.kinetostatics.mechanism_length import mechanism_length
 from robomech_ros.parallel.kinetostatics.pose_samples import held_poses, size_of
 from robomech_ros.parallel.kinetostatics.square_systems import are_regular
 from robomech_ros.parallel.library import ParallelRobot
+from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.stewart_gough import StewartGough
 
 __all__ = [
@@ -34,6 +37,8 @@ __all__ = [
 Array = NDArray[np.float64]
 
 _ANGULAR = 3
+# Parts of unit twists below which they are zero.
+_ROUNDING = 1e-9
 _POSES = 2048
 
 
@@ -50,16 +55,25 @@ class ScaledMatrices(NamedTuple):
         These greatest entries (1 or m).
     length : float
         In m.
+    motions : ndarray, shape (..., 6, m)
+        The motions that the platform has, angular parts multiplied by the length: orthonormal.
+    scale : float
+        The length, 1 where the platform only turns.
+    rows : ndarray, shape (..., m, 6)
+        Of K for all twists, angular columns divided by the scale.
     """
 
     K: Array
     J: Array
     lever: Array
     length: float
+    motions: Array
+    scale: float
+    rows: Array
 
 
 def scaled_matrices(
-    robot: ParallelRobot, T: ArrayLike, q: ArrayLike | None, length: float | None
+    robot: ParallelRobot | Mechanism, T: ArrayLike, q: ArrayLike | None, length: float | None
 ) -> ScaledMatrices:
     """Find K and J without units; arguments as for :func:`singularity_distances`."""
     poses = poses_of(robot, T)
@@ -68,16 +82,21 @@ def scaled_matrices(
     return _scaled(robot, limbs, metres)
 
 
-def _scaled(robot: ParallelRobot, limbs: Legs | Arcs, length: float) -> ScaledMatrices:
-    K, J = limbs.rows()
-    motions = motions_of(robot)
-    scale = [1.0 / length if k < _ANGULAR else 1.0 for k in motions]
-    if max(motions) < _ANGULAR:
-        scale = [1.0] * len(motions)
-    return ScaledMatrices(K[..., list(motions)] * scale, J / limbs.lever, limbs.lever, length)
+def _scaled(
+    robot: ParallelRobot | Mechanism, limbs: Legs | Arcs | Wrenches, length: float
+) -> ScaledMatrices:
+    if isinstance(limbs, Wrenches):
+        K, J, motions = limbs.borne, limbs.work, limbs.motions(length)
+    else:
+        (K, J), motions = limbs.rows(), np.eye(6)[:, list(motions_of(robot))]
+    scale = length if np.abs(motions[..., _ANGULAR:, :]).max() > _ROUNDING else 1.0
+    rows = K / np.repeat([scale, 1.0], _ANGULAR)
+    return ScaledMatrices(
+        rows @ motions, J / limbs.lever, limbs.lever, length, motions, scale, rows
+    )
 
 
-def platform_length(robot: ParallelRobot) -> float:
+def platform_length(robot: ParallelRobot | Mechanism) -> float:
     r"""Find the characteristic length: with it the best conditioned pose is nearest to isotropic.
 
     It makes the condition number by the Frobenius norm of K, angular columns divided by it, least
@@ -86,7 +105,9 @@ def platform_length(robot: ParallelRobot) -> float:
 
     Parameters
     ----------
-    robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR, Spherical3RRR or Mechanism
+        Of a mechanism of one of these classes the length is that of the class; poses of others are
+        those near home, in its assembly mode, within the limits of their joints.
 
     Returns
     -------
@@ -109,6 +130,8 @@ def platform_length(robot: ParallelRobot) -> float:
     >>> round(platform_length(load_parallel("hexapod")), 2)
     0.27
     """
+    if isinstance(robot, Mechanism):
+        return platform_length(robot.robot) if robot.robot is not None else mechanism_length(robot)
     motions_of(robot)
     return _length_of(robot)
 
@@ -134,7 +157,7 @@ def _length_of(robot: ParallelRobot) -> float:
 
 
 def singularity_distances(
-    robot: ParallelRobot,
+    robot: ParallelRobot | Mechanism,
     T: ArrayLike,
     q: ArrayLike | None = None,
     *,
@@ -153,7 +176,8 @@ def singularity_distances(
     Returns
     -------
     ndarray, shape (..., 2)
-        From type 1: the least entry of J over the greatest that it can be, 1 for legs; from
+        From type 1: the least entry of J over the greatest that it can be, 1 for legs, and for
+        other limbs as they bend at the joint next to the drive; from
         type 2: the least singular value of K, angular columns divided by the length.  Both are
         without unit, and 0 where singular.
 
@@ -172,7 +196,7 @@ def singularity_distances(
 
 
 def dexterity(
-    robot: ParallelRobot,
+    robot: ParallelRobot | Mechanism,
     T: ArrayLike,
     q: ArrayLike | None = None,
     *,

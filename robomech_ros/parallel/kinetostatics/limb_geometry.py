@@ -15,7 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.parallel.arguments import platform_poses, pose_about_z
 from robomech_ros.parallel.delta import Delta
+from robomech_ros.parallel.kinetostatics.limb_wrenches import Wrenches, limb_wrenches
 from robomech_ros.parallel.library import ParallelRobot
+from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
 from robomech_ros.parallel.spherical import Spherical3RRR
 from robomech_ros.parallel.stewart_gough import StewartGough
@@ -30,6 +32,8 @@ __all__ = [
     "drives_of",
     "leg_lengths",
     "limbs_at",
+    "motion_basis",
+    "motion_entries",
     "motions_of",
     "poses_of",
 ]
@@ -47,6 +51,8 @@ _MOTIONS = {
 _KNOWN = ", ".join(kind.__name__ for kind in _MOTIONS)
 # By how much drives may miss a pose (of the size), and a pose the motions of its platform.
 _MISS, _OFF = 1e-6, 1e-6
+# Parts of unit twists below which they are zero.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,13 +129,13 @@ class Arcs:
         return np.concatenate((dc, np.zeros_like(dc)), axis=-1), (self.base * dc).sum(axis=-1)
 
 
-def motions_of(robot: ParallelRobot) -> tuple[int, ...]:
+def motions_of(robot: ParallelRobot | Mechanism) -> tuple[int, ...]:
     """Give the columns of a twist [angular; linear] that the platform has.
 
     Raises
     ------
     BadValueError
-        Not a parallel robot.
+        Not one of the robots with closed forms.
     """
     found = _MOTIONS.get(type(robot))
     if found is None:
@@ -142,20 +148,40 @@ def drives_of(robot: ParallelRobot) -> int:
     return len(motions_of(robot))
 
 
-def poses_of(robot: ParallelRobot, T: ArrayLike) -> Array:
+def motion_basis(robot: ParallelRobot | Mechanism, limbs: Legs | Arcs | Wrenches) -> Array:
+    """Give twists (..., 6, m) that span those that the platform has (rad/s and m/s)."""
+    if isinstance(limbs, Wrenches):
+        return np.asarray(limbs.motions(limbs.size) / np.repeat([limbs.size, 1.0], 3)[:, None])
+    return np.eye(6)[:, list(motions_of(robot))]
+
+
+def motion_entries(
+    robot: ParallelRobot | Mechanism, limbs: Legs | Arcs | Wrenches
+) -> tuple[int, ...]:
+    """Give the entries of a twist [angular; linear] that the platform has."""
+    if not isinstance(limbs, Wrenches):
+        return motions_of(robot)
+    sizes = np.abs(limbs.motions(limbs.size)).reshape(-1, 6, limbs.work.shape[-1])
+    return tuple(int(k) for k in np.flatnonzero(sizes.max(axis=(0, 2)) > _ROUNDING))
+
+
+def poses_of(robot: ParallelRobot | Mechanism, T: ArrayLike) -> Array:
     """Give poses (..., 4, 4) that the platform can have as to their kind.
 
     Parameters
     ----------
     T : array_like, shape (..., 4, 4)
         ``T_base_platform``; also (..., 3), positions for a Delta and x, y and angle for planar
-        robots, and (..., 3, 3), rotations for a spherical one.
+        robots, and (..., 3, 3), rotations for a spherical one.  Those of a mechanism must be
+        poses that it has, which its joints say.
 
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
         Not poses, or with motions that the platform does not have.
     """
+    if isinstance(robot, Mechanism):
+        return platform_poses(T)
     motions, given = motions_of(robot), real_array("pose", T)
     if given.shape[-2:] != (4, 4):
         given = _short_form(robot, given)
@@ -189,15 +215,19 @@ def _turns_off(poses: Array, motions: tuple[int, ...]) -> Array:
     return np.repeat(off.reshape(*poses.shape[:-2], -1).max(axis=-1, keepdims=True), 3, axis=-1)
 
 
-def drive_values(robot: ParallelRobot, poses: Array, q: ArrayLike | None) -> Array | None:
-    """Check values of the drives (..., m) for poses, if there are any.
+def drive_values(
+    robot: ParallelRobot | Mechanism, poses: Array, q: ArrayLike | None
+) -> Array | None:
+    """Check values of the drives (..., m), or of all joints of a mechanism, for poses.
 
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
         They are needed, as the limbs have branches, or are not m for each pose.
     """
-    count = drives_of(robot)
+    count = robot.n if isinstance(robot, Mechanism) else drives_of(robot)
+    if q is None and isinstance(robot, Mechanism):
+        raise BadValueError("q", None, "the positions of all joints of the mechanism in a pose")
     if q is None:
         if isinstance(robot, StewartGough | Planar3RPR):
             return None
@@ -208,7 +238,9 @@ def drive_values(robot: ParallelRobot, poses: Array, q: ArrayLike | None) -> Arr
     return values
 
 
-def limbs_at(robot: ParallelRobot, poses: Array, q: Array | None) -> Legs | Arcs:
+def limbs_at(
+    robot: ParallelRobot | Mechanism, poses: Array, q: Array | None
+) -> Legs | Arcs | Wrenches:
     """Find where the limbs hold the platform.
 
     Parameters
@@ -223,6 +255,8 @@ def limbs_at(robot: ParallelRobot, poses: Array, q: Array | None) -> Legs | Arcs
     BadValueError
         Drives that do not hold the platform there, or a leg without length.
     """
+    if isinstance(robot, Mechanism):
+        return limb_wrenches(robot, poses, np.asarray(q))
     at = _AT[type(robot)]
     found: Legs | Arcs = at(robot, poses, q)
     return found

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.delta import Delta
-from robomech_ros.parallel.kinetostatics.limb_geometry import leg_lengths, poses_of
+from robomech_ros.parallel.kinetostatics.limb_geometry import leg_lengths, motions_of, poses_of
 from robomech_ros.parallel.kinetostatics.pose_samples import size_of
 from robomech_ros.parallel.library import ParallelRobot
 from robomech_ros.parallel.limbs import into_limits
@@ -84,6 +84,7 @@ def pose_limits(robot: ParallelRobot, T: ArrayLike, *, branches: str | None = No
     >>> found.inside.tolist(), str(found.cause[1]), round(float(found.excess[1]), 3)
     ([True, False], 'limb 1: out of reach', 0.136)
     """
+    motions_of(robot)
     poses = poses_of(robot, T)
     flat = poses.reshape(-1, 4, 4)
     found = limits_at(robot, flat, as_branches(robot, branches))

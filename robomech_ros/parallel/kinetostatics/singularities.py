@@ -14,15 +14,16 @@ from robomech_ros.parallel.kinetostatics.conditioning import (
     inverse_condition,
     scaled_matrices,
 )
-from robomech_ros.parallel.kinetostatics.limb_geometry import motions_of, poses_of
+from robomech_ros.parallel.kinetostatics.limb_geometry import poses_of
 from robomech_ros.parallel.library import ParallelRobot
+from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.stewart_gough import StewartGough
 
 __all__ = ["LoopSingularity", "loop_singularity"]
 
 Array = NDArray[np.float64]
 
-_TWIST, _ANGULAR = 6, 3
+_ANGULAR = 3
 # Least part of a limb in forces that balance each other, of their norm 1.
 _TAKES_PART = 1e-4
 
@@ -99,7 +100,7 @@ class LoopSingularity:
 
 
 def loop_singularity(
-    robot: ParallelRobot,
+    robot: ParallelRobot | Mechanism,
     T: ArrayLike,
     q: ArrayLike | None = None,
     *,
@@ -113,13 +114,13 @@ def loop_singularity(
 
     Parameters
     ----------
-    robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR, Spherical3RRR or Mechanism
         Of m drives.
     T : array_like, shape (4, 4)
         ``T_base_platform``, or a shorter form as for :func:`velocity_matrices`.
     q : array_like, shape (m,)
         Angles of the drives there (rad), one of the postures that ``inverse`` finds; robots with
-        legs need none.
+        legs need none.  Of a mechanism all joints (rad or m), shape (n,), with closed loops.
     length : float, optional
         What makes linear and angular motions comparable (m); default :func:`platform_length`.
 
@@ -162,13 +163,14 @@ def loop_singularity(
     at_end = np.flatnonzero(np.abs(found.J) <= RANK)
     rank = int((values > RANK * values[0]).sum())
     free, forces = right[rank:], left[:, rank:].T
+    # Motions that limbs prevent in other postures are free without forces of drives in balance.
+    forces = forces[np.abs(forces @ found.rows).max(axis=1, initial=0.0) <= RANK * values[0]]
     lost = _row_space(found.K[at_end])
-    motions, L = motions_of(robot), found.length
-    if max(motions) < _ANGULAR:
-        L = 1.0
-    takes_part = np.flatnonzero((np.abs(forces) > _TAKES_PART).any(axis=0))
-    limbs = _numbers(at_end), _numbers(takes_part)
-    always = isinstance(robot, StewartGough) and robot.always_singular
+    motions, L = found.motions, found.scale
+    takes_part = (np.abs(forces) > _TAKES_PART).any(axis=0) | (len(forces) < len(free))
+    limbs = _numbers(robot, at_end), _numbers(robot, np.flatnonzero(takes_part))
+    closed = robot.robot if isinstance(robot, Mechanism) else robot
+    always = isinstance(closed, StewartGough) and closed.always_singular
     index = float(inverse_condition(found))
     return LoopSingularity(
         type=(1 if len(at_end) else 0) + (2 if rank < len(values) else 0),
@@ -197,24 +199,26 @@ def _row_space(rows: Array) -> Array:
     return np.asarray(basis[values > RANK * values[0]])
 
 
-def _twists(scaled: Array, motions: tuple[int, ...], length: float) -> Array:
+def _twists(scaled: Array, motions: Array, length: float) -> Array:
     """Give twists (k, 6) of rows (k, m) whose linear part is divided by the length."""
-    out = np.zeros((len(scaled), _TWIST))
-    out[:, list(motions)] = scaled
+    out = np.asarray(scaled @ motions.T)
     out[:, _ANGULAR:] *= length
     return out
 
 
-def _wrenches(scaled: Array, motions: tuple[int, ...], length: float) -> Array:
+def _wrenches(scaled: Array, motions: Array, length: float) -> Array:
     """Give wrenches (k, 6) of rows (k, m) whose moment is divided by the length."""
-    out = np.zeros((len(scaled), _TWIST))
-    out[:, list(motions)] = scaled
+    out = np.asarray(scaled @ motions.T)
     out[:, :_ANGULAR] *= length
     return out
 
 
-def _numbers(limbs: NDArray[np.int64]) -> tuple[int, ...]:
-    return tuple(int(k) + 1 for k in limbs)
+def _numbers(robot: ParallelRobot | Mechanism, drives: NDArray[np.int64]) -> tuple[int, ...]:
+    """Give the limbs of drives, from 1."""
+    if isinstance(robot, Mechanism):
+        where = robot.drive_index[drives]
+        drives = np.unique(np.searchsorted(robot.loops.starts, where, side="right") - 1)
+    return tuple(int(k) + 1 for k in drives)
 
 
 def _named(limbs: tuple[int, ...]) -> str:

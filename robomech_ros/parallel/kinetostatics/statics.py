@@ -9,11 +9,13 @@ from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.parallel.kinetostatics.limb_geometry import (
     drive_values,
     limbs_at,
-    motions_of,
+    motion_basis,
+    motion_entries,
     poses_of,
 )
 from robomech_ros.parallel.kinetostatics.square_systems import one_each, solved_columns
 from robomech_ros.parallel.library import ParallelRobot
+from robomech_ros.parallel.mechanism.model import Mechanism
 
 __all__ = ["drive_forces", "platform_wrench"]
 
@@ -23,7 +25,10 @@ _WRENCH = 6
 
 
 def drive_forces(
-    robot: ParallelRobot, T: ArrayLike, exerted_wrench: ArrayLike, q: ArrayLike | None = None
+    robot: ParallelRobot | Mechanism,
+    T: ArrayLike,
+    exerted_wrench: ArrayLike,
+    q: ArrayLike | None = None,
 ) -> Array:
     r"""Compute the forces of the drives with which a resting platform exerts a wrench.
 
@@ -70,15 +75,16 @@ def drive_forces(
     array([24.789, 24.789, 24.789, 24.789, 24.789, 24.789])
     """
     poses = poses_of(robot, T)
-    K, J = limbs_at(robot, poses, drive_values(robot, poses, q)).rows()
+    limbs = limbs_at(robot, poses, drive_values(robot, poses, q))
+    K, J = limbs.rows()
     w = one_each("exerted_wrench", exerted_wrench, _WRENCH, J)
-    motions = list(motions_of(robot))
-    square = np.swapaxes(K[..., motions], -1, -2)
-    return np.asarray(J * solved_columns(square, w[..., motions], rows=True))
+    S = motion_basis(robot, limbs)
+    square = np.swapaxes(K @ S, -1, -2)
+    return np.asarray(J * solved_columns(square, (w[..., None, :] @ S)[..., 0, :], rows=True))
 
 
 def platform_wrench(
-    robot: ParallelRobot, T: ArrayLike, forces: ArrayLike, q: ArrayLike | None = None
+    robot: ParallelRobot | Mechanism, T: ArrayLike, forces: ArrayLike, q: ArrayLike | None = None
 ) -> Array:
     """Compute the wrench that a resting platform exerts with given forces of the drives.
 
@@ -111,7 +117,7 @@ def platform_wrench(
     K, J = limbs.rows()
     tau = one_each("forces", forces, J.shape[-1], J)
     regular = (np.abs(J) > RANK * limbs.lever).all(axis=-1, keepdims=True)
-    motions = list(motions_of(robot))
+    motions = list(motion_entries(robot, limbs))
     with np.errstate(divide="ignore", invalid="ignore"):
         carried = np.einsum("...ij,...i->...j", K[..., motions], tau / J)
     out = np.zeros((*J.shape[:-1], _WRENCH))

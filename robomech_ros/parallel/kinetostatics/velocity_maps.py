@@ -14,11 +14,19 @@ from robomech_ros.parallel.kinetostatics.limb_geometry import (
     Legs,
     drive_values,
     limbs_at,
+    motion_basis,
+    motion_entries,
     motions_of,
     poses_of,
 )
+from robomech_ros.parallel.kinetostatics.limb_wrenches import Wrenches
+from robomech_ros.parallel.kinetostatics.mechanism_accelerations import (
+    mechanism_drive_accelerations,
+    mechanism_platform_acceleration,
+)
 from robomech_ros.parallel.kinetostatics.square_systems import one_each, solved_columns
 from robomech_ros.parallel.library import ParallelRobot
+from robomech_ros.parallel.mechanism.model import Mechanism
 
 __all__ = [
     "VelocityMatrices",
@@ -35,6 +43,8 @@ Array = NDArray[np.float64]
 _TWIST = 6
 # Entries of a twist that are less than this, of the largest, are zero.
 _ROUNDING = 1e-9
+# Part of a motion that limbs prevent and that is rounding.
+_PREVENTED = 1e-6
 
 
 class VelocityMatrices(NamedTuple):
@@ -47,7 +57,8 @@ class VelocityMatrices(NamedTuple):
     J : ndarray, shape (..., m, m)
         Of the rates of the drives: diagonal, of a limb each.
     motions : tuple of int
-        Entries of the twist that the platform has, m of them; the others are always zero.
+        Entries of the twist that the platform has, m of them; the others are always zero.  With
+        limbs of any kind more than m may depend on each other in a posture.
     """
 
     K: Array
@@ -56,7 +67,7 @@ class VelocityMatrices(NamedTuple):
 
 
 def velocity_matrices(
-    robot: ParallelRobot, T: ArrayLike, q: ArrayLike | None = None
+    robot: ParallelRobot | Mechanism, T: ArrayLike, q: ArrayLike | None = None
 ) -> VelocityMatrices:
     r"""Find the matrices of :math:`K t = J \dot q`, a row for each limb.
 
@@ -72,16 +83,20 @@ def velocity_matrices(
     joints between the links by the drives, and the axes :math:`e_i, w_i, v_i` of a spherical limb;
     its row is divided by the sine of its second arc.
 
+    Of a mechanism a row is, for each drive, the wrench on the platform that it bears: one that does
+    no work on the other joints of its limb, of force 1, or of moment 1 if it is a couple, as it
+    works on motions that the platform has.  Signs are such that no entry of J is negative.
+
     Parameters
     ----------
-    robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR, Spherical3RRR or Mechanism
         Of m drives.
     T : array_like, shape (..., 4, 4)
         ``T_base_platform``; a Delta also takes positions (..., 3), planar robots x, y and the
         angle, and a spherical one rotations (..., 3, 3).
     q : array_like, shape (..., m)
         Angles of the drives there (rad), one of the postures that ``inverse`` finds; robots with
-        legs need none.
+        legs need none.  Of a mechanism all joints (rad or m), shape (..., n), with closed loops.
 
     Returns
     -------
@@ -106,8 +121,9 @@ def velocity_matrices(
     >>> np.round(np.linalg.solve(J, K[:, motions] @ [0.0, 0.0, 0.1]), 4)
     array([-0.2583, -0.2583, -0.2583])
     """
-    K, J = _limbs(robot, T, q).rows()
-    return VelocityMatrices(K, _diagonal(J), motions_of(robot))
+    limbs = _limbs(robot, T, q)
+    K, J = limbs.rows()
+    return VelocityMatrices(K, _diagonal(J), motion_entries(robot, limbs))
 
 
 def velocity_matrix_rates(
@@ -138,15 +154,17 @@ def velocity_matrix_rates(
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.2.1.
     """
+    motions = motions_of(robot)
     limbs = _limbs(robot, T, q)
+    assert not isinstance(limbs, Wrenches)
     K, J = limbs.rows()
-    t = _twist(robot, "twist", twist, K)
+    t = _twist(robot, "twist", twist, limbs)
     dK, dJ = limbs.row_rates(t, _divided(_times(K, t), J, limbs.lever))
-    return VelocityMatrices(dK, _diagonal(dJ), motions_of(robot))
+    return VelocityMatrices(dK, _diagonal(dJ), motions)
 
 
 def drive_rates(
-    robot: ParallelRobot, T: ArrayLike, twist: ArrayLike, q: ArrayLike | None = None
+    robot: ParallelRobot | Mechanism, T: ArrayLike, twist: ArrayLike, q: ArrayLike | None = None
 ) -> Array:
     r"""Find the rates of the drives for a twist of the platform: :math:`\dot q = J^{-1} K t`.
 
@@ -173,11 +191,11 @@ def drive_rates(
     """
     limbs = _limbs(robot, T, q)
     K, J = limbs.rows()
-    return _divided(_times(K, _twist(robot, "twist", twist, K)), J, limbs.lever)
+    return _divided(_times(K, _twist(robot, "twist", twist, limbs)), J, limbs.lever)
 
 
 def platform_twist(
-    robot: ParallelRobot, T: ArrayLike, rates: ArrayLike, q: ArrayLike | None = None
+    robot: ParallelRobot | Mechanism, T: ArrayLike, rates: ArrayLike, q: ArrayLike | None = None
 ) -> Array:
     r"""Find the platform's twist for rates of the drives: :math:`t = K^{-1} J \dot q`.
 
@@ -203,12 +221,13 @@ def platform_twist(
     --------
     drive_rates : the inverse.
     """
-    K, J = _limbs(robot, T, q).rows()
-    return _solved(robot, K, J * _drives("rates", rates, J))
+    limbs = _limbs(robot, T, q)
+    J = limbs.rows()[1]
+    return _solved(robot, limbs, J * _drives("rates", rates, J))
 
 
 def drive_accelerations(
-    robot: ParallelRobot,
+    robot: ParallelRobot | Mechanism,
     T: ArrayLike,
     twist: ArrayLike,
     twist_rate: ArrayLike,
@@ -237,15 +256,19 @@ def drive_accelerations(
     """
     limbs = _limbs(robot, T, q)
     K, J = limbs.rows()
-    t = _twist(robot, "twist", twist, K)
-    dt = _twist(robot, "twist_rate", twist_rate, K)
+    t = _twist(robot, "twist", twist, limbs)
+    if isinstance(limbs, Wrenches):
+        dt = one_each("twist_rate", twist_rate, _TWIST, J)
+        work = mechanism_drive_accelerations(robot, q, limbs, t, dt)
+        return _divided(work, J, limbs.lever)
+    dt = _twist(robot, "twist_rate", twist_rate, limbs)
     qd = _divided(_times(K, t), J, limbs.lever)
     dK, dJ = limbs.row_rates(t, qd)
     return _divided(_times(K, dt) + _times(dK, t) - dJ * qd, J, limbs.lever)
 
 
 def platform_acceleration(
-    robot: ParallelRobot,
+    robot: ParallelRobot | Mechanism,
     T: ArrayLike,
     rates: ArrayLike,
     accelerations: ArrayLike,
@@ -274,14 +297,19 @@ def platform_acceleration(
         As for :func:`platform_twist`.
     """
     limbs = _limbs(robot, T, q)
-    K, J = limbs.rows()
+    J = limbs.rows()[1]
     qd, qdd = _drives("rates", rates, J), _drives("accelerations", accelerations, J)
-    t = _solved(robot, K, J * qd)
+    t = _solved(robot, limbs, J * qd)
+    if isinstance(limbs, Wrenches):
+        work, rest = mechanism_platform_acceleration(robot, q, limbs, t)
+        return rest + _solved(robot, limbs, J * qdd + work)
     dK, dJ = limbs.row_rates(t, qd)
-    return _solved(robot, K, J * qdd + dJ * qd - _times(dK, t))
+    return _solved(robot, limbs, J * qdd + dJ * qd - _times(dK, t))
 
 
-def _limbs(robot: ParallelRobot, T: ArrayLike, q: ArrayLike | None) -> Legs | Arcs:
+def _limbs(
+    robot: ParallelRobot | Mechanism, T: ArrayLike, q: ArrayLike | None
+) -> Legs | Arcs | Wrenches:
     poses = poses_of(robot, T)
     return limbs_at(robot, poses, drive_values(robot, poses, q))
 
@@ -301,17 +329,28 @@ def _divided(values: Array, J: Array, lever: Array) -> Array:
         return np.where(regular, values / J, np.nan)
 
 
-def _solved(robot: ParallelRobot, K: Array, values: Array) -> Array:
+def _solved(
+    robot: ParallelRobot | Mechanism, limbs: Legs | Arcs | Wrenches, values: Array
+) -> Array:
     """Solve K t = values for the motions that the platform has; NaN where it is singular."""
-    motions = list(motions_of(robot))
-    out = np.zeros((*values.shape[:-1], _TWIST))
-    out[..., motions] = solved_columns(K[..., motions], values)
-    return out
+    S = motion_basis(robot, limbs)
+    found = _times(S, solved_columns(limbs.rows()[0] @ S, values))
+    others = [k for k in range(_TWIST) if k not in motion_entries(robot, limbs)]
+    found[..., others] = 0.0
+    return found
 
 
-def _twist(robot: ParallelRobot, what: str, twist: ArrayLike, K: Array) -> Array:
+def _twist(
+    robot: ParallelRobot | Mechanism,
+    what: str,
+    twist: ArrayLike,
+    limbs: Legs | Arcs | Wrenches,
+) -> Array:
     """Check twists: one for all poses or one for each, only with motions that there are."""
-    t = one_each(what, twist, _TWIST, K[..., 0])
+    t = one_each(what, twist, _TWIST, limbs.rows()[1])
+    if isinstance(limbs, Wrenches):
+        _check_allowed(what, t, limbs)
+        return t
     motions = motions_of(robot)
     others = [k for k in range(_TWIST) if k not in motions]
     worst = float(np.abs(t[..., others]).max(initial=0.0))
@@ -319,6 +358,17 @@ def _twist(robot: ParallelRobot, what: str, twist: ArrayLike, K: Array) -> Array
         why = f"0 except in entries {', '.join(str(k + 1) for k in motions)}: the platform moves so"
         raise BadValueError(f"{what}, an entry of it", worst, why)
     return t
+
+
+def _check_allowed(what: str, t: Array, limbs: Wrenches) -> None:
+    """Refuse twists (..., 6) of motions that limbs prevent."""
+    scaled = t * np.repeat([limbs.size, 1.0], 3)
+    S = limbs.motions(limbs.size)
+    off = scaled - _times(S, _times(np.swapaxes(S, -1, -2), scaled))
+    worst = float(np.abs(off).max(initial=0.0))
+    if worst > _PREVENTED * float(np.abs(scaled).max(initial=0.0)):
+        why = "0: the platform does not have it in this posture"
+        raise BadValueError(f"{what}, the part of it that limbs prevent (m/s)", worst, why)
 
 
 def _drives(what: str, values: ArrayLike, J: Array) -> Array:

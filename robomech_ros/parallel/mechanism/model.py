@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -48,12 +49,11 @@ class Mechanism(LoopMotion):
         What it is called.
     direct : callable, optional
         Gives the poses of the platform, a DirectKinematicsResult, for positions of the drives and
-        the pose nearest to which they are sorted, or None.
-    home_poses : array_like, shape (k, 4, 4)
-        Poses ``T_base_platform`` (m), from which :meth:`home` takes the one furthest from singular.
+        the pose nearest to which they are sorted, or None; by default they are searched.
     parts : Parts, optional
         Bodies of links and platform, and what drives add to them.  Default none.
-        the pose nearest to which they are sorted, or None; by default they are searched.
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR, optional
+        The one whose limbs these are; default none.
     home_poses : array_like, shape (k, 4, 4), optional
         Poses ``T_base_platform`` (m), from which :meth:`home` takes the one furthest from singular;
         by default all joints begin at zero if the loops are closed there, else where a search
@@ -81,8 +81,9 @@ class Mechanism(LoopMotion):
         direct: Callable[[Array, Array | None], DirectKinematicsResult] | None = None,
         home_poses: ArrayLike | None = None,
         parts: Parts | None = None,
+        robot: Any = None,
     ) -> None:
-        self.name = name
+        self.name, self.robot = name, robot
         given = checked_limbs(limbs)
         self.limbs, self.platform_body = limbs_with_parts(
             given, given[0].chain.tip, Parts() if parts is None else parts

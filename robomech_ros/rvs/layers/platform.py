@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.parallel import Mechanism
 from robomech_ros.rvs.model.platform_facts import PlatformFacts, platform_facts
 from robomech_ros.rvs.model.platform_lists import LISTS, PlatformList, platform_list
 from robomech_ros.rvs.model.understanding import twist_arrows
@@ -114,9 +113,7 @@ class PlatformLayer:
         before = () if self._list is None else self._list.postures
         try:
             found = platform_list(robot, q, kind, before)
-            if not judged or isinstance(robot, Mechanism):
-                return found, None
-            return found, platform_facts(robot, q)
+            return found, platform_facts(robot, q) if judged else None
         except RobomechError as error:
             return PlatformList((), False, f"Nothing is known here: {error}."), None
 
@@ -151,8 +148,6 @@ class PlatformLayer:
         """Write what is known."""
         if not any(self._on.values()):
             return [("", "Singularities of this robot, live.")]
-        if isinstance(self._place.platform.robot, Mechanism):
-            return [("", "Singularities are not named for limbs of any kind.")]
         if self._facts is None:
             return [("", "Looking for the characteristic length ...")]
         lines = self._facts.lines if self._on["numbers"] else []

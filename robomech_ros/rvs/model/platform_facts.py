@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from robomech_ros.parallel import (
     LoopSingularity,
+    Mechanism,
     ParallelRobot,
     loop_singularity,
-    velocity_matrices,
 )
+from robomech_ros.parallel.kinetostatics.conditioning import scaled_matrices
 
 __all__ = ["PlatformFacts", "platform_facts"]
 
@@ -55,20 +56,21 @@ class PlatformFacts:
         return lines
 
 
-def platform_facts(robot: ParallelRobot, q: Array) -> PlatformFacts:
+def platform_facts(robot: ParallelRobot | Mechanism, q: Array) -> PlatformFacts:
     """Judge a posture.
 
     Parameters
     ----------
-    robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR, Spherical3RRR or Mechanism
     q : ndarray, shape (n,)
         All joints (rad or m), loops closed.
     """
     mechanism = robot.mechanism
-    T, drives = mechanism.pose(q), q[mechanism.drive_index]
-    report = loop_singularity(robot, T, drives)
-    K, _, motions = velocity_matrices(robot, T, drives)
-    scale = np.array([1.0 / report.length if k < ANGULAR else 1.0 for k in motions])
-    weakest = np.zeros(6)
-    weakest[list(motions)] = scale * np.linalg.svd(K[:, list(motions)] * scale)[2][-1]
-    return PlatformFacts(report, weakest, min(motions) < ANGULAR <= max(motions))
+    T = mechanism.pose(q)
+    own = q if isinstance(robot, Mechanism) else q[mechanism.drive_index]
+    report = loop_singularity(robot, T, own)
+    scaled = scaled_matrices(robot, T, own, report.length)
+    weakest = scaled.motions @ np.linalg.svd(scaled.K)[2][-1]
+    weakest[:ANGULAR] /= scaled.scale
+    parts = scaled.motions[:ANGULAR], scaled.motions[ANGULAR:]
+    return PlatformFacts(report, weakest, all(np.abs(part).max() > 1e-9 for part in parts))

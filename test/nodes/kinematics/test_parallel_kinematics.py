@@ -227,6 +227,20 @@ def test_singularity_of_a_regular_posture(asked):
     assert response.condition_number == pytest.approx(np.linalg.cond(twists))
 
 
+@pytest.mark.parametrize("name", ["tripod_3prs", "linapod"])
+def test_singularities_of_limbs_of_any_kind(asked, name):
+    node = asked(name)
+    response = node.ask(
+        AnalyzeSingularity, "analyze_singularity", state=node.of_drives(node.drives)
+    )
+    pose = node.mechanism.pose(node.home)
+    expected = loop_singularity(node.mechanism, pose, node.home)
+    assert response.error_code == ErrorCode.NONE, response.error_msg
+    assert response.rank == node.mechanism.dof and response.summary.startswith("regular")
+    np.testing.assert_allclose(response.singular_values, expected.singular_values, rtol=1e-6)
+    assert response.normalised_condition_number == pytest.approx(expected.condition_number)
+
+
 def test_singularity_of_the_first_kind_names_the_limb_and_the_lost_motion(asked):
     """Limb 1 is stretched straight."""
     node = asked("planar_3rrr")
