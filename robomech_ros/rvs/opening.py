@@ -100,7 +100,7 @@ def platform_page_of(robot: ParallelRobot | Mechanism, *, port: int, host: str) 
     """Serve the page of a parallel robot; parameters and errors are those of :func:`view`."""
     require_viser()
     from robomech_ros.rvs.layers import PLATFORM_LAYERS
-    from robomech_ros.rvs.model.platform import SeenPlatform
+    from robomech_ros.rvs.model.platforms.seen_platform import SeenPlatform
     from robomech_ros.rvs.page.page import RobotPage
 
     platform = SeenPlatform(robot)
@@ -141,7 +141,7 @@ def live_page_of(
     require_viser()
     from robomech_ros.rvs.layers import LAYERS, PLATFORM_LAYERS
     from robomech_ros.rvs.layers.live import LiveLayer
-    from robomech_ros.rvs.model.platform import SeenPlatform
+    from robomech_ros.rvs.model.platforms.seen_platform import SeenPlatform
     from robomech_ros.rvs.page.layer import LayerMaker
     from robomech_ros.rvs.page.page import RobotPage
 

@@ -5,11 +5,11 @@ import pytest
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.parallel import list_parallel, load_parallel, pose_limits, velocity_matrices
-from robomech_ros.rvs.model.platform import SeenPlatform
-from robomech_ros.rvs.model.platform_facts import platform_facts
-from robomech_ros.rvs.model.platform_ghosts import PlatformGhosts, limb_points
-from robomech_ros.rvs.model.platform_lists import LISTS, platform_list
-from robomech_ros.rvs.model.platform_reach import platform_reach
+from robomech_ros.rvs.model.platforms.facts import platform_facts
+from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts, limb_points
+from robomech_ros.rvs.model.platforms.lists import LISTS, platform_list
+from robomech_ros.rvs.model.platforms.reach import platform_reach
+from robomech_ros.rvs.model.platforms.seen_platform import SeenPlatform
 from robomech_ros.spatial import pose_exponential
 
 ROBOTS = list_parallel()

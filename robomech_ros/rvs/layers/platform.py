@@ -7,8 +7,8 @@ from functools import partial
 from typing import Any
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.rvs.model.platform_facts import PlatformFacts, platform_facts
-from robomech_ros.rvs.model.platform_lists import LISTS, PlatformList, platform_list
+from robomech_ros.rvs.model.platforms.facts import PlatformFacts, platform_facts
+from robomech_ros.rvs.model.platforms.lists import LISTS, PlatformList, platform_list
 from robomech_ros.rvs.model.understanding import twist_arrows
 from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.fact_table import fact_table

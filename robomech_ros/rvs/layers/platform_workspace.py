@@ -9,7 +9,7 @@ import numpy as np
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.parallel import Mechanism
-from robomech_ros.rvs.model.platform_reach import PlatformReach, platform_reach
+from robomech_ros.rvs.model.platforms.reach import PlatformReach, platform_reach
 from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.fact_table import SMALL
 from robomech_ros.rvs.page.folder import Folder

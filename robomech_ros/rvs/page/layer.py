@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Protocol
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.arm import SeenArm
 from robomech_ros.rvs.model.moved import Moved
-from robomech_ros.rvs.model.platform import SeenPlatform
+from robomech_ros.rvs.model.platforms.seen_platform import SeenPlatform
 from robomech_ros.rvs.model.seen_plan import SeenPlan
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.rvs.page.audience import Controls

@@ -11,7 +11,7 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.arm import SeenArm
 from robomech_ros.rvs.model.moved import Moved
-from robomech_ros.rvs.model.platform import SeenPlatform
+from robomech_ros.rvs.model.platforms.seen_platform import SeenPlatform
 from robomech_ros.rvs.model.seen_plan import SeenPlan, check_same_joints
 from robomech_ros.rvs.model.seen_robot import SeenRobot, seen_robot
 from robomech_ros.rvs.motion import Motion

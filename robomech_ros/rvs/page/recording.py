@@ -14,7 +14,7 @@ from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.eye import marker_points, seen_points
 from robomech_ros.rvs.model.ghosts import PALETTE, GhostMaker, Ghosts
 from robomech_ros.rvs.model.live_robot import SeenMarker
-from robomech_ros.rvs.model.platform_ghosts import PlatformGhosts
+from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
 from robomech_ros.rvs.model.seen_robot import SeenRobot, seen_robot
 from robomech_ros.rvs.motion import Choice, Motion
 from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes

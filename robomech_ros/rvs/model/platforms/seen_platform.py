@@ -16,8 +16,8 @@ from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Mechanism, ParallelRobot
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.rvs.model.arm import OPEN_TURN, ROUNDING, Travel
-from robomech_ros.rvs.model.platform_ghosts import PlatformGhosts
-from robomech_ros.rvs.model.platform_lists import PlatformList
+from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
+from robomech_ros.rvs.model.platforms.lists import PlatformList
 from robomech_ros.rvs.model.postures import PoseStudy
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.spatial import as_pose, pose_error

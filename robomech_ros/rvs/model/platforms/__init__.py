@@ -1,0 +1,1 @@
+"""What the view shows of a parallel robot; knows no browser."""
