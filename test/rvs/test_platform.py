@@ -105,7 +105,7 @@ def test_modes_have_the_same_drives_and_branches_the_same_pose(name, kind):
 
 
 def test_a_posture_keeps_its_number_while_the_robot_moves():
-    platform = SeenPlatform(load_parallel("hexapod"))
+    platform = SeenPlatform(load_parallel("sgp_6_3"))
     first = platform_list(platform.robot, platform.q, LISTS[0])
     platform.know(first)
     platform.take(3)

@@ -328,4 +328,5 @@ class SeenPlatform:
             expected = (
                 f"{low:.6g} to {high:.6g} {unit}, or in its cone: {off[worst]:.3g} {unit} off"
             )
-            raise BadValueError(f"joint '{mechanism.joint_names[worst]}'", q[worst], expected)
+            joint = f"joint '{mechanism.joint_names[worst]}'"
+            raise BadValueError(joint, float(q[worst]), expected)
