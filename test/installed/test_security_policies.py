@@ -74,7 +74,7 @@ def test_the_policy_has_the_schemas_form_and_allows_what_running_nodes_do(
                     wanted -= {"/tf", "/tf_static"}
                 if (node, way) == ("rvs", "subscribe"):
                     # And the view to markers while a page shows them.
-                    wanted -= {"/left/kinematics/markers"}
+                    wanted -= {"/left/kinematics/markers", "/left/calibration/markers"}
                 while (there := seen(outsider, node, way)) != wanted:
                     assert time.monotonic() < deadline, f"{node} {way}: {there ^ wanted}"
                     time.sleep(0.1)

@@ -13,7 +13,7 @@ from types import FrameType
 from typing import Any
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.process.launch_options import LaunchOptions, config_file
+from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.nodes.process.process_group import ProcessGroup
 from robomech_ros.nodes.process.reach import reach, stay_on_this_machine
 from robomech_ros.nodes.process.start import NODE_MODULES
@@ -169,9 +169,8 @@ def _run_here(options: LaunchOptions) -> int:
     """Run all nodes in this process."""
     from robomech_ros.nodes.process.run import run_nodes
 
-    files = [argument for node in options.nodes for argument in config_file(node)]
-    arguments = ["robomech", "--ros-args", *files, *options.ros_arguments()]
-    return run_nodes([node_class(node) for node in options.nodes], arguments)
+    with options.arguments_of_one_process() as arguments:
+        return run_nodes([node_class(node) for node in options.nodes], ["robomech", *arguments])
 
 
 def check(args: argparse.Namespace) -> None:

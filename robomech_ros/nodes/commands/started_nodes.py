@@ -15,7 +15,7 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.commands.bringup import node_class
 from robomech_ros.nodes.commands.policy_xml import NodeRights, rights_of
 from robomech_ros.nodes.process.free_domain import free_domain
-from robomech_ros.nodes.process.launch_options import LaunchOptions, config_file
+from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.nodes.process.reach import stay_on_this_machine
 from robomech_ros.nodes.process.run import Spinner
 from robomech_ros.nodes.rvs.node import RvsNode
@@ -34,11 +34,10 @@ class NotUpError(RobomechError):
 def rights_of_started(options: LaunchOptions) -> list[NodeRights]:
     """Start the nodes in a domain of their own, and look at all that they have there."""
     stay_on_this_machine()
-    files = [argument for node in options.nodes for argument in config_file(node)]
-    with free_domain() as domain:
+    with free_domain() as domain, options.arguments_of_one_process() as arguments:
         os.environ["ROS_DOMAIN_ID"] = str(domain)
         rclpy.init(
-            args=["robomech", "--ros-args", *files, *options.ros_arguments()],
+            args=["robomech", *arguments],
             signal_handler_options=SignalHandlerOptions.NO,
         )
         nodes: list[Node] = []

@@ -1,9 +1,15 @@
 """Options for all nodes of a robot, and the command line of each."""
 
 import json
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
+from typing import Any
+
+import yaml
 
 from robomech_ros.nodes.process.process_group import node_command
 from robomech_ros.nodes.process.start import NODE_MODULES
@@ -81,11 +87,26 @@ class LaunchOptions:
 
     def commands(self) -> dict[str, list[str]]:
         """Give the command line of each node's process."""
-        shared = self.ros_arguments()
-        return {node: node_command(node, [*config_file(node), *shared]) for node in self.nodes}
+        shared, own = _apart(self.ros_arguments())
+        return {
+            node: node_command(node, [*config_file(node), *shared, *_given(own.get(node, {}))])
+            for node in self.nodes
+        }
+
+    @contextmanager
+    def arguments_of_one_process(self) -> Iterator[list[str]]:
+        """Give the ROS arguments for all nodes in one process, as long as it needs them."""
+        files = [argument for node in self.nodes for argument in config_file(node)]
+        shared, own = _apart(self.ros_arguments())
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "parameters.yaml"
+            values = {node: {"ros__parameters": its} for node, its in own.items()}
+            path.write_text(yaml.serialize(_document({"/**": values})), encoding="utf-8")
+            last = ["--params-file", str(path)] if own else []
+            yield ["--ros-args", *files, *shared, *last]
 
     def ros_arguments(self) -> list[str]:
-        """Turn the options into ROS arguments, the same for every node."""
+        """Turn the options into ROS arguments; parameters of one node have its name in front."""
         result = []
         for name in self.params_files:
             result += ["--params-file", name]
@@ -143,6 +164,37 @@ class LaunchOptions:
     def _robot(self) -> str:
         is_path = bool(Path(self.robot).suffix) or "/" in self.robot
         return _absolute(self.robot) if self.robot and is_path else self.robot
+
+
+def _apart(arguments: Sequence[str]) -> tuple[list[str], dict[str, dict[str, str]]]:
+    """Part arguments for every node from the parameters, by name, of each node alone.
+
+    ROS takes `-p node:name:=value` for a node without a namespace only.
+    """
+    shared, own = list[str](), dict[str, dict[str, str]]()
+    words = iter(arguments)
+    for word in words:
+        value = next(words, None) if word in _PARAMETER else None
+        node, _, assignment = (value or "").partition(":")
+        name, assigned, text = assignment.partition(":=")
+        if node in NODE_MODULES and assigned:
+            own.setdefault(node, {})[name] = text
+        else:
+            shared += [word] if value is None else [word, value]
+    return shared, own
+
+
+def _given(parameters: dict[str, str]) -> list[str]:
+    """Turn parameters into ROS arguments for the one node of a process."""
+    return [word for name, text in parameters.items() for word in ("-p", f"{name}:={text}")]
+
+
+def _document(tree: Mapping[str, Any] | str) -> yaml.Node:
+    """Make a YAML document of texts as they are: `1e-3` is a number to ROS, none to YAML 1.1."""
+    if isinstance(tree, str):
+        return yaml.compose(tree, yaml.SafeLoader) or yaml.ScalarNode("tag:yaml.org,2002:null", "")
+    rows = [(yaml.ScalarNode("tag:yaml.org,2002:str", k), _document(v)) for k, v in tree.items()]
+    return yaml.MappingNode("tag:yaml.org,2002:map", rows)
 
 
 def _parameter_names(node: str) -> set[str]:

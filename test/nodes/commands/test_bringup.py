@@ -42,17 +42,33 @@ def test_the_servo_may_be_left_out():
 def test_calibration_is_one_of_the_nodes_where_it_is_wanted():
     every = commands("--calibration", "--ros-args", "-p", "tracking_base_frame:=camera")
     assert set(every) == set(NODE_MODULES) - {"rvs"}
-    for command in every.values():
-        assert command[-2:] == ["-p", "calibration:tracking_base_frame:=camera"]
+    given = "tracking_base_frame:=camera"
+    assert [node for node, command in every.items() if given in command] == ["calibration"]
 
 
 def test_the_view_is_one_of_the_nodes_where_it_is_wanted():
     given = ("--view", "--view-port", "0", "--view-host", "0.0.0.0")
     every = commands("--robot", "scara", *given)
     assert list(every)[-1] == "rvs" and set(every) == set(NODE_MODULES) - {"calibration"}
-    for option in ("rvs:port:=0", 'rvs:host:="0.0.0.0"'):
-        assert option in every["rvs"]
-    assert not [word for word in commands("--view")["rvs"] if word.startswith("rvs:")]
+    for option in ("port:=0", 'host:="0.0.0.0"'):
+        assert [node for node, command in every.items() if option in command] == ["rvs"]
+    assert not [word for word in commands("--view")["rvs"] if word.startswith(("port:", "host:"))]
+
+
+def test_parameters_of_one_node_reach_it_in_a_namespace_too():
+    """ROS takes -p node:name:=value for nodes without one only: the page's port was 8080."""
+    options = bringup.launch_options(
+        parsed("--namespace", "left", "--rate", "50", "--ros-args", "-p", "servo:period:=2e-2")
+    )
+    every = options.commands()
+    assert every["joint_trajectory_controller"][-2:] == ["-p", "publish_rate:=50.0"]
+    assert every["servo"][-2:] == ["-p", "period:=2e-2"]
+    with options.arguments_of_one_process() as arguments:
+        path = Path(arguments[-1])
+        assert "period: 2e-2\n" in path.read_text("utf-8")
+        written = yaml.safe_load(path.read_text("utf-8"))["/**"]
+        assert written["joint_trajectory_controller"]["ros__parameters"] == {"publish_rate": 50.0}
+    assert not path.exists()
 
 
 @pytest.mark.parametrize(
@@ -71,11 +87,11 @@ def test_options_of_the_view_are_checked(given, text):
 def test_paths_are_made_absolute(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     options = ("--namespace", "/left/", "--rate", "50", "--joint-limits", "limits.yaml")
-    command = commands("--robot", "arm.urdf", *options)["kinematics"]
-    assert f'robot_description:="{tmp_path}/arm.urdf"' in command
-    assert "__ns:=/left" in command
-    assert "joint_trajectory_controller:publish_rate:=50.0" in command
-    assert f'trajectory_planner:joint_limits:="{tmp_path}/limits.yaml"' in command
+    every = commands("--robot", "arm.urdf", *options)
+    for command in every.values():
+        assert f'robot_description:="{tmp_path}/arm.urdf"' in command
+        assert "__ns:=/left" in command
+    assert f'joint_limits:="{tmp_path}/limits.yaml"' in every["trajectory_planner"]
 
 
 def test_groups_go_to_every_node(tmp_path, monkeypatch):
@@ -124,7 +140,7 @@ def test_frames_of_a_namespace_have_its_name_in_front(given, prefix):
 
 def test_ros_arguments_go_to_every_node():
     given = ("-r", "/tf:=tf", "-p", "use_sim_time:=true", "--log-level", "debug")
-    for command in commands("--robot", "ur5e", "--rate", "50", "--ros-args", *given).values():
+    for command in commands("--robot", "ur5e", "--ros-args", *given).values():
         assert command[-len(given) :] == [*given]
         assert command.count("--ros-args") == 1
 
@@ -132,16 +148,13 @@ def test_ros_arguments_go_to_every_node():
 def test_a_parameter_goes_to_the_nodes_that_have_it():
     """Every other node warned of it."""
     given = ("-p", "publish_frames:=never", "--param", "state_timeout:=2.0", "-p", "no:=1")
-    words = commands("--ros-args", *given)["kinematics"]
-    assert "publish_frames:=never" not in words
-    assert words[-10:] == [
-        "-p",
-        "joint_trajectory_controller:publish_frames:=never",
-        *("--param", "kinematics:state_timeout:=2.0"),
-        *("--param", "dynamics:state_timeout:=2.0"),
-        *("--param", "trajectory_planner:state_timeout:=2.0"),
-        *("-p", "no:=1"),
-    ]
+    every = commands("--ros-args", *given)
+    assert all("no:=1" in words for words in every.values())
+    for parameter, owners in (
+        ("publish_frames:=never", {"joint_trajectory_controller"}),
+        ("state_timeout:=2.0", {"kinematics", "dynamics", "trajectory_planner"}),
+    ):
+        assert {node for node, words in every.items() if parameter in words} == owners
 
 
 @pytest.mark.parametrize("node", sorted(NODE_MODULES))
@@ -171,7 +184,7 @@ def test_wrong_ros_arguments_are_refused_once(given, text):
 
 
 def test_drives_may_move_the_robot():
-    given = "joint_trajectory_controller:simulation:=dynamic"
+    given = "simulation:=dynamic"
     assert given in commands("--robot", "ur5e", "--dynamic")["joint_trajectory_controller"]
     of_demonstration = LaunchOptions("ur5e", dynamic=True, servo=False).commands()
     assert given in of_demonstration["joint_trajectory_controller"]
