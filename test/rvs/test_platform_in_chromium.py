@@ -30,17 +30,24 @@ def shown():
         yield page, tab
 
 
-def test_all_assembly_modes_are_listed_and_one_is_taken_by_a_click(shown):
+def test_all_assembly_modes_are_listed_and_one_beyond_limits_is_refused(shown):
     page, tab = shown
     tab.wait_for("document.querySelectorAll('tr[data-posture]').length === 8")
     tab.wait_for("document.body.innerText.includes('these are all')")
-    drives = page._arm.values
-    other = page._arm.study.postures[1].q
+    tab.wait_for("document.body.innerText.includes('7 of them beyond limits of joints')")
+    home = page._arm.q
     tab.value("document.querySelectorAll('tr[data-posture]')[1].click()")
-    wait_until(lambda: np.allclose(page._arm.q, other))
-    np.testing.assert_allclose(page._arm.values, drives)
-    page.home()
-    wait_until(lambda: np.array_equal(page._arm.q, page._arm.mechanism.home()))
+    tab.wait_for("document.querySelector('[data-notice]').innerText.includes('in its cone')")
+    np.testing.assert_array_equal(page._arm.q, home)
+
+
+def test_an_assembly_mode_is_taken_by_a_click():
+    with view("planar_3rpr", port=0) as page, browser(page.url) as tab:
+        tab.wait_for("document.querySelectorAll('tr[data-posture]').length === 4")
+        drives, other = page._arm.values, page._arm.study.postures[1].q
+        tab.value("document.querySelectorAll('tr[data-posture]')[1].click()")
+        wait_until(lambda: np.allclose(page._arm.q, other))
+        np.testing.assert_allclose(page._arm.values, drives)
 
 
 def test_a_leg_that_ends_a_drag_is_red_until_the_gizmo_is_let_go(shown):

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.parallel import Mechanism, ParallelRobot, dexterity
+from robomech_ros.rvs.model.arm import ROUNDING
 from robomech_ros.rvs.model.postures import MOST_POSTURES, Posture
 
 __all__ = ["LISTS", "PlatformList", "platform_list"]
@@ -71,6 +72,9 @@ def platform_list(
         text = f"{len(rows)} {noun} of the limbs hold the platform here; these are all."
     order = _as_before(rows, before)
     postures = tuple(_postures(robot, q, rows[order], [names[k] for k in order]))
+    outside = sum(one.margin < 0.0 for one in postures)
+    if outside:
+        text += f" {outside} of them beyond limits of joints."
     if len(postures) > MOST_POSTURES:
         text += f" The first {MOST_POSTURES} are shown."
     return PlatformList(postures[:MOST_POSTURES], complete, text)
@@ -95,6 +99,9 @@ def _postures(
     mechanism = robot.mechanism
     conditions = _conditions(robot, rows)
     margins = np.minimum(rows - mechanism.lower, mechanism.upper - rows).min(axis=1)
+    # Cones are limits, too, and joints at their ends are within.
+    excess = mechanism.limit_excess(rows).max(axis=1)
+    margins = np.where(excess > ROUNDING, -excess, np.maximum(margins, 0.0))
     distances = np.abs(rows - q).max(axis=1)
     found = []
     for k, name in enumerate(names):
