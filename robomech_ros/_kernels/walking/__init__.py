@@ -1,0 +1,1 @@
+"""Kernels of walking machines: support by feet on the ground."""

@@ -1,0 +1,36 @@
+"""Walking machines: legs, static stability, gaits and a walker (book: section 10.4).
+
+Each part is loaded on first use: the kernels are compiled.
+"""
+
+from typing import TYPE_CHECKING
+
+from robomech_ros.lazy import lazy_exports
+
+if TYPE_CHECKING:
+    from robomech_ros.walking.gaits import GAITS, Gait
+    from robomech_ros.walking.library import list_legged, load_legged
+    from robomech_ros.walking.robot import LeggedRobot
+    from robomech_ros.walking.support import stability_margin, support_polygon
+
+__all__ = [
+    "GAITS",
+    "Gait",
+    "LeggedRobot",
+    "list_legged",
+    "load_legged",
+    "stability_margin",
+    "support_polygon",
+]
+
+_MODULES = {
+    "GAITS": "gaits",
+    "Gait": "gaits",
+    "LeggedRobot": "robot",
+    "list_legged": "library",
+    "load_legged": "library",
+    "stability_margin": "support",
+    "support_polygon": "support",
+}
+
+__getattr__ = lazy_exports(__name__, _MODULES, globals())

@@ -1,0 +1,194 @@
+"""Legged robots by name, by path or from a YAML document.
+
+Joints are given by their axes in the trunk, where all joints of the leg are at zero, and so are
+feet::
+
+    kind: walking
+    name: phantomx
+    source: where the numbers come from
+    trunk: base_link
+    mass_centre: [0.0, 0.0, 0.0]
+    legs:
+      - name: LF
+        foot: [0.3, 0.2, 0.0]
+        home: [0.0, 0.2, -1.5]
+        joints:
+          - {name: coxa, axis: [0, 0, 1], point: [0.1, 0.1, 0], lower: -1, upper: 1, velocity: 6}
+
+or a document names a URDF beside it, in place of the joints::
+
+    urdf: robot.urdf
+    legs:
+      - {name: LF, foot: LF_foot_link, home: [0.0, 0.2, -1.5]}
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.errors import RobomechError, RobotDescriptionError
+from robomech_ros.parallel.mechanism.limb import Axis, chain_of_axes
+from robomech_ros.robots import SerialChain, load_description, robot_folders
+from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
+from robomech_ros.robots.source_files import document_source, documents_in
+from robomech_ros.robots.yaml_rows import read_number, read_positive, read_range, read_text
+from robomech_ros.spatial.poses import assembled
+from robomech_ros.walking.robot import LeggedRobot
+
+__all__ = ["list_legged", "load_legged"]
+
+Array = NDArray[np.float64]
+
+_LEAST_AXIS = 1e-6
+
+
+def list_legged() -> tuple[str, ...]:
+    """List the names of the legged robots in all folders, sorted.
+
+    Examples
+    --------
+    >>> from robomech_ros.walking import list_legged
+    >>> "phantomx" in list_legged()
+    True
+    """
+    return tuple(sorted(_files()))
+
+
+def _files() -> dict[str, Path]:
+    return documents_in(folder / "walking" for folder in robot_folders())
+
+
+def load_legged(name_or_path: str | os.PathLike[str]) -> LeggedRobot:
+    """Load a legged robot.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        A name (see :func:`list_legged`), the path of a YAML file, or the text of one.
+
+    Returns
+    -------
+    LeggedRobot
+
+    Raises
+    ------
+    UnknownRobotError
+        No robot of this name; the error lists those there are.
+    RobotDescriptionError
+        The document cannot be used: the message says where and why.
+
+    See Also
+    --------
+    LeggedRobot.from_description : the legs of a robot that is described by a URDF.
+
+    Examples
+    --------
+    >>> from robomech_ros.walking import load_legged
+    >>> load_legged("go1").leg_names
+    ('FL', 'FR', 'RL', 'RR')
+    """
+    text, where = document_source(name_or_path, _files, LARGEST_YAML)
+    needed = ("kind", "name", "source", "legs")
+    optional = ("notes", "trunk", "mass_centre", "urdf")
+    document = check_keys(parse_yaml(text, where), where, needed, optional)
+    if document["kind"] != "walking":
+        why = f"{str(document['kind'])[:80]!r}, expected walking"
+        raise RobotDescriptionError(f"{where}: kind", why)
+    rows = document["legs"]
+    if not isinstance(rows, list) or not rows:
+        raise RobotDescriptionError(f"{where}: legs", "expected a list of legs")
+    try:
+        make = _from_urdf if "urdf" in document else _from_axes
+        legs, homes = make(document, rows, where)
+        centre = _numbers(document.get("mass_centre", [0.0, 0.0, 0.0]), f"{where}: mass_centre", 3)
+        return LeggedRobot(
+            legs,
+            home=np.concatenate(homes),
+            mass_centre=centre,
+            name=read_text(document["name"], f"{where}: name"),
+            source=read_text(document["source"], f"{where}: source", longest=None),
+        )
+    except RobotDescriptionError:
+        raise
+    except RobomechError as error:
+        raise RobotDescriptionError(where, str(error)) from None
+
+
+def _from_urdf(
+    document: Mapping[str, Any], rows: list[Any], where: str
+) -> tuple[dict[str, SerialChain], list[Array]]:
+    path = Path(read_text(document["urdf"], f"{where}: urdf", longest=None))
+    description = load_description(Path(where).parent / path)
+    legs, homes = dict[str, SerialChain](), []
+    for i, row in enumerate(rows):
+        place = f"{where}: leg {i + 1}"
+        check_keys(row, place, ("name", "foot", "home"), ())
+        name = _new_name(row, legs, place)
+        legs[name] = description.chain(document.get("trunk"), read_text(row["foot"], place))
+        homes.append(_numbers(row["home"], f"{place}: home", 3))
+    return legs, homes
+
+
+def _from_axes(
+    document: Mapping[str, Any], rows: list[Any], where: str
+) -> tuple[dict[str, SerialChain], list[Array]]:
+    trunk = read_text(document.get("trunk", "base_link"), f"{where}: trunk")
+    legs, homes = dict[str, SerialChain](), []
+    for i, row in enumerate(rows):
+        place = f"{where}: leg {i + 1}"
+        check_keys(row, place, ("name", "foot", "home", "joints"), ())
+        name = _new_name(row, legs, place)
+        joints = row["joints"]
+        if not isinstance(joints, list) or len(joints) != 3:
+            raise RobotDescriptionError(f"{place}: joints", "expected a list of three joints")
+        axes = [_axis(joint, name, f"{place}: joint {k + 1}") for k, joint in enumerate(joints)]
+        speeds = [
+            read_positive(joint["velocity"], "velocity", f"{place}: joint {k + 1}")
+            for k, joint in enumerate(joints)
+        ]
+        foot = assembled(np.eye(3), _numbers(row["foot"], f"{place}: foot", 3))
+        chain = chain_of_axes(name, axes, foot, f"{name}_foot")
+        frames = tuple(
+            replace(
+                frame,
+                name=trunk if frame.name == chain.base else frame.name,
+                parent=trunk if frame.parent == chain.base else frame.parent,
+            )
+            for frame in chain.frames
+        )
+        legs[name] = replace(chain, base=trunk, frames=frames, velocity=np.array(speeds))
+        homes.append(_numbers(row["home"], f"{place}: home", 3))
+    return legs, homes
+
+
+def _new_name(row: Mapping[str, Any], legs: Mapping[str, SerialChain], where: str) -> str:
+    name = read_text(row["name"], f"{where}: name")
+    if name in legs:
+        raise RobotDescriptionError(f"{where}: name", f"'{name}' is there twice")
+    return name
+
+
+def _axis(joint: object, leg: str, where: str) -> Axis:
+    needed = ("name", "axis", "point", "lower", "upper", "velocity")
+    row = check_keys(joint, where, needed, ())
+    name = f"{leg}_{read_text(row['name'], f'{where}: name')}"
+    axis = _numbers(row["axis"], f"{where}: axis", 3)
+    length = float(np.linalg.norm(axis))
+    if length < _LEAST_AXIS:
+        raise RobotDescriptionError(f"{where}: axis", f"{row['axis']}, expected a direction")
+    point = _numbers(row["point"], f"{where}: point", 3)
+    limits = read_range({key: row[key] for key in ("lower", "upper")}, "revolute", where)
+    return Axis(name, f"{name}_link", axis / length, point, limits=limits)
+
+
+def _numbers(value: object, where: str, count: int) -> Array:
+    if not isinstance(value, list) or len(value) != count:
+        raise RobotDescriptionError(where, f"expected a list of {count} numbers")
+    return np.array([read_number(item, "entry", where) for item in value])

@@ -1,0 +1,361 @@
+"""A legged robot: a trunk, and legs whose feet are points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError, SeedOutsideLimitsError, WrongSizeError
+from robomech_ros.kinematics import InverseKinematicsResult, forward_kinematics, inverse_kinematics
+from robomech_ros.kinetostatics import jacobian
+from robomech_ros.parallel import Mechanism
+from robomech_ros.robots import RobotDescription, SerialChain
+from robomech_ros.spatial.arrays import as_choice, as_finite, listed
+from robomech_ros.walking.planted import contact_rows, planted_mechanism
+
+__all__ = ["LeggedRobot"]
+
+Array = NDArray[np.float64]
+
+_JOINTS = 3
+# Part of the greatest singular value below which one is zero.
+_ZERO = 1e-9
+_PLACE = (True, True, True, False, False, False)
+
+
+class LeggedRobot:
+    """A trunk with legs of three joints each; feet are points at the ends of the legs.
+
+    Joints are counted leg by leg, each from trunk to foot.
+
+    Parameters
+    ----------
+    legs : mapping of str to SerialChain
+        The legs by name, each a chain from the trunk to its foot.  Gaits want the left legs from
+        front to rear, then the right ones; of four legs front left, front right, rear left, rear
+        right.
+    home : array_like, shape (3 k,), optional
+        The joints of the robot that stands to begin with (rad or m); default those of the chains.
+    mass_centre : array_like, shape (3,), optional
+        In the trunk (m), the legs counted as they are at home.  Default the origin of the trunk.
+    name : str, optional
+        What it is called.
+    source : str, optional
+        Where the numbers come from.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError, SeedOutsideLimitsError
+        Fewer than three legs, one without three joints, trunks that differ, a joint of ``home``
+        outside its limits.
+
+    Examples
+    --------
+    >>> from robomech_ros.walking import load_legged
+    >>> robot = load_legged("phantomx")
+    >>> robot.leg_names, robot.n
+    (('LF', 'LM', 'LR', 'RF', 'RM', 'RR'), 18)
+    """
+
+    def __init__(
+        self,
+        legs: Mapping[str, SerialChain],
+        *,
+        home: ArrayLike | None = None,
+        mass_centre: ArrayLike = (0.0, 0.0, 0.0),
+        name: str = "legged",
+        source: str = "",
+    ) -> None:
+        if not isinstance(legs, Mapping) or not all(isinstance(one, str) for one in legs):
+            raise BadValueError("legs", legs, "chains by the names of the legs")
+        if len(legs) < 3:
+            raise BadValueError("number of legs", len(legs), "3 or more, else it cannot stand")
+        for leg, chain in legs.items():
+            if not isinstance(chain, SerialChain):
+                raise BadValueError(f"leg '{leg}'", chain, "a SerialChain")
+            if chain.n != _JOINTS:
+                raise BadValueError(f"number of joints of leg '{leg}'", chain.n, str(_JOINTS))
+        trunks = sorted({chain.base for chain in legs.values()})
+        if len(trunks) > 1:
+            raise BadValueError("base links of the legs", trunks, "one trunk")
+        self.name, self.source, self.trunk = name, source, trunks[0]
+        self.leg_names = tuple(legs)
+        self.legs = tuple(legs.values())
+        self.joint_names = tuple(joint for leg in self.legs for joint in leg.joint_names)
+        if len(set(self.joint_names)) < len(self.joint_names):
+            raise BadValueError("joint names of the legs", self.joint_names, "different ones")
+        self.lower = np.concatenate([leg.lower for leg in self.legs])
+        self.upper = np.concatenate([leg.upper for leg in self.legs])
+        self.velocity = np.concatenate([leg.velocity for leg in self.legs])
+        own = np.concatenate([leg.home() for leg in self.legs])
+        self.home = own if home is None else self._checked("home", home, (self.n,)).copy()
+        for joint, value, lower, upper in zip(
+            self.joint_names, self.home, self.lower, self.upper, strict=True
+        ):
+            if not lower <= value <= upper:
+                raise SeedOutsideLimitsError(joint, value, lower, upper, "home")
+        self.mass_centre = self._checked("mass_centre", mass_centre, (3,)).copy()
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return _JOINTS * len(self.legs)
+
+    @cached_property
+    def packed(self) -> Array:
+        """The legs as kernels read them, shape (k, 4, 13)."""
+        return np.array([leg.packed for leg in self.legs])
+
+    @staticmethod
+    def _checked(what: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
+        array = as_finite(what, value, shape)
+        if array.shape != shape:
+            raise WrongSizeError(what, array.shape, shape)
+        return array
+
+    @classmethod
+    def from_description(
+        cls,
+        description: RobotDescription,
+        feet: Mapping[str, str],
+        *,
+        trunk: str | None = None,
+        home: ArrayLike | None = None,
+        mass_centre: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> LeggedRobot:
+        """Take the legs of a robot that is described by a URDF.
+
+        Parameters
+        ----------
+        description : RobotDescription
+            See :func:`robomech_ros.robots.load_description`.
+        feet : mapping of str to str
+            The link of the foot of each leg, by the names of the legs.
+        trunk : str, optional
+            The link that carries the legs; default the root.
+        home, mass_centre
+            As for the class.
+
+        Raises
+        ------
+        UnknownLinkError, RobotDescriptionError
+            No such link, or no chain between the two.
+        BadValueError, WrongSizeError, NonFiniteError, SeedOutsideLimitsError
+            As for the class.
+        """
+        if not isinstance(description, RobotDescription):
+            raise BadValueError("description", description, "a RobotDescription")
+        if not isinstance(feet, Mapping):
+            raise BadValueError("feet", feet, "links of feet by the names of the legs")
+        legs = {leg: description.chain(trunk, foot) for leg, foot in feet.items()}
+        return cls(
+            legs,
+            home=home,
+            mass_centre=mass_centre,
+            name=description.name,
+            source=description.source,
+        )
+
+    def joints(self, q: ArrayLike, what: str = "q") -> Array:
+        """Check values of all joints and give them leg by leg, shape (k, 3)."""
+        return np.ascontiguousarray(self._checked(what, q, (self.n,)).reshape(-1, _JOINTS))
+
+    def leg_number(self, leg: str) -> int:
+        """Find a leg by name, or raise BadValueError with the names there are."""
+        return self.leg_names.index(as_choice("leg", leg, self.leg_names))
+
+    def standing(self, stance: Sequence[str] | None, least: int = 3) -> tuple[int, ...]:
+        """Give the numbers of the legs that stand; None stands for all.
+
+        Raises
+        ------
+        BadValueError
+            Not names of legs, or too few to stand on.
+        """
+        if stance is None:
+            return tuple(range(len(self.legs)))
+        names = listed("stance", stance, "names of legs")
+        numbers = tuple(sorted({self.leg_number(name) for name in names}))
+        if len(numbers) < least:
+            raise BadValueError("legs that stand", list(names), f"{least} legs or more")
+        return numbers
+
+    def feet(self, q: ArrayLike) -> Array:
+        """Compute where the feet are in the trunk (m), shape (k, 3).
+
+        Parameters
+        ----------
+        q : array_like, shape (3 k,)
+            All joints (rad or m).
+        """
+        rows = self.joints(q)
+        return np.array(
+            [forward_kinematics(leg, row)[:3, 3] for leg, row in zip(self.legs, rows, strict=True)]
+        )
+
+    def foot_jacobians(self, q: ArrayLike) -> Array:
+        """Compute what takes the rates of each leg to the velocity of its foot in the trunk.
+
+        Parameters
+        ----------
+        q : array_like, shape (3 k,)
+            All joints (rad or m).
+
+        Returns
+        -------
+        ndarray, shape (k, 3, 3)
+        """
+        rows = self.joints(q)
+        return np.array([jacobian(leg, row)[3:] for leg, row in zip(self.legs, rows, strict=True)])
+
+    def postures(
+        self,
+        leg: str,
+        foot: ArrayLike,
+        *,
+        seed: ArrayLike | None = None,
+        respect_limits: bool = True,
+    ) -> InverseKinematicsResult:
+        """Find all postures of a leg for a place of its foot.
+
+        Parameters
+        ----------
+        leg : str
+            Its name.
+        foot : array_like, shape (3,)
+            In the trunk (m).
+        seed : array_like, shape (3,), optional
+            The posture of the leg (rad or m) nearest to which they are sorted; default home.
+        respect_limits : bool, optional
+            Whether postures outside the limits are left out.
+
+        Returns
+        -------
+        InverseKinematicsResult
+            All branches, or the reason why there are none.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError, SeedOutsideLimitsError
+            Not a leg, not a place, or no seed.
+        """
+        k = self.leg_number(leg)
+        T = np.eye(4)
+        T[:3, 3] = self._checked("foot", foot, (3,))
+        near = self.home.reshape(-1, _JOINTS)[k] if seed is None else seed
+        return inverse_kinematics(
+            self.legs[k], T, seed=near, respect_limits=respect_limits, task_mask=_PLACE
+        )
+
+    def stance_rates(
+        self, q: ArrayLike, twist: ArrayLike, stance: Sequence[str] | None = None
+    ) -> Array:
+        """Compute the joint rates with which the trunk moves while feet stand still.
+
+        Parameters
+        ----------
+        q : array_like, shape (3 k,)
+            All joints (rad or m).
+        twist : array_like, shape (6,)
+            [w; v] of the trunk over the ground, at its origin and in its axes (rad/s, m/s).
+        stance : sequence of str, optional
+            The legs that stand, default all; the others keep still.
+
+        Returns
+        -------
+        ndarray, shape (3 k,)
+            rad/s or m/s.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            No such leg, or a leg in a singular posture: it is named.
+
+        See Also
+        --------
+        body_twist : the inverse.
+
+        References
+        ----------
+        Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.4.
+        """
+        given = self._checked("twist", twist, (6,))
+        feet, J = self.feet(q), self.foot_jacobians(q)
+        rates = np.zeros((len(self.legs), _JOINTS))
+        for k in self.standing(stance, 1):
+            values = np.linalg.svd(J[k], compute_uv=False)
+            if values[-1] <= _ZERO * values[0]:
+                what = f"posture of leg '{self.leg_names[k]}'"
+                raise BadValueError(what, self.joints(q)[k].tolist(), "one that is not singular")
+            rates[k] = np.linalg.solve(J[k], -(given[3:] + np.cross(given[:3], feet[k])))
+        return rates.ravel()
+
+    def body_twist(
+        self, q: ArrayLike, rates: ArrayLike, stance: Sequence[str] | None = None
+    ) -> tuple[Array, float]:
+        """Find the twist of the trunk from the rates of the legs that stand.
+
+        Parameters
+        ----------
+        q, rates : array_like, shape (3 k,)
+            All joints and their rates (rad or m, and s).
+        stance : sequence of str, optional
+            The legs that stand, default all.
+
+        Returns
+        -------
+        twist : ndarray, shape (6,)
+            [w; v] of the trunk over the ground, at its origin and in its axes (rad/s, m/s), the
+            one with which the feet slip least.
+        slip : float
+            Root of the sum of the squares of the velocities (m/s) with which the feet slip.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Fewer than three legs, or feet that stand on one line.
+        """
+        standing = list(self.standing(stance))
+        speeds = np.einsum("kij,kj->ki", self.foot_jacobians(q), self.joints(rates, "rates"))
+        rows = contact_rows(self.feet(q)[standing])
+        found, _, rank, _ = np.linalg.lstsq(rows, -speeds[standing].ravel(), rcond=_ZERO)
+        if rank < 6:
+            names = [self.leg_names[k] for k in standing]
+            raise BadValueError("feet that stand", names, "feet that are not on one line")
+        slip = float(np.linalg.norm(rows @ found + speeds[standing].ravel()))
+        return found, slip
+
+    def planted(self, q: ArrayLike, stance: Sequence[str] | None = None) -> Mechanism:
+        """Give the parallel robot that planted feet make: the trunk is its platform.
+
+        Its base is the ground, in the frame of the trunk as it is; a foot is a ball joint.  All
+        joints are counted from the posture given, where they are zero, and keep their names; six
+        of them, those that hold the trunk best, are its drives.
+
+        Parameters
+        ----------
+        q : array_like, shape (3 k,)
+            All joints (rad or m).
+        stance : sequence of str, optional
+            The legs that stand, default all.
+
+        Returns
+        -------
+        Mechanism
+            See :class:`robomech_ros.parallel.Mechanism`.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Fewer than three legs, or a posture in which no six joints hold the trunk.
+        """
+        standing = self.standing(stance)
+        return planted_mechanism(
+            [self.leg_names[k] for k in standing],
+            [self.legs[k] for k in standing],
+            self.joints(q)[list(standing)],
+            self.name,
+        )
