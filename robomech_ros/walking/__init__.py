@@ -11,12 +11,17 @@ if TYPE_CHECKING:
     from robomech_ros.walking.gaits import GAITS, Gait
     from robomech_ros.walking.library import list_legged, load_legged
     from robomech_ros.walking.robot import LeggedRobot
+    from robomech_ros.walking.stride import PoseAnswer
     from robomech_ros.walking.support import stability_margin, support_polygon
+    from robomech_ros.walking.walker import Walker, WalkUpdate
 
 __all__ = [
     "GAITS",
     "Gait",
     "LeggedRobot",
+    "PoseAnswer",
+    "WalkUpdate",
+    "Walker",
     "list_legged",
     "load_legged",
     "stability_margin",
@@ -27,6 +32,9 @@ _MODULES = {
     "GAITS": "gaits",
     "Gait": "gaits",
     "LeggedRobot": "robot",
+    "PoseAnswer": "stride",
+    "WalkUpdate": "walker",
+    "Walker": "walker",
     "list_legged": "library",
     "load_legged": "library",
     "stability_margin": "support",

@@ -21,6 +21,7 @@ GROUPS = (
     "trajectory",
     "dynamics",
     "parallel",
+    "walking",
     "nodes",
     "view",
 )

@@ -1,1 +1,1 @@
-"""Kernels of walking machines: support by feet on the ground."""
+"""Kernels of walking machines: support, legs of three joints, one period of walking."""

@@ -1,0 +1,67 @@
+"""The joints of a leg of three joints for a place of its foot, followed from a posture nearby."""
+
+import math
+
+from robomech_ros._kernels.chain.serial import jacobian_body
+from robomech_ros._kernels.compiling.jit import IN2, IN3, OUT2, i8, kernel, lean, scratch
+
+__all__ = ["CLOSED", "FOLLOWED", "LOST", "follow_feet", "follow_foot"]
+
+FOLLOWED = 0
+LOST = 1
+# Error of a foot (m) that rounding leaves.
+CLOSED = 1e-13
+_STEPS = 30
+# Largest turn of one step (rad), and a determinant (m^3) that is none.
+_FARTHEST = 0.3
+_SINGULAR = 1e-12
+
+
+@lean
+def follow_foot(packed, x, y, z, q, J, T):
+    """Move q (3), where the foot is near (x, y, z) in the trunk, until it is there.
+
+    J (6, 3) and T (4, 4) are working space.  Gives FOLLOWED, or LOST where the foot cannot come
+    closer.
+    """
+    for _ in range(_STEPS):
+        if jacobian_body(packed, q, J, T) != 0:
+            return LOST
+        ex, ey, ez = x - T[0, 3], y - T[1, 3], z - T[2, 3]
+        if abs(ex) + abs(ey) + abs(ez) <= CLOSED:
+            return FOLLOWED
+        a, b, c = J[3, 0], J[3, 1], J[3, 2]
+        d, e, f = J[4, 0], J[4, 1], J[4, 2]
+        g, h, i = J[5, 0], J[5, 1], J[5, 2]
+        m0, m1, m2 = e * i - f * h, f * g - d * i, d * h - e * g
+        det = a * m0 + b * m1 + c * m2
+        if not abs(det) > _SINGULAR:
+            return LOST
+        s0 = (m0 * ex + (c * h - b * i) * ey + (b * f - c * e) * ez) / det
+        s1 = (m1 * ex + (a * i - c * g) * ey + (c * d - a * f) * ez) / det
+        s2 = (m2 * ex + (b * g - a * h) * ey + (a * e - b * d) * ez) / det
+        most = max(abs(s0), abs(s1), abs(s2))
+        part = 1.0 if most <= _FARTHEST else _FARTHEST / most
+        q[0] += part * s0
+        q[1] += part * s1
+        q[2] += part * s2
+        if most < 1e-15:
+            break
+    if jacobian_body(packed, q, J, T) != 0:
+        return LOST
+    miss = math.hypot(x - T[0, 3], math.hypot(y - T[1, 3], z - T[2, 3]))
+    return FOLLOWED if miss <= 100.0 * CLOSED else LOST
+
+
+@kernel(i8(IN3, IN2, OUT2))
+def follow_feet(packed, feet, q):
+    """Move q (legs, 3) until the feet are at the places (legs, 3) in the trunk.
+
+    Gives -1, or the first leg whose foot cannot get there.
+    """
+    J, T = scratch(6, 3), scratch(4, 4)
+    for leg in range(feet.shape[0]):
+        at = feet[leg]
+        if follow_foot(packed[leg], at[0], at[1], at[2], q[leg], J, T) != FOLLOWED:
+            return leg
+    return -1

@@ -1,0 +1,209 @@
+"""What a robot can do with a gait: how far feet may stand from their places, and poses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.walking.legs import follow_feet
+from robomech_ros.errors import BadValueError
+from robomech_ros.outcomes import Code
+from robomech_ros.spatial import matrix_from_euler_angles
+from robomech_ros.walking.gaits import Gait
+from robomech_ros.walking.robot import LeggedRobot
+from robomech_ros.walking.support import stability_margin
+
+__all__ = ["PoseAnswer", "Stride", "stride_of"]
+
+Array = NDArray[np.float64]
+
+STATIC_BOUND, TROT_BOUND = 0.01, -0.04
+# Part of what the margin leaves that feet use; the rest is left to poses of the trunk.
+_FOR_FEET = 0.7
+# Part of the circle within reach of the level robot that feet use, for the same reason.
+_OF_REACH = 0.7
+_LEAST_RADIUS = 0.004
+_AROUND = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
+_ON_THE_WAY = 9
+# Part of the depth of a triangle to which the trunk sways.
+_DEEP = 0.9
+
+
+@dataclass(frozen=True)
+class PoseAnswer:
+    """Whether a pose of the trunk is possible.
+
+    Attributes
+    ----------
+    status : Code
+        NONE, LIMIT where a joint would leave its limits, OUT_OF_REACH where a leg is too short,
+        BAD_VALUE where the robot would tip.
+    leg, joint : str
+        Those in the way, empty where there are none.
+    reason : str
+        In words.
+    """
+
+    status: Code
+    leg: str = ""
+    joint: str = ""
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Stride:
+    """A robot with a gait.
+
+    Attributes
+    ----------
+    gait : Gait
+    bound : float
+        The margin (m) that is kept.
+    spare : float
+        How far the mass centre may move to the side (m) by poses of the trunk.
+    geometry, settings, level : ndarray
+        As the kernel of walking reads them.
+    """
+
+    gait: Gait
+    bound: float
+    spare: float
+    geometry: Array
+    settings: Array
+    level: Array
+
+    def start(self, phase: float) -> float:
+        """Give the next phase at which a walk can begin."""
+        if not self.gait.sways:
+            return phase
+        begins = float(self.gait.duty) - self.geometry[:, 2] - self.settings[4]
+        return float(phase + ((begins - phase) % 1.0).min())
+
+    def pose(self, offset: Array) -> Array:
+        """Give the trunk for an offset, x, y, z and roll, pitch, yaw, as the kernel reads it."""
+        pose = self.level.copy()
+        turn = matrix_from_euler_angles([offset[5], offset[4], offset[3]], "ZYX")
+        pose[:9] = turn.ravel()
+        pose[9:12] += offset[:3]
+        return pose
+
+    def possible(self, robot: LeggedRobot, start: Array, end: Array) -> PoseAnswer:
+        """Say whether the trunk can move from one offset to another with feet in their circles."""
+        parts = np.linspace(0.0, 1.0, _ON_THE_WAY)[1:]
+        poses = [self.pose(start + part * (end - start)) for part in parts]
+        for pose in poses:
+            centre = pose[9:11] + (pose[:9].reshape(3, 3) @ pose[12:15])[:2]
+            off = float(np.hypot(*(centre - self.level[9:11] - self.level[12:14])))
+            if off > self.spare:
+                leg = robot.leg_names[self._weakest(robot)]
+                why = (
+                    f"the mass centre would move {off:.4f} m to the side, and the margin of the "
+                    f"gait '{self.gait.name}' allows {self.spare:.4f} m when leg '{leg}' is lifted"
+                )
+                return PoseAnswer(Code.BAD_VALUE, leg, "", why)
+        for pose in poses:
+            answer = reachable(robot, self.geometry, self.settings, pose)
+            if answer.status != Code.NONE:
+                return answer
+        return PoseAnswer(Code.NONE)
+
+    def _weakest(self, robot: LeggedRobot) -> int:
+        return int(np.argmin(_depths(robot, self.gait, self.geometry)[1]))
+
+
+def _depths(robot: LeggedRobot, gait: Gait, geometry: Array) -> tuple[float, Array]:
+    """Give the least margin with feet at their places, and the least one with each leg lifted."""
+    least = np.full(len(robot.legs), np.inf)
+    for standing in gait.stances(len(robot.legs)):
+        up = [k for k, stands in enumerate(standing) if not stands]
+        centre = robot.mass_centre[:2]
+        if gait.sways and up:
+            centre = centre + geometry[up[0], 3:5]
+        margin = float(stability_margin(centre, geometry[list(standing), :2]))
+        least[up] = np.minimum(least[up], margin)
+    return float(least.min()), least
+
+
+def _sways(robot: LeggedRobot, places: Array) -> Array:
+    """Find where the trunk sways before each leg is lifted: towards the middle of the others."""
+    found = np.zeros((len(places), 2))
+    for k in range(len(places)):
+        a, b, c = np.delete(places, k, axis=0)[:3]
+        sides = np.array([np.hypot(*(b - c)), np.hypot(*(c - a)), np.hypot(*(a - b))])
+        centre = sides @ np.array([a, b, c]) / sides.sum()
+        found[k] = _DEEP * (centre - robot.mass_centre[:2])
+    return found
+
+
+def reachable(robot: LeggedRobot, geometry: Array, settings: Array, pose: Array) -> PoseAnswer:
+    """Say whether all legs reach all of their circles, on the ground and lifted."""
+    radius = float(settings[3])
+    sway = np.hypot(*geometry[:, 3:5].T).max()
+    turn, place = pose[:9].reshape(3, 3), pose[9:12]
+    count = len(robot.legs)
+    for height in (0.0, float(settings[2])):
+        for angle in _AROUND:
+            points = np.zeros((count, 3))
+            away = (radius + sway) * np.array([np.cos(angle), np.sin(angle)])
+            points[:, :2] = geometry[:, :2] + away
+            points[:, 2] = height
+            feet = np.ascontiguousarray((points - place) @ turn)
+            q = robot.home.reshape(count, 3).copy()
+            lost = int(follow_feet(robot.packed, feet, q))
+            if lost >= 0:
+                leg = robot.leg_names[lost]
+                joint = robot.legs[lost].joint_names[-1]
+                why = f"leg '{leg}' is too short, even with joint '{joint}' stretched out"
+                return PoseAnswer(Code.OUT_OF_REACH, leg, joint, why)
+            flat = q.ravel()
+            excess = np.maximum(robot.lower - flat, flat - robot.upper)
+            worst = int(np.argmax(excess))
+            if excess[worst] > 0.0:
+                leg, joint = robot.leg_names[worst // 3], robot.joint_names[worst]
+                why = (
+                    f"joint '{joint}' of leg '{leg}' would be {excess[worst]:.4f} outside its "
+                    f"limits [{robot.lower[worst]:.4f}, {robot.upper[worst]:.4f}]"
+                )
+                return PoseAnswer(Code.LIMIT, leg, joint, why)
+    return PoseAnswer(Code.NONE)
+
+
+def stride_of(
+    robot: LeggedRobot, gait: Gait, cycle: float, lift: float, bound: float | None
+) -> Stride:
+    """Find how far feet may stand from their places so that legs reach them and nothing tips.
+
+    Raises
+    ------
+    BadValueError
+        The gait is for other robots, or keeps no such margin, or legs reach no such place.
+    """
+    least = (STATIC_BOUND if gait.static else TROT_BOUND) if bound is None else bound
+    feet = robot.feet(robot.home)
+    phases = np.array([float(one) for one in gait.phases(len(robot.legs))])
+    geometry = np.zeros((len(robot.legs), 5))
+    geometry[:, :2], geometry[:, 2] = feet[:, :2], phases
+    sway = 0.0
+    if gait.sways:
+        geometry[:, 3:5] = _sways(robot, feet[:, :2])
+        sway = 1.0 / len(robot.legs) - (1.0 - float(gait.duty))
+    deepest, of_legs = _depths(robot, gait, geometry)
+    budget = deepest - least
+    leg = robot.leg_names[int(np.argmin(of_legs))]
+    if budget <= 0.0:
+        what = f"margin of the gait '{gait.name}' with leg '{leg}' lifted"
+        raise BadValueError(what, deepest, f"more than the bound {least:g} m")
+    level = np.zeros(15)
+    level[:9], level[11], level[12:] = np.eye(3).ravel(), -feet[:, 2].mean(), robot.mass_centre
+    radius = _FOR_FEET * budget
+    while True:
+        settings = np.array([cycle, float(gait.duty), lift, radius, sway, 0.0])
+        answer = reachable(robot, geometry, settings, level)
+        if answer.status == Code.NONE:
+            radius = settings[3] = _OF_REACH * radius
+            return Stride(gait, least, budget - radius, geometry, settings, level)
+        radius *= 0.8
+        if radius < _LEAST_RADIUS:
+            raise BadValueError("home of the robot", robot.home.tolist(), answer.reason)

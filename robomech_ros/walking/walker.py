@@ -1,0 +1,378 @@
+"""A legged robot that walks as it is commanded, one period after the other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.walking.stepping import advance, possible_part
+from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeError
+from robomech_ros.outcomes import Code
+from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
+from robomech_ros.walking.gaits import GAITS
+from robomech_ros.walking.robot import LeggedRobot
+from robomech_ros.walking.stride import PoseAnswer, Stride, stride_of
+
+__all__ = ["WalkUpdate", "Walker"]
+
+Array = NDArray[np.float64]
+
+_STILL = np.zeros(3)
+# Ratio to the velocity limit that a slowed period aims at.
+_BELOW = 0.999
+_TRIES = 8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WalkUpdate:
+    """What one period of walking gives.
+
+    Attributes
+    ----------
+    q, rates : ndarray, shape (3 k,)
+        All joints, and their mean rates over the period (rad or m, and s).
+    contacts : ndarray of bool, shape (k,)
+        Which feet stand.
+    feet : ndarray, shape (k, 3)
+        Over the ground (m).
+    base : ndarray, shape (3,)
+        x, y (m) and yaw (rad) over the ground of the frame that moves with the command.
+    trunk : ndarray, shape (4, 4)
+        Pose of the trunk over the ground (m).
+    twist : ndarray, shape (3,)
+        [w, vx, vy] of that frame in its own axes (rad/s, m/s).
+    margin : float
+        Static stability margin (m).
+    part : float
+        Part of the commanded twist that feet and joints allow, 1 where nothing limits it.
+    walking : bool
+        Whether feet move; if not, all are down.
+    """
+
+    q: Array
+    rates: Array
+    contacts: NDArray[np.bool_]
+    feet: Array
+    base: Array
+    trunk: Array
+    twist: Array
+    margin: float
+    part: float
+    walking: bool
+
+
+class Walker:
+    """A legged robot that follows twists, period by period.
+
+    Feet that stand do not move.  Each may stand within a circle around its place below the trunk,
+    small enough for its leg to reach all of it and for the margin to keep its bound in whatever
+    pattern feet stand; a command that would lead a foot out of it is scaled, which keeps its
+    curvature, and a period in which a joint would be too fast is slowed down as a whole.
+
+    Parameters
+    ----------
+    robot : LeggedRobot
+        With velocity limits of all joints.
+    gait : str, optional
+        One of :data:`GAITS`; default tripod for six legs, crawl for four.
+    period : float, optional
+        Time between updates (s).
+    cycle : float, optional
+        Duration of a cycle of the gait (s).
+    lift : float, optional
+        How high feet are lifted (m).
+    bound : float, optional
+        Margin that is kept (m); default 0.01, and of the trot, which stands on lines, -0.04.
+    timeout : float, optional
+        Time without a command (s) after which the robot stops, all feet down.
+    acceleration : sequence of float, optional
+        Bounds of [w, vx, vy] (rad/s^2, m/s^2).
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError, MissingLimitsError
+        Not such values, a gait for other robots, or one that keeps no such margin.
+
+    Examples
+    --------
+    >>> from robomech_ros.walking import Walker, load_legged
+    >>> walker = Walker(load_legged("phantomx"))
+    >>> walker.command([0.0, 0.05, 0.0])
+    >>> update = walker.update()
+    >>> update.walking, int(update.contacts.sum()) >= 3
+    (True, True)
+    """
+
+    def __init__(
+        self,
+        robot: LeggedRobot,
+        *,
+        gait: str | None = None,
+        period: float = 0.005,
+        cycle: float = 1.2,
+        lift: float = 0.03,
+        bound: float | None = None,
+        timeout: float = 0.5,
+        acceleration: ArrayLike = (1.0, 0.5, 0.5),
+    ) -> None:
+        if not isinstance(robot, LeggedRobot):
+            raise BadValueError("robot", robot, "a LeggedRobot")
+        missing = [
+            name
+            for name, speed in zip(robot.joint_names, robot.velocity, strict=True)
+            if not np.isfinite(speed)
+        ]
+        if missing:
+            raise MissingLimitsError("velocity", missing)
+        self.robot = robot
+        self.period = _positive("period", period)
+        self.cycle, self.lift = _positive("cycle", cycle), _positive("lift", lift)
+        self.timeout = _positive("timeout", timeout)
+        self._bound = None if bound is None else real_number("bound", bound, "a number (m)")
+        self._acceleration = _three("acceleration", acceleration)
+        if self._acceleration.min() <= 0.0:
+            raise BadValueError("acceleration", self._acceleration.tolist(), "three above 0")
+        chosen = gait if gait is not None else ("crawl" if len(robot.legs) == 4 else "tripod")
+        self._stride = self._strides(chosen)
+        self._waiting: Stride | None = None
+        self._set_up()
+
+    def _set_up(self) -> None:
+        count = len(self.robot.legs)
+        self._limits = np.ascontiguousarray(
+            np.stack(
+                [
+                    one.reshape(count, 3)
+                    for one in (self.robot.lower, self.robot.upper, self.robot.velocity)
+                ],
+                axis=1,
+            )
+        )
+        self._pose = self._stride.level.copy()
+        self._offset = np.zeros(6)
+        self._way: tuple[Array, Array, float] | None = None
+        self._command, self._velocity = np.zeros(3), np.zeros(3)
+        self._age, self._walking = np.inf, False
+        self._body = np.zeros(15)
+        self._feet = np.zeros((count, 8))
+        self._feet[:, :2] = self._stride.geometry[:, :2]
+        self._q = self.robot.home.reshape(count, 3).copy()
+        self._margin = 0.0
+        self._part = 1.0
+        self._step(_STILL, self._pose, self.period)
+
+    def _strides(self, gait: str) -> Stride:
+        known = GAITS[as_choice("gait", gait, tuple(GAITS))]
+        return stride_of(self.robot, known, self.cycle, self.lift, self._bound)
+
+    @property
+    def gait(self) -> str:
+        """Name of the gait."""
+        return self._stride.gait.name
+
+    @property
+    def bound(self) -> float:
+        """The margin (m) that is kept."""
+        return self._stride.bound
+
+    @property
+    def radius(self) -> float:
+        """How far from its place (m) a foot may stand."""
+        return float(self._stride.settings[3])
+
+    def command(self, twist: ArrayLike) -> None:
+        """Command a twist, until the next one or the time-out.
+
+        Parameters
+        ----------
+        twist : array_like, shape (3,)
+            [w, vx, vy] of the trunk in its own axes (rad/s, m/s).
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not three finite numbers; the last command holds.
+        """
+        self._command = _three("twist", twist).copy()
+        self._age = 0.0
+
+    def command_gait(self, gait: str) -> None:
+        """Change the gait, as soon as the robot stands; until then it stops.
+
+        Raises
+        ------
+        BadValueError
+            No gait of this name, or none for this robot.
+        """
+        stride = self._strides(gait)
+        answer = stride.possible(self.robot, self._offset, self._offset)
+        if answer.status != Code.NONE:
+            raise BadValueError("gait", gait, f"one that suits the pose: {answer.reason}")
+        self._waiting = stride
+
+    def command_pose(self, pose: ArrayLike, duration: float = 1.0) -> PoseAnswer:
+        """Move the trunk over the feet, if that neither tips the robot nor overstretches a leg.
+
+        Parameters
+        ----------
+        pose : array_like, shape (6,)
+            x, y, z (m) and roll, pitch, yaw (rad) beside the level pose at nominal height.
+        duration : float, optional
+            Time to get there (s).
+
+        Returns
+        -------
+        PoseAnswer
+            NONE, else why it is refused, with leg and joint; nothing moves then.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not such numbers.
+        """
+        target = as_finite("pose", pose, (6,))
+        if target.shape != (6,):
+            raise WrongSizeError("pose", target.shape, (6,))
+        time = _positive("duration", duration)
+        answer = self._stride.possible(self.robot, self._offset, target)
+        if answer.status == Code.NONE:
+            self._way = (self._offset.copy(), target.copy(), -time)
+            self._passed = 0.0
+        return answer
+
+    def update(self) -> WalkUpdate:
+        """Go on by one period."""
+        self._age += self.period
+        wanted = self._command
+        if self._age > self.timeout or self._waiting is not None:
+            wanted = _STILL
+        most = self._acceleration * self.period
+        self._velocity = self._velocity + np.clip(wanted - self._velocity, -most, most)
+        moves = bool(self._velocity.any())
+        if moves and not self._walking:
+            self._walking = True
+            self._body[3], self._body[10] = self._stride.start(self._body[3]), -1.0
+        geometry, settings = self._stride.geometry, self._stride.settings
+        self._part = (
+            possible_part(geometry, settings, self._body, self._feet, self._velocity)
+            if moves
+            else 1.0
+        )
+        used = self._go(self._velocity * self._part)
+        self._part *= used
+        if self._walking and not moves and self._at_rest():
+            self._walking = False
+        if not self._walking and self._waiting is not None:
+            self._stride, self._waiting = self._waiting, None
+        return self._seen()
+
+    def _go(self, twist: Array) -> float:
+        """Make one period, slowed down where a joint would be too fast; give the part of it."""
+        part = 1.0
+        for _ in range(_TRIES):
+            time = part * self.period
+            passed = self._pose_at(time)
+            state = self._step(twist, self._pose, time)
+            if state <= 1.0:
+                break
+            part *= _BELOW / state
+        else:
+            self._offset = self._before
+            self._pose = self._stride.pose(self._offset)
+            part = 0.0
+            self._step(_STILL, self._pose, 0.0)
+        if self._way is not None:
+            self._passed = passed if part else self._passed
+            if self._passed >= -self._way[2]:
+                self._way = None
+        self._body, self._feet, self._q = self._next
+        self._twist = twist * part
+        return part
+
+    def _pose_at(self, time: float) -> float:
+        """Set the pose of the trunk for the end of a period; give how much of its way is over."""
+        if self._way is None:
+            self._before = self._offset
+            return 0.0
+        start, end, length = self._way
+        part = min(1.0, (self._passed + time) / -length)
+        before = min(1.0, self._passed / -length)
+        smooth = [one**3 * (10.0 + one * (6.0 * one - 15.0)) for one in (before, part)]
+        self._before = start + smooth[0] * (end - start)
+        self._offset = start + smooth[1] * (end - start)
+        self._pose = self._stride.pose(self._offset)
+        return self._passed + time
+
+    def _step(self, twist: Array, pose: Array, time: float) -> float:
+        """Compute the next state; give the largest part of a joint's speed, inf out of limits."""
+        settings = self._stride.settings.copy()
+        settings[5] = 1.0 if self._walking else 0.0
+        body, feet, q = np.empty(15), np.empty_like(self._feet), np.empty_like(self._q)
+        rates, report = np.empty_like(self._q), np.empty(4)
+        lost = advance(
+            self.robot.packed,
+            self._limits,
+            self._stride.geometry,
+            settings,
+            twist,
+            pose,
+            self._body,
+            self._feet,
+            self._q,
+            time,
+            self.period,
+            body,
+            feet,
+            q,
+            rates,
+            report,
+        )
+        self._next, self._rates, self._margin = (body, feet, q), rates, float(report[0])
+        self._twist = twist
+        return np.inf if lost >= 0 or report[3] > 1e-9 else float(report[1])
+
+    def _at_rest(self) -> bool:
+        """Tell whether all feet stand at their places and the trunk does not sway."""
+        if self._feet[:, 7].any() or self._body[4] != 0.0 or self._body[5] != 0.0:
+            return False
+        c, s = np.cos(self._body[2]), np.sin(self._body[2])
+        away = (self._feet[:, :2] - self._body[:2]) @ np.array([[c, -s], [s, c]])
+        return bool(np.abs(away - self._stride.geometry[:, :2]).max() < 1e-6)
+
+    def _seen(self) -> WalkUpdate:
+        body = self._body
+        c, s = np.cos(body[2]), np.sin(body[2])
+        trunk = np.eye(4)
+        pose = self._pose
+        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        trunk[:3, :3] = turn @ pose[:9].reshape(3, 3)
+        place = np.array([pose[9] + body[4], pose[10] + body[5], pose[11]])
+        trunk[:3, 3] = turn @ place + [body[0], body[1], 0.0]
+        return WalkUpdate(
+            q=self._q.ravel(),
+            rates=self._rates.ravel(),
+            contacts=self._feet[:, 7] == 0.0,
+            feet=self._feet[:, :3],
+            base=body[:3],
+            trunk=trunk,
+            twist=self._twist,
+            margin=self._margin,
+            part=self._part,
+            walking=self._walking,
+        )
+
+
+def _positive(what: str, value: object) -> float:
+    number = real_number(what, value, "a number above 0")
+    if not 0.0 < number < np.inf:
+        raise BadValueError(what, value, "a number above 0")
+    return number
+
+
+def _three(what: str, value: ArrayLike) -> Array:
+    array = as_finite(what, value, (3,))
+    if array.shape != (3,):
+        raise WrongSizeError(what, array.shape, (3,))
+    return np.ascontiguousarray(array)

@@ -1,0 +1,164 @@
+"""A walker: feet that stand still, margins, limits, time-outs and refusals."""
+
+import numpy as np
+import pytest
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.outcomes import Code
+from robomech_ros.walking import GAITS, Walker, load_legged, stability_margin
+
+ROBOTS = {
+    "wave": "phantomx",
+    "ripple": "phantomx",
+    "tripod": "phantomx",
+    "crawl": "go1",
+    "trot": "go1",
+}
+FAST = np.array([0.6, 0.12, 0.12])
+
+
+def walker_of(gait, **options):
+    return Walker(load_legged(ROBOTS[gait]), gait=gait, **options)
+
+
+def check(walker, last, update, deep):
+    """What holds in every period."""
+    robot = walker.robot
+    assert update.margin >= walker.bound - 1e-12
+    assert update.contacts.sum() >= (3 if GAITS[walker.gait].static else 2)
+    assert (np.abs(update.rates) <= robot.velocity * (1.0 + 1e-9)).all()
+    assert (update.q >= robot.lower - 1e-9).all() and (update.q <= robot.upper + 1e-9).all()
+    both = update.contacts & last.contacts
+    assert np.abs(update.feet[both] - last.feet[both]).max(initial=0.0) <= 1e-9
+    if deep:
+        seen = robot.feet(update.q) @ update.trunk[:3, :3].T + update.trunk[:3, 3]
+        assert np.abs(seen - update.feet).max() <= 1e-9
+        centre = update.trunk[:3, :3] @ robot.mass_centre + update.trunk[:3, 3]
+        margin = stability_margin(centre[:2], update.feet[update.contacts, :2])
+        assert update.margin == pytest.approx(margin, abs=1e-12)
+
+
+def stroll(gait, periods, seed):
+    """Random commands, poses and time-outs."""
+    walker, rng = walker_of(gait), np.random.default_rng(seed)
+    last, twist, accepted = walker.update(), np.zeros(3), 0
+    gone = 0.0
+    for k in range(periods):
+        if k % 170 == 0:
+            twist = FAST * rng.uniform(-1.0, 1.0, 3) * (rng.random() < 0.85)
+        if k % 60 == 0 and rng.random() < 0.9:
+            walker.command(twist)
+        if k % 700 == 350:
+            pose = rng.uniform(-1.0, 1.0, 6) * [0.01, 0.01, 0.01, 0.05, 0.05, 0.1]
+            accepted += walker.command_pose(pose).status == Code.NONE
+        update = walker.update()
+        check(walker, last, update, k % 50 == 0)
+        gone += float(np.hypot(*(update.base[:2] - last.base[:2])))
+        last = update
+    assert gone > 0.01
+    return walker
+
+
+@pytest.mark.parametrize("gait", ROBOTS)
+def test_margins_limits_and_standing_feet_under_random_commands(gait):
+    stroll(gait, 4000, 1)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("gait", ROBOTS)
+def test_ten_minutes_of_random_commands(gait):
+    stroll(gait, 120000, 2)
+
+
+@pytest.mark.parametrize("gait", ["wave", "ripple", "tripod", "trot"])
+def test_the_trunk_moves_as_commanded_and_legs_stand_as_long_as_the_gait_says(gait):
+    walker = walker_of(gait, timeout=100.0, cycle=2.4)
+    twist = np.array([0.02, 0.004, 0.002])
+    walker.command(twist)
+    steps = round(walker.cycle / walker.period)
+    for _ in range(3 * steps):
+        walker.update()
+    contacts = []
+    for _ in range(steps):
+        update = walker.update()
+        assert update.twist == pytest.approx(twist, abs=1e-9) and update.part == 1.0
+        contacts.append(update.contacts)
+    duty = float(GAITS[gait].duty)
+    assert np.abs(np.sum(contacts, axis=0) - duty * steps).max() <= 1.0
+
+
+@pytest.mark.parametrize("gait", ROBOTS)
+def test_a_time_out_ends_with_all_feet_down(gait):
+    walker = walker_of(gait)
+    walker.command([0.1, 0.02, 0.01])
+    last = walker.update()
+    for k in range(4000):
+        update = walker.update()
+        check(walker, last, update, k % 100 == 0)
+        last = update
+    assert not update.walking and update.contacts.all() and not update.twist.any()
+    assert np.array_equal(walker.update().q, update.q)
+
+
+def test_the_margin_is_kept_through_changes_of_the_gait():
+    walker = walker_of("tripod", timeout=1e9)
+    walker.command([0.2, 0.05, 0.0])
+    last, seen = walker.update(), set()
+    for k in range(6000):
+        if k % 1000 == 500:
+            walker.command_gait(("ripple", "wave", "tripod")[k // 1000 % 3])
+        update = walker.update()
+        check(walker, last, update, k % 50 == 0)
+        last = update
+        seen.add(walker.gait)
+    assert seen == {"tripod", "ripple", "wave"} and update.walking
+    with pytest.raises(RobomechError, match="number of legs for the gait 'trot'"):
+        walker.command_gait("trot")
+
+
+@pytest.mark.parametrize("gait", ROBOTS)
+def test_poses_on_planted_feet_close_every_leg(gait):
+    walker = walker_of(gait)
+    feet = walker.update().feet.copy()
+    assert walker.command_pose([0.002, -0.002, 0.004, 0.01, 0.01, 0.02]).status == Code.NONE
+    for _ in range(400):
+        update = walker.update()
+        seen = walker.robot.feet(update.q) @ update.trunk[:3, :3].T + update.trunk[:3, 3]
+        assert np.abs(seen - feet).max() <= 1e-9
+    height = -walker.robot.feet(walker.robot.home)[:, 2].mean()
+    assert update.trunk[:3, 3] == pytest.approx([0.002, -0.002, height + 0.004], abs=1e-12)
+
+
+@pytest.mark.parametrize("gait", ["tripod", "crawl"])
+def test_poses_that_overstretch_or_tip_are_refused_by_leg_and_joint(gait):
+    walker = walker_of(gait)
+    before = walker.update()
+    high = walker.command_pose([0.0, 0.0, 0.5, 0.0, 0.0, 0.0])
+    assert high.status in (Code.OUT_OF_REACH, Code.LIMIT)
+    assert high.leg in walker.robot.leg_names and high.joint in walker.robot.joint_names
+    assert high.leg in high.reason and high.joint in high.reason
+    aside = walker.command_pose([0.0, 0.2, 0.0, 0.0, 0.0, 0.0])
+    assert aside.status == Code.BAD_VALUE and aside.leg in aside.reason
+    for _ in range(50):
+        assert np.array_equal(walker.update().q, before.q)
+
+
+def test_wrong_requests_say_so_and_move_nothing():
+    walker = walker_of("tripod")
+    robot = walker.robot
+    cases = [
+        (lambda: walker.command([np.nan, 0.0, 0.0]), "twist"),
+        (lambda: walker.command([0.0, 0.0]), "twist"),
+        (lambda: walker.command_pose([0.0] * 5), "pose"),
+        (lambda: walker.command_pose([0.0] * 6, duration=0.0), "duration"),
+        (lambda: walker.command_gait("gallop"), "one of wave"),
+        (lambda: Walker(robot, period=0.0), "period"),
+        (lambda: Walker(robot, bound=1.0), "margin of the gait"),
+        (lambda: Walker(robot, acceleration=[1.0, 0.0, 1.0]), "acceleration"),
+        (lambda: Walker("robot"), "a LeggedRobot"),
+    ]
+    for call, text in cases:
+        with pytest.raises(RobomechError) as caught:
+            call()
+        assert text in str(caught.value)
+    assert not walker.update().walking
