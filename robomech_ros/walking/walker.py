@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels.walking.stepping import advance, possible_part
+from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros._kernels.walking import stepping
 from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeError
 from robomech_ros.outcomes import Code
 from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
@@ -19,6 +20,7 @@ __all__ = ["WalkUpdate", "Walker"]
 
 Array = NDArray[np.float64]
 
+_ADVANCE, _POSSIBLE = direct(stepping.advance), direct(stepping.possible_part)
 _STILL = np.zeros(3)
 # Ratio to the velocity limit that a slowed period aims at.
 _BELOW = 0.999
@@ -249,16 +251,15 @@ class Walker:
         if self._age > self.timeout or self._waiting is not None:
             wanted = _STILL
         most = self._acceleration * self.period
-        self._velocity = self._velocity + np.clip(wanted - self._velocity, -most, most)
+        change = np.minimum(np.maximum(wanted - self._velocity, -most), most)
+        self._velocity = self._velocity + change
         moves = bool(self._velocity.any())
         if moves and not self._walking:
             self._walking = True
             self._body[3], self._body[10] = self._stride.start(self._body[3]), -1.0
         geometry, settings = self._stride.geometry, self._stride.settings
         self._part = (
-            possible_part(geometry, settings, self._body, self._feet, self._velocity)
-            if moves
-            else 1.0
+            _POSSIBLE(geometry, settings, self._body, self._feet, self._velocity) if moves else 1.0
         )
         used = self._go(self._velocity * self._part)
         self._part *= used
@@ -307,11 +308,11 @@ class Walker:
 
     def _step(self, twist: Array, pose: Array, time: float) -> float:
         """Compute the next state; give the largest part of a joint's speed, inf out of limits."""
-        settings = self._stride.settings.copy()
+        settings = self._stride.settings
         settings[5] = 1.0 if self._walking else 0.0
         body, feet, q = np.empty(15), np.empty_like(self._feet), np.empty_like(self._q)
-        rates, report = np.empty_like(self._q), np.empty(4)
-        lost = advance(
+        rates, trunk, report = np.empty_like(self._q), np.empty((4, 4)), np.empty(4)
+        lost = _ADVANCE(
             self.robot.packed,
             self._limits,
             self._stride.geometry,
@@ -327,9 +328,11 @@ class Walker:
             feet,
             q,
             rates,
+            trunk,
             report,
         )
         self._next, self._rates, self._margin = (body, feet, q), rates, float(report[0])
+        self._trunk = trunk
         self._twist = twist
         return np.inf if lost >= 0 or report[3] > 1e-9 else float(report[1])
 
@@ -343,20 +346,13 @@ class Walker:
 
     def _seen(self) -> WalkUpdate:
         body = self._body
-        c, s = np.cos(body[2]), np.sin(body[2])
-        trunk = np.eye(4)
-        pose = self._pose
-        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        trunk[:3, :3] = turn @ pose[:9].reshape(3, 3)
-        place = np.array([pose[9] + body[4], pose[10] + body[5], pose[11]])
-        trunk[:3, 3] = turn @ place + [body[0], body[1], 0.0]
         return WalkUpdate(
             q=self._q.ravel(),
             rates=self._rates.ravel(),
             contacts=self._feet[:, 7] == 0.0,
             feet=self._feet[:, :3],
             base=body[:3],
-            trunk=trunk,
+            trunk=self._trunk,
             twist=self._twist,
             margin=self._margin,
             part=self._part,

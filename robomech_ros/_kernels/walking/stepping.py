@@ -181,17 +181,17 @@ def _feet_on(geometry, settings, old, body, time, feet, wants):
             _swing(geometry, settings, body, time, feet, k, after)
 
 
-@kernel(i8(IN3, IN3, IN2, IN1, IN1, IN1, IN1, IN2, IN2, f8, f8, OUT1, OUT2, OUT2, OUT2, OUT1))
+@kernel(i8(IN3, IN3, IN2, IN1, IN1, IN1, IN1, IN2, IN2, f8, f8, OUT1, OUT2, OUT2, OUT2, OUT2, OUT1))
 def advance(
     packed, limits, geometry, settings, twist, pose, old, old_feet, old_q, time, period,
-    body, feet, q, rates, report,
+    body, feet, q, rates, trunk, report,
 ):  # fmt: skip
     """Go on by ``time``; rates are those over the whole ``period``.
 
     ``pose`` is the trunk in the walking frame without sway, rotation row by row, origin, then the
     mass centre in the trunk.  ``report`` gets the margin (m), the largest part of a joint's speed,
     the joint with the largest excess over a limit of position and that excess.  Gives -1, or the
-    leg that cannot reach.
+    leg that cannot reach.  ``trunk`` gets its pose over the ground.
     """
     count = geometry.shape[0]
     for i in range(old.shape[0]):
@@ -233,5 +233,14 @@ def advance(
                 report[2], report[3] = 3 * k + i, excess
     cx = px + pose[0] * pose[12] + pose[1] * pose[13] + pose[2] * pose[14]
     cy = py + pose[3] * pose[12] + pose[4] * pose[13] + pose[5] * pose[14]
+    c, s = math.cos(body[2]), math.sin(body[2])
+    for j in range(3):
+        trunk[0, j] = c * pose[j] - s * pose[3 + j]
+        trunk[1, j] = s * pose[j] + c * pose[3 + j]
+        trunk[2, j] = pose[6 + j]
+        trunk[3, j] = 0.0
+    trunk[0, 3] = body[0] + c * px - s * py
+    trunk[1, 3] = body[1] + s * px + c * py
+    trunk[2, 3], trunk[3, 3] = pz, 1.0
     report[0] = signed_margin(cx, cy, standing, down)
     return -1
