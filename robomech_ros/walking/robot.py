@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros._kernels.walking.stepping import MOST_LEGS
 from robomech_ros.errors import BadValueError, SeedOutsideLimitsError, WrongSizeError
 from robomech_ros.kinematics import InverseKinematicsResult, forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import jacobian
@@ -49,8 +50,8 @@ class LeggedRobot:
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError, SeedOutsideLimitsError
-        Fewer than three legs, one without three joints, trunks that differ, a joint of ``home``
-        outside its limits.
+        Fewer than 3 or more than 16 legs, one without three joints, trunks that differ, a joint of
+        ``home`` outside its limits.
 
     Examples
     --------
@@ -73,6 +74,8 @@ class LeggedRobot:
             raise BadValueError("legs", legs, "chains by the names of the legs")
         if len(legs) < 3:
             raise BadValueError("number of legs", len(legs), "3 or more, else it cannot stand")
+        if len(legs) > MOST_LEGS:
+            raise BadValueError("number of legs", len(legs), f"at most {MOST_LEGS}")
         for leg, chain in legs.items():
             if not isinstance(chain, SerialChain):
                 raise BadValueError(f"leg '{leg}'", chain, "a SerialChain")

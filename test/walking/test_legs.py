@@ -182,6 +182,7 @@ def test_wrong_requests_name_what_is_wrong(robot):
     first = robot.leg_names[0]
     cases = [
         (lambda: LeggedRobot(dict(list(legs.items())[:2])), "number of legs is 2"),
+        (lambda: LeggedRobot({str(k): robot.legs[0] for k in range(17)}), "at most 16"),
         (lambda: LeggedRobot({**legs, first: 3}), f"leg '{first}' is 3"),
         (lambda: LeggedRobot(legs, home=[9.0] * robot.n), robot.joint_names[0]),
         (lambda: LeggedRobot(legs, mass_centre=[np.nan, 0, 0]), "mass_centre"),

@@ -28,8 +28,10 @@ from robomech_ros._kernels.compiling.jit import (
 from robomech_ros._kernels.walking.legs import FOLLOWED, follow_foot
 from robomech_ros._kernels.walking.support import signed_margin
 
-__all__ = ["advance", "possible_part"]
+__all__ = ["MOST_LEGS", "advance", "possible_part"]
 
+# There is room for so many feet.
+MOST_LEGS = 16
 _AT_PLACE = 1e-6
 # Parts of a swing between which the place where the foot will land becomes fixed.
 _FREE, _FIXED = 0.5, 0.8
@@ -211,7 +213,7 @@ def advance(
             _sway(geometry, settings, body, feet, wants)
         _feet_on(geometry, settings, old, body, time, feet, wants)
     px, py, pz = pose[9] + body[4], pose[10] + body[5], pose[11]
-    J, T, standing = scratch(6, 3), scratch(4, 4), scratch(16, 2)
+    J, T, standing = scratch(6, 3), scratch(4, 4), scratch(MOST_LEGS, 2)
     down = 0
     report[1], report[2], report[3] = 0.0, -1.0, 0.0
     for k in range(count):
