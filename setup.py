@@ -64,6 +64,7 @@ setup(
     install_requires=requirements("core.in"),
     extras_require={
         "dask": requirements("dask.in"),
+        "hands": requirements("hands.in"),
         "symbolic": ["sympy"],
         "view": requirements("view.in"),
     },

@@ -22,6 +22,7 @@ GROUPS = (
     "dynamics",
     "parallel",
     "walking",
+    "hands",
     "nodes",
     "view",
 )

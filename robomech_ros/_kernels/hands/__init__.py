@@ -1,0 +1,1 @@
+"""Hands: the wrenches of contacts, and whether they close a grasp."""

@@ -1,0 +1,202 @@
+"""Wrench cones of contacts, and whether they surround the origin.
+
+A contact exerts the wrenches n a + B' y with |y| <= n, n its normal force.  The cones surround the
+origin, strictly, if and only if the polar body a . u + |B u| <= 1 is bounded, and then its
+logarithmic barrier has a minimum.  Newton's method looks for it: a decrement below 1 proves that
+there is one, a direction that no cone opposes that there is none.
+
+Source: Nesterov and Nemirovskii, Interior-Point Polynomial Algorithms in Convex Programming, SIAM
+1994, ch. 2.
+"""
+
+import math
+
+from robomech_ros._kernels.algebra.dense import cholesky_solve
+from robomech_ros._kernels.compiling.jit import (
+    IN1,
+    IN2,
+    OUT1,
+    OUT3,
+    b1,
+    f8,
+    i8,
+    kernel,
+    lean,
+    scratch,
+)
+
+__all__ = ["CLOSED", "OPEN", "ROW", "closed", "wrench_cones"]
+
+OPEN, CLOSED = 0, 1
+# Of a contact: position, normal, two tangents, how far each of three components may go for a unit
+# of normal force (friction, friction, and torsion as m).
+ROW = 15
+_MOST_STEPS = 120
+# A certain proof is a decrement below 1; the rest is left to rounding.
+_PROVEN = 0.9
+# A polar body that reaches farther is taken as unbounded: its grasp resists 1e-9 at most.
+_FARTHEST = 1e9
+# Squares of singular values below this share of the entries are rounding.
+_NO_RANK = 1e-14
+
+
+@lean
+def _write_wrench(force, row, at, origin, length, planar, out):
+    """Write the wrench of the force row[at:at + 3] at the contact, moments in units of length."""
+    x, y, z = row[0] - origin[0], row[1] - origin[1], row[2] - origin[2]
+    f, g, h = row[at] * force, row[at + 1] * force, row[at + 2] * force
+    if planar:
+        out[0], out[1], out[2] = (x * g - y * f) / length, f, g
+    else:
+        out[0], out[1], out[2] = (
+            (y * h - z * g) / length,
+            (z * f - x * h) / length,
+            (x * g - y * f) / length,
+        )
+        out[3], out[4], out[5] = f, g, h
+
+
+@lean
+def _cones(rows, origin, length, planar, cones):
+    for i in range(rows.shape[0]):
+        row = rows[i]
+        _write_wrench(1.0, row, 3, origin, length, planar, cones[i, 0])
+        _write_wrench(row[12], row, 6, origin, length, planar, cones[i, 1])
+        _write_wrench(row[13], row, 9, origin, length, planar, cones[i, 2])
+        for c in range(cones.shape[2]):
+            cones[i, 3, c] = 0.0
+        if not planar:
+            for c in range(3):
+                cones[i, 3, c] = row[14] * row[3 + c] / length
+
+
+@kernel(i8(IN2, IN1, f8, b1, OUT3))
+def wrench_cones(rows, origin, length, planar, cones):
+    """Write the wrench of the normal and of three bounded components of each contact.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (k, ROW)
+    origin : ndarray, shape (3,)
+        Moments are about it.
+    length : float
+        Moments are in this unit (m).
+    planar : bool
+        Whether wrenches have the moment about z and the force along x and y only.
+    cones : ndarray, shape (k, 4, 3 or 6)
+        Out.
+    """
+    _cones(rows, origin, length, planar, cones)
+    return 0
+
+
+@lean
+def _unopposed(cones, u):
+    """Say whether no contact exerts a wrench along u."""
+    for i in range(cones.shape[0]):
+        along, across = 0.0, 0.0
+        for c in range(cones.shape[2]):
+            along += cones[i, 0, c] * u[c]
+        for j in range(1, 4):
+            part = 0.0
+            for c in range(cones.shape[2]):
+                part += cones[i, j, c] * u[c]
+            across += part * part
+        if along + math.sqrt(across) > 0.0:
+            return False
+    return True
+
+
+@lean
+def _barrier(cones, u, H, g, y):
+    """Write the gradient and the lower triangle of the Hessian of the barrier of the polar body."""
+    d = cones.shape[2]
+    for c in range(d):
+        g[c] = 0.0
+        for e in range(c + 1):
+            H[c, e] = 0.0
+    for i in range(cones.shape[0]):
+        cone = cones[i]
+        left, across = 1.0, 0.0
+        for c in range(d):
+            left -= cone[0, c] * u[c]
+        for j in range(1, 4):
+            y[j] = 0.0
+            for c in range(d):
+                y[j] += cone[j, c] * u[c]
+            across += y[j] * y[j]
+        q = left * left - across
+        for c in range(d):
+            part = left * cone[0, c]
+            for j in range(1, 4):
+                part += y[j] * cone[j, c]
+            y[4 + c] = 2.0 * part / q
+            g[c] += y[4 + c]
+        for c in range(d):
+            for e in range(c + 1):
+                part = -cone[0, c] * cone[0, e]
+                for j in range(1, 4):
+                    part += cone[j, c] * cone[j, e]
+                H[c, e] += 2.0 * part / q + y[4 + c] * y[4 + e]
+
+
+@lean
+def _spans(H, d):
+    """Say whether H, whose lower triangle becomes a factor of it, has full rank."""
+    for j in range(d):
+        whole = H[j, j]
+        for k in range(j):
+            H[j, j] -= H[j, k] * H[j, k]
+        if not H[j, j] > _NO_RANK * whole:
+            return False
+        root = math.sqrt(H[j, j])
+        for i in range(j + 1, d):
+            for k in range(j):
+                H[i, j] -= H[i, k] * H[j, k]
+            H[i, j] /= root
+        H[j, j] = root
+    return True
+
+
+@kernel(i8(IN2, IN1, f8, b1, OUT3, OUT1))
+def closed(rows, origin, length, planar, cones, u):
+    """Say whether the wrenches of the contacts surround the origin.
+
+    Parameters
+    ----------
+    rows, origin, length, planar, cones
+        As for :func:`wrench_cones`.
+    u : ndarray, shape (3 or 6,)
+        Out: where the method ended; no wrench, or hardly any, is along that of an open grasp.
+
+    Returns
+    -------
+    int
+        CLOSED or OPEN.
+    """
+    _cones(rows, origin, length, planar, cones)
+    d = cones.shape[2]
+    H, g, step, y = scratch(6, 6), scratch(6), scratch(6), scratch(10)
+    for c in range(d):
+        u[c] = 0.0
+    _barrier(cones, u, H, g, y)
+    if not _spans(H, d):
+        return OPEN
+    for _ in range(_MOST_STEPS):
+        _barrier(cones, u, H, g, y)
+        for c in range(d):
+            step[c] = g[c]
+        if not cholesky_solve(H, step, d):
+            return OPEN
+        slope, far = 0.0, 0.0
+        for c in range(d):
+            slope += g[c] * step[c]
+        decrement = math.sqrt(max(slope, 0.0))
+        if decrement < _PROVEN:
+            return CLOSED
+        for c in range(d):
+            u[c] -= step[c] / (1.0 + decrement)
+            far += u[c] * u[c]
+        if _unopposed(cones, u) or not far < _FARTHEST * _FARTHEST:
+            return OPEN
+    return OPEN

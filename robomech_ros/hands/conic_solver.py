@@ -1,0 +1,38 @@
+"""The library that solves conic programs, an extra of this package."""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+from robomech_ros.errors import RobomechError
+
+__all__ = ["ConicSolverUnavailableError", "conic_solver"]
+
+
+class ConicSolverUnavailableError(RobomechError):
+    """Clarabel is not installed."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "contact forces are found by the conic solver Clarabel: "
+            "pip install 'robomech_ros[hands]'"
+        )
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), ()
+
+
+def conic_solver() -> ModuleType:
+    """Import the solver.
+
+    Raises
+    ------
+    ConicSolverUnavailableError
+        It is not installed; the message names the command.
+    """
+    try:
+        import clarabel
+    except ImportError:
+        raise ConicSolverUnavailableError from None
+    solver: ModuleType = clarabel
+    return solver

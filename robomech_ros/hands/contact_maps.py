@@ -1,0 +1,113 @@
+"""The grasp matrix and its internal forces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, span
+
+__all__ = ["grasp_matrix", "internal_forces", "null_space"]
+
+Array = NDArray[np.float64]
+
+# Singular values below this share of the largest are rounding.
+_RANK = 1e-10
+
+
+def grasp_matrix(contacts: Sequence[Contact], origin: ArrayLike) -> Array:
+    r"""Compute the matrix that maps contact forces to the wrench on the object.
+
+    .. math::
+
+       w = G f, \qquad G_i = \begin{bmatrix} \mathrm{CPM}(p_i - o) \\ 1 \end{bmatrix}
+
+    for a point contact.  A frictionless one has the column of its normal only, a soft finger a
+    fourth column of the moment about its normal.
+
+    Parameters
+    ----------
+    contacts : sequence of Contact
+    origin : array_like, shape (3,) or (2,)
+        o, the point that moments are about, in the frame of the contacts (m).
+
+    Returns
+    -------
+    ndarray, shape (6, m) or (3, m)
+        Moments first (m and 1), in the axes of the contacts.  Columns, contact by contact: of a
+        frictionless contact 1, the force along the normal; of a point contact 3 (2 in the plane),
+        the force along x, y, z; of a soft finger these and the moment about the normal.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not a list of contacts of one kind, or an origin that is no point.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.3.
+
+    Examples
+    --------
+    >>> from robomech_ros.hands import Contact, grasp_matrix
+    >>> grasp_matrix([Contact([0.0, 0.0, 1.0], [0.0, 0.0, -1.0], "point", 0.5)], [0.0, 0.0, 0.0])
+    array([[ 0., -1.,  0.],
+           [ 1.,  0.,  0.],
+           [ 0.,  0.,  0.],
+           [ 1.,  0.,  0.],
+           [ 0.,  1.,  0.],
+           [ 0.,  0.,  1.]])
+    """
+    given = as_contacts(contacts)
+    point = as_origin(origin, given)
+    return np.hstack([_columns(one, one.position - point) for one in given])
+
+
+def _columns(contact: Contact, r: Array) -> Array:
+    if contact.planar:
+        full = np.array([[-r[1], r[0]], [1.0, 0.0], [0.0, 1.0]])
+    else:
+        x, y, z = r
+        full = np.array(
+            [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0], [1.0, 0, 0], [0, 1.0, 0], [0, 0, 1.0]]
+        )
+    if contact.model == "frictionless":
+        return (full @ contact.normal)[:, None]
+    if contact.model == "soft":
+        return np.hstack([full, np.concatenate([contact.normal, np.zeros(3)])[:, None]])
+    return full
+
+
+def internal_forces(contacts: Sequence[Contact]) -> Array:
+    """Compute a basis of the contact forces that exert no wrench on the object.
+
+    Parameters
+    ----------
+    contacts : sequence of Contact
+
+    Returns
+    -------
+    ndarray, shape (m, s)
+        Orthonormal columns, each in the components of :func:`grasp_matrix`; moments of soft fingers
+        are in units of the distance of the farthest contact from their centre.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError
+        As for :func:`is_force_closed`.
+    """
+    given = as_contacts(contacts)
+    origin = as_origin(None, given)
+    length = span(given, origin)
+    G = grasp_matrix(given, origin)
+    G[: len(G) // 2] /= length
+    return null_space(G)
+
+
+def null_space(A: Array) -> Array:
+    """Give orthonormal columns of the null space of a matrix, its rank by a relative bound."""
+    _, s, Vt = np.linalg.svd(A)
+    rank = int((s > _RANK * (s[0] if len(s) else 1.0)).sum())
+    return np.ascontiguousarray(Vt[rank:].T)

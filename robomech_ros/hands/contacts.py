@@ -1,0 +1,213 @@
+"""Contacts of fingers with an object."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.hands.closing import wrench_cones
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_number
+
+__all__ = ["MODELS", "Contact", "as_contacts", "as_origin", "centre", "cones_of", "rows_of", "span"]
+
+Array = NDArray[np.float64]
+
+MODELS = ("frictionless", "point", "soft")
+# Below this a normal is none.
+_NO_NORMAL = 1e-9
+_MOST_FRICTION = 1e3
+# More than any hand has; what is computed grows with the number.
+_MOST_CONTACTS = 200
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """One contact of a finger with an object.
+
+    Parameters
+    ----------
+    position : array_like, shape (3,) or (2,)
+        Where it is (m); two coordinates make it one in the plane, where wrenches are the moment
+        about z and the force along x and y.
+    normal : array_like, shape (3,) or (2,)
+        Inward: the direction in which the finger presses.  Any length.
+    model : {"frictionless", "point", "soft"}, optional
+        A normal force only; friction, too; or friction and a moment about the normal.
+    friction : float, optional
+        Largest tangential force as a share of the normal force.  A frictionless contact has none,
+        whatever is given here.
+    torsional : float, optional
+        Largest moment about the normal of a soft finger, for a unit of normal force (m).  Friction
+        and moment share the normal force as an ellipse.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        A normal of no length, a negative friction, an unknown model, a soft finger in the plane,
+        or what are not two or three finite numbers.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.3.  Murray, Li and
+    Sastry, A Mathematical Introduction to Robotic Manipulation, CRC Press 1994, ch. 5.
+
+    Examples
+    --------
+    >>> from robomech_ros.hands import Contact
+    >>> Contact([0.05, 0.0, 0.0], [-2.0, 0.0, 0.0], "point", 0.5).normal.tolist()
+    [-1.0, 0.0, 0.0]
+    """
+
+    position: Array
+    normal: Array
+    model: str = "point"
+    friction: float = 0.0
+    torsional: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check everything."""
+        position = as_finite("position of the contact", self.position, ())
+        if position.shape not in ((2,), (3,)):
+            raise WrongSizeError(
+                "position of the contact", position.shape, "(3,), or (2,) in a plane"
+            )
+        if np.abs(position).max() > LARGEST_LENGTH:
+            why = f"coordinates up to {LARGEST_LENGTH:g} m"
+            raise BadValueError("position of the contact", position.tolist(), why)
+        normal = as_finite("normal of the contact", self.normal, ())
+        if normal.shape != position.shape:
+            raise WrongSizeError("normal of the contact", normal.shape, position.shape)
+        largest = float(np.abs(normal).max())
+        if not largest > _NO_NORMAL:
+            why = "a direction into the object, not of length 0"
+            raise BadValueError("normal of the contact", normal.tolist(), why)
+        normal = normal / largest
+        normal = normal / np.linalg.norm(normal)
+        model = as_choice("model of the contact", self.model, MODELS)
+        if model == "soft" and len(position) == 2:
+            why = "frictionless or point: in the plane nothing turns about a normal"
+            raise BadValueError("model of the contact", model, why)
+        position = position.copy()
+        for array in (position, normal):
+            array.setflags(write=False)
+        object.__setattr__(self, "position", position)
+        object.__setattr__(self, "normal", normal)
+        for field in ("friction", "torsional"):
+            object.__setattr__(self, field, _share(field, getattr(self, field)))
+
+    @property
+    def planar(self) -> bool:
+        """Whether it is a contact in the plane."""
+        return len(self.position) == 2
+
+    @property
+    def size(self) -> int:
+        """The number of its force components: columns of the grasp matrix."""
+        if self.model == "frictionless":
+            return 1
+        return len(self.position) + (self.model == "soft")
+
+    @cached_property
+    def tangents(self) -> Array:
+        """Unit vectors at right angles to the normal and each other, shape (2, 3) or (1, 2)."""
+        n = self.normal
+        if self.planar:
+            return np.array([[-n[1], n[0]]])
+        first = np.zeros(3)
+        k = int(np.argmin(np.abs(n)))
+        first[k] = 1.0
+        first -= n[k] * n
+        first /= np.linalg.norm(first)
+        second = [
+            n[1] * first[2] - n[2] * first[1],
+            n[2] * first[0] - n[0] * first[2],
+            n[0] * first[1] - n[1] * first[0],
+        ]
+        return np.array([first, second])
+
+    @cached_property
+    def row(self) -> tuple[float, ...]:
+        """Its numbers as kernels take them."""
+        flat = 0 if self.model == "frictionless" else self.friction
+        torsional = self.torsional if self.model == "soft" else 0.0
+        if not self.planar:
+            vectors = (self.position, self.normal, *self.tangents)
+            return (*(float(x) for v in vectors for x in v), flat, flat, torsional)
+        (x, y), (nx, ny) = self.position.tolist(), self.normal.tolist()
+        return (x, y, 0.0, nx, ny, 0.0, -ny, nx, 0.0, 0.0, 0.0, 0.0, flat, 0.0, 0.0)
+
+
+def _share(field: str, value: object) -> float:
+    expected = f"a number from 0 to {_MOST_FRICTION:g}"
+    number = real_number(f"{field} of the contact", value, expected)
+    if not np.isfinite(number):
+        raise NonFiniteError(f"{field} of the contact", number)
+    if not 0.0 <= number <= _MOST_FRICTION:
+        raise BadValueError(f"{field} of the contact", number, expected)
+    return number
+
+
+def as_contacts(contacts: Sequence[Contact]) -> tuple[Contact, ...]:
+    """Check a list of contacts: one at least, all in space or all in the plane."""
+    found = listed("contacts", contacts, "a list of contacts")
+    for k, one in enumerate(found):
+        if not isinstance(one, Contact):
+            raise BadValueError(f"contacts[{k}]", one, "a Contact")
+    if not 1 <= len(found) <= _MOST_CONTACTS:
+        raise WrongSizeError("contacts", len(found), f"1 to {_MOST_CONTACTS}")
+    planes = {len(one.position) for one in found}
+    if len(planes) > 1:
+        raise BadValueError("contacts", "some in space, some in the plane", "all of one kind")
+    return found
+
+
+def as_origin(origin: ArrayLike | None, contacts: Sequence[Contact]) -> Array:
+    """Check the point that moments are about; None is the centre of the contacts."""
+    if origin is None:
+        return centre(contacts)
+    size = len(contacts[0].position)
+    array = as_finite("origin", origin, (size,))
+    if array.shape != (size,):
+        raise WrongSizeError("origin", array.shape, (size,))
+    if np.abs(array).max() > LARGEST_LENGTH:
+        raise BadValueError("origin", array.tolist(), f"coordinates up to {LARGEST_LENGTH:g} m")
+    return array
+
+
+def centre(contacts: Sequence[Contact]) -> Array:
+    """Give the mean of the positions of contacts (m)."""
+    return np.asarray(np.mean([one.position for one in contacts], axis=0), np.float64)
+
+
+def span(contacts: Sequence[Contact], origin: Array) -> float:
+    """Give the distance of the farthest contact from a point (m), 1 where all are in it."""
+    farthest = max(float(np.linalg.norm(one.position - origin)) for one in contacts)
+    return farthest if farthest > 0.0 else 1.0
+
+
+def rows_of(contacts: Sequence[Contact]) -> Array:
+    """Give contacts as kernels take them, shape (k, 15)."""
+    return np.array([one.row for one in contacts])
+
+
+def cones_of(contacts: Sequence[Contact], origin: Array, length: float) -> Array:
+    """Give the wrenches of a unit normal force and of its friction and torsion.
+
+    Returns
+    -------
+    ndarray, shape (k, 4, d)
+        Moments in units of the length first; d is 6, or 3 in the plane.  What contact i exerts is
+        ``n cones[i, 0] + y @ cones[i, 1:]`` with ``|y| <= n``.
+    """
+    planar = contacts[0].planar
+    cones = np.empty((len(contacts), 4, 3 if planar else 6))
+    point = np.zeros(3)
+    point[: len(origin)] = origin
+    wrench_cones(rows_of(contacts), point, length, planar, cones)
+    return cones

@@ -1,0 +1,225 @@
+"""Hands of fingers that are serial chains, by name, by path or from a YAML document.
+
+A document gives each finger as robots of Denavit-Hartenberg tables are given, its base in the frame
+of the palm::
+
+    kind: hand
+    name: three_fingered
+    source: where the numbers come from
+    fingers:
+      - name: thumb
+        base: {xyz: [0.0, 0.05, 0.0], rpy: [0.0, 0.0, 1.5708]}
+        joints:
+          - {name: thumb_1, type: revolute, a: 0.02, b: 0.0, alpha: 1.5708, lower: -1.0, upper: 1.0}
+
+Names are those of files in the folder ``hands`` of the folders of robots.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import yaml
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import (
+    BadValueError,
+    RobotDescriptionError,
+    UnknownRobotError,
+    WrongSizeError,
+)
+from robomech_ros.hands.contacts import Contact, as_contacts
+from robomech_ros.robots import SerialChain, robot_folders
+from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
+from robomech_ros.robots.robot_yaml import description_from_yaml
+from robomech_ros.robots.source_files import read_source
+from robomech_ros.robots.yaml_rows import read_text
+from robomech_ros.spatial.arrays import as_finite, listed
+
+__all__ = ["Hand", "fingers_of", "hand_posture", "list_hands", "load_hand"]
+
+Array = NDArray[np.float64]
+
+_SUFFIXES = (".yaml", ".yml")
+_MOST_FINGERS = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Hand:
+    """A palm with fingers.
+
+    Parameters
+    ----------
+    name : str
+    fingers : sequence of SerialChain
+        From the palm to the tip of each finger; their bases are one frame, that of the palm, and no
+        two joints have one name.
+    finger_names : sequence of str
+
+    Raises
+    ------
+    BadValueError, WrongSizeError
+    """
+
+    name: str
+    fingers: tuple[SerialChain, ...]
+    finger_names: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        """Check everything."""
+        fingers = listed("fingers", self.fingers, "a list of chains")
+        names = listed("finger_names", self.finger_names, "a list of names")
+        if not 1 <= len(fingers) <= _MOST_FINGERS:
+            raise WrongSizeError("fingers", len(fingers), f"1 to {_MOST_FINGERS}")
+        for one in fingers:
+            if not isinstance(one, SerialChain):
+                raise BadValueError("fingers", one, "chains")
+        if not all(isinstance(one, str) and one for one in names) or len(set(names)) < len(names):
+            raise BadValueError("finger_names", names, "different names")
+        if len(names) != len(fingers):
+            raise WrongSizeError("finger_names", len(names), len(fingers))
+        joints = [name for one in fingers for name in one.joint_names]
+        twice = sorted({name for name in joints if joints.count(name) > 1})
+        if twice:
+            raise BadValueError("joint of two fingers", twice[0], "a name of its own")
+        object.__setattr__(self, "fingers", fingers)
+        object.__setattr__(self, "finger_names", names)
+
+    @property
+    def n(self) -> int:
+        """The number of joints of all fingers."""
+        return sum(one.n for one in self.fingers)
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints, finger by finger."""
+        return tuple(name for one in self.fingers for name in one.joint_names)
+
+    def split(self, q: ArrayLike) -> list[Array]:
+        """Give the joint values (n,) of each finger."""
+        values = hand_posture(self, q)
+        ends = np.cumsum([one.n for one in self.fingers])[:-1]
+        return [np.ascontiguousarray(part) for part in np.split(values, ends)]
+
+
+def hand_posture(hand: Hand, q: ArrayLike, what: str = "q") -> Array:
+    """Check values of all joints of a hand, shape (n,)."""
+    if not isinstance(hand, Hand):
+        raise BadValueError("hand", hand, "a Hand")
+    values = as_finite(what, q, (hand.n,))
+    if values.shape != (hand.n,):
+        raise WrongSizeError(what, values.shape, (hand.n,))
+    return values
+
+
+def fingers_of(
+    hand: Hand, contacts: Sequence[Contact], fingers: Sequence[int] | None
+) -> tuple[tuple[Contact, ...], tuple[int, ...]]:
+    """Check contacts in space and which finger makes each; default one after the other."""
+    if not isinstance(hand, Hand):
+        raise BadValueError("hand", hand, "a Hand")
+    given = as_contacts(contacts)
+    if given[0].planar:
+        raise BadValueError("contacts", "in the plane", "contacts in space")
+    count = len(hand.fingers)
+    if fingers is None:
+        if len(given) > count:
+            raise WrongSizeError("contacts", len(given), f"up to {count}, the number of fingers")
+        return given, tuple(range(len(given)))
+    found = listed("fingers", fingers, f"numbers of fingers from 0 to {count - 1}")
+    if len(found) != len(given):
+        raise WrongSizeError("fingers", len(found), len(given))
+    for one in found:
+        if isinstance(one, bool) or not isinstance(one, int | np.integer) or not 0 <= one < count:
+            raise BadValueError("finger", one, f"a number from 0 to {count - 1}")
+    return given, tuple(int(one) for one in found)
+
+
+def list_hands() -> tuple[str, ...]:
+    """List the names of the hands in all folders, sorted.
+
+    Examples
+    --------
+    >>> from robomech_ros.hands import list_hands
+    >>> "three_fingered" in list_hands()
+    True
+    """
+    return tuple(sorted(_files()))
+
+
+def _files() -> dict[str, Path]:
+    found: dict[str, Path] = {}
+    for folder in robot_folders():
+        for path in sorted((folder / "hands").glob("*")):
+            if path.suffix in _SUFFIXES and path.is_file():
+                found.setdefault(path.stem, path)
+    return found
+
+
+def load_hand(name_or_path: str | os.PathLike[str]) -> Hand:
+    """Load a hand.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        A name (see :func:`list_hands`), the path of a YAML file, or the text of one.
+
+    Returns
+    -------
+    Hand
+
+    Raises
+    ------
+    UnknownRobotError
+        No hand of this name; the error lists those there are.
+    RobotDescriptionError
+        The document cannot be used: the message says where and why.
+
+    Examples
+    --------
+    >>> from robomech_ros.hands import load_hand
+    >>> load_hand("three_fingered").n
+    9
+    """
+    given: object = name_or_path
+    if not isinstance(given, str | os.PathLike) or not str(given).strip():
+        raise BadValueError("hand", given, "a hand's name, a path, or the text of a document")
+    if isinstance(given, str) and "\n" in given.strip():
+        return _from_yaml(given, "YAML string")
+    name = os.fspath(given).strip() if isinstance(given, str) else ""
+    if name and os.sep not in name and not name.lower().endswith(_SUFFIXES):
+        files = _files()
+        if name not in files:
+            raise UnknownRobotError(name, sorted(files))
+        path = files[name]
+    else:
+        path = Path(os.fspath(given)).expanduser()
+    if path.suffix.lower() not in _SUFFIXES:
+        raise RobotDescriptionError(str(path), f"expected a file named {', '.join(_SUFFIXES)}")
+    return _from_yaml(read_source(path, LARGEST_YAML), str(path))
+
+
+def _from_yaml(text: str | bytes, where: str) -> Hand:
+    keys = ("kind", "name", "source", "fingers")
+    document = check_keys(parse_yaml(text, where), where, keys, ("notes",))
+    if document["kind"] != "hand":
+        why = f"{str(document['kind'])[:80]!r}, expected hand"
+        raise RobotDescriptionError(f"{where}: kind", why)
+    source = read_text(document["source"], f"{where}: source", longest=None)
+    if not isinstance(document["fingers"], list) or not document["fingers"]:
+        raise RobotDescriptionError(f"{where}: fingers", "expected a list of fingers")
+    chains, names = [], []
+    for k, entry in enumerate(document["fingers"]):
+        place = f"{where}: finger {k + 1}"
+        finger = check_keys(entry, place, ("name", "joints"), ("base", "tool"))
+        names.append(read_text(finger["name"], f"{place}: name"))
+        ends = {"source": source, "base_link": "palm", "tip_link": f"{names[-1]}_tip"}
+        chains.append(description_from_yaml(yaml.safe_dump({**finger, **ends}), place).chain())
+    try:
+        return Hand(read_text(document["name"], f"{where}: name"), tuple(chains), tuple(names))
+    except (BadValueError, WrongSizeError) as error:
+        raise RobotDescriptionError(f"{where}: fingers", str(error)) from None

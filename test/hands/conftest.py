@@ -1,0 +1,6 @@
+"""Grasps that the tests of hands share."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))

@@ -1,0 +1,228 @@
+"""A hand: its document, Jacobian, mobility, motion, torques and postures."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from robomech_ros.errors import RobotDescriptionError, UnknownRobotError, WrongSizeError
+from robomech_ros.hands import (
+    Contact,
+    Hand,
+    contact_forces,
+    finger_accelerations,
+    finger_rates,
+    finger_torques,
+    grasp_matrix,
+    grasp_mobility,
+    grasp_postures,
+    hand_jacobian,
+    is_force_closed,
+    list_hands,
+    load_hand,
+    object_twist,
+)
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.spatial import pose_exponential
+
+HAND = load_hand("three_fingered")
+ANGLES = 2.0 * np.pi * np.arange(3) / 3.0
+
+
+def contacts_of(model="point", radius=0.04):
+    """Three contacts about an object, in its frame."""
+    rim = [np.array([np.cos(a), np.sin(a), 0.0]) for a in ANGLES]
+    return [Contact(radius * p, -p, model, 0.6, 0.005) for p in rim]
+
+
+def lifted(height=0.08):
+    T = np.eye(4)
+    T[:3, 3] = 0.004, -0.003, height
+    return T
+
+
+def in_palm(contacts, T):
+    turned = [(T[:3, :3] @ c.position + T[:3, 3], T[:3, :3] @ c.normal) for c in contacts]
+    return [replace(c, position=p, normal=n) for c, (p, n) in zip(contacts, turned, strict=True)]
+
+
+def grasp(model="point"):
+    """A posture of the hand and its contacts in the frame of the palm."""
+    T, contacts = lifted(), contacts_of(model)
+    q = np.concatenate([found.q[0] for found in grasp_postures(HAND, T, contacts)])
+    return q, in_palm(contacts, T)
+
+
+def test_the_hand_of_the_library():
+    assert "three_fingered" in list_hands()
+    assert (HAND.n, len(HAND.fingers)) == (9, 3)
+    assert HAND.joint_names[:2] == ("finger_1_spread", "finger_1_proximal")
+
+
+def test_postures_touch_the_contacts_in_all_branches():
+    T, contacts = lifted(), contacts_of()
+    every = grasp_postures(HAND, T, contacts, respect_limits=False)
+    for k, (found, contact) in enumerate(zip(every, in_palm(contacts, T), strict=True)):
+        assert len(found.q) == 4
+        assert found.complete
+        for q in found.q:
+            tip = forward_kinematics(HAND.fingers[k], q)[:3, 3]
+            assert np.abs(tip - contact.position).max() < 1e-9
+    within = grasp_postures(HAND, T, contacts)
+    assert all(1 <= len(found.q) < 4 for found in within)
+
+
+def test_what_is_out_of_reach_is_said_by_finger():
+    found = grasp_postures(HAND, lifted(0.5), contacts_of())
+    assert all(one.status.name == "OUT_OF_REACH" and one.reason for one in found)
+
+
+@pytest.mark.parametrize("model", ["frictionless", "point", "soft"])
+def test_hand_jacobian_is_the_derivative_of_the_contacts(model):
+    q, contacts = grasp(model)
+    J = hand_jacobian(HAND, q, contacts)
+    rng = np.random.default_rng(12)
+    rates, h = rng.normal(size=9), 1e-6
+    rows = iter(J @ rates)
+    ends = [HAND.split(q + s * h * rates) for s in (1.0, -1.0)]
+    for k, contact in enumerate(contacts):
+        now = forward_kinematics(HAND.fingers[k], HAND.split(q)[k])
+        point = np.linalg.solve(now, [*contact.position, 1.0])
+        after, before = (forward_kinematics(HAND.fingers[k], end[k]) for end in ends)
+        v = ((after - before) @ point)[:3] / (2.0 * h)
+        W = (after[:3, :3] - before[:3, :3]) / (2.0 * h) @ now[:3, :3].T
+        turning = contact.normal @ [W[2, 1], W[0, 2], W[1, 0]]
+        wanted = {"frictionless": [contact.normal @ v], "point": v, "soft": [*v, turning]}[model]
+        assert [next(rows) for _ in range(contact.size)] == pytest.approx(wanted, abs=1e-8)
+
+
+def test_nine_joints_move_an_object_of_six_freedoms():
+    """Three point contacts take nine components; three internal forces, all set by torques."""
+    q, contacts = grasp()
+    found = grasp_mobility(HAND, q, contacts)
+    assert found.mobility == 6
+    assert found.object_twists.shape == (6, 6)
+    assert found.loose_twists.shape == (6, 0)
+    assert found.idle_rates.shape == (9, 0)
+    assert found.internal_forces.shape == (9, 3)
+    assert found.rigid_forces.shape == (9, 0)
+    G = grasp_matrix(contacts, np.zeros(3))
+    assert np.abs(G @ found.internal_forces).max() < 1e-12
+
+
+def test_forces_between_contacts_of_one_link_need_no_torque():
+    q, contacts = grasp()
+    contacts = [*contacts, replace(contacts[0], position=contacts[0].position + [0.0, 0.0, 0.01])]
+    owners = [0, 1, 2, 0]
+    found = grasp_mobility(HAND, q, contacts, fingers=owners)
+    J = hand_jacobian(HAND, q, contacts, fingers=owners)
+    G = grasp_matrix(contacts, contacts[0].position)
+    assert found.rigid_forces.shape == (12, 1)
+    assert np.abs(J.T @ found.rigid_forces).max() < 1e-12
+    assert np.abs(G @ found.rigid_forces).max() < 1e-12
+
+
+def test_twist_and_rates_lead_to_each_other():
+    q, contacts = grasp()
+    t, o = np.array([0.3, -0.2, 0.5, 0.02, 0.01, -0.03]), np.array([0.01, 0.02, 0.1])
+    rates, slip = finger_rates(HAND, q, contacts, t, origin=o)
+    assert slip < 1e-12
+    back, left = object_twist(HAND, q, contacts, rates, origin=o)
+    assert back == pytest.approx(t, abs=1e-12)
+    assert left < 1e-12
+    rates[0] += 0.1
+    assert object_twist(HAND, q, contacts, rates)[1] > 1e-4
+
+
+def followed(t, s):
+    """Posture of the hand while the object moves by a constant spatial twist for a time s."""
+    T = pose_exponential(s * t) @ lifted()
+    found = grasp_postures(HAND, T, contacts_of())
+    start = grasp_postures(HAND, lifted(), contacts_of())
+    near = []
+    for one, first in zip(found, start, strict=True):
+        k = int(np.argmin(np.abs(one.q - first.q[0]).max(axis=1)))
+        near.append(one.q[k])
+    return np.concatenate(near)
+
+
+def test_accelerations_are_the_second_differences_of_postures():
+    """A constant twist about the origin of the palm: its rate there is w x v."""
+    q, contacts = grasp()
+    t, h = np.array([0.3, -0.2, 0.5, 0.02, 0.01, -0.03]), 3e-4
+    rates, _ = finger_rates(HAND, q, contacts, t)
+    after, before = followed(t, h), followed(t, -h)
+    assert rates == pytest.approx((after - before) / (2 * h), abs=1e-5)
+    # The twist of the point of the object at the origin, which moves on with v.
+    rate = np.concatenate([np.zeros(3), np.cross(t[:3], t[3:])])
+    found, slip = finger_accelerations(HAND, q, rates, contacts, t, rate)
+    assert slip < 1e-12
+    assert found == pytest.approx((after - 2 * q + before) / h**2, abs=1e-4)
+
+
+def test_soft_fingers_turn_with_the_object():
+    q, contacts = grasp("soft")
+    t, zero = np.array([0.3, -0.2, 0.5, 0.02, 0.01, -0.03]), np.zeros(6)
+    one, two = contacts[:1], contacts
+    rates, _ = finger_rates(HAND, q, one, t)
+    still, _ = finger_accelerations(HAND, q, 0.0 * rates, one, zero, zero)
+    assert np.abs(still).max() < 1e-12
+    assert finger_rates(HAND, q, two, t)[1] > 1e-6  # twelve components, nine joints
+
+
+def test_torques_do_the_power_of_the_load():
+    q, contacts = grasp()
+    assert is_force_closed(contacts)
+    load = np.array([0.01, -0.02, 0.005, 0.3, 0.2, -2.0])
+    found = contact_forces(contacts, load)
+    torques = finger_torques(HAND, q, contacts, found.components)
+    t = np.array([0.3, -0.2, 0.5, 0.02, 0.01, -0.03])
+    rates, _ = finger_rates(HAND, q, contacts, t)
+    assert torques @ rates == pytest.approx(-load @ t, abs=1e-9)
+
+
+DOCUMENT = """
+kind: hand
+name: one
+source: of our own
+fingers:
+  - name: thumb
+    joints:
+      - {name: a, type: revolute, a: 0.1, b: 0.0, alpha: 0.0, lower: -1.0, upper: 1.0}
+"""
+
+
+def test_documents_by_text_and_path(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text(DOCUMENT)
+    assert load_hand(path).n == load_hand(str(path)).n == load_hand(DOCUMENT).n == 1
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("kind: hand", "kind: parallel"), "kind: 'parallel', expected hand"),
+        (("name: thumb", "nom: thumb"), "unknown key"),
+        (("revolute", "spherical"), "type is 'spherical'"),
+        (("source: of our own", "source: ''"), "source"),
+        (("alpha: 0.0", "alpha: x"), "finger 1.*alpha"),
+    ],
+)
+def test_broken_documents_are_refused(change, message):
+    with pytest.raises(RobotDescriptionError, match=message):
+        load_hand(DOCUMENT.replace(*change))
+
+
+def test_two_fingers_share_no_joint():
+    chain = HAND.fingers[0]
+    with pytest.raises(ValueError, match="finger_1_distal"):
+        Hand("twice", (chain, chain), ("a", "b"))
+
+
+def test_unknown_hands_and_too_many_contacts():
+    with pytest.raises(UnknownRobotError, match="three_fingered"):
+        load_hand("three_finger")
+    q, contacts = grasp()
+    with pytest.raises(WrongSizeError, match="number of fingers"):
+        hand_jacobian(HAND, q, [*contacts, contacts[0]])
+    assert hand_jacobian(HAND, q, [*contacts, contacts[0]], fingers=[0, 1, 2, 0]).shape == (12, 9)
