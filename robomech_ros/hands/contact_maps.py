@@ -71,7 +71,14 @@ def _columns(contact: Contact, r: Array) -> Array:
     else:
         x, y, z = r
         full = np.array(
-            [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0], [1.0, 0, 0], [0, 1.0, 0], [0, 0, 1.0]]
+            [
+                [0.0, 0.0 - z, y],
+                [z, 0.0, 0.0 - x],
+                [0.0 - y, x, 0.0],
+                [1.0, 0, 0],
+                [0, 1.0, 0],
+                [0, 0, 1.0],
+            ]
         )
     if contact.model == "frictionless":
         return (full @ contact.normal)[:, None]

@@ -52,8 +52,8 @@ class ContactForces:
     status : ForceStatus
     separating_wrench : ndarray, shape (6,) or (3,), or None
         Where the load cannot be held: a direction s of wrench space, moments first, with s . w <= 0
-        for every wrench w of the contacts and s . load < 0, so that s . w > 0 would be needed.  Of
-        unit length with moments in units of the distance of the farthest contact from the origin.
+        for every wrench w of the contacts and s . load < 0, so that s . w > 0 would be needed.  Its
+        length is 1 with the moments times the distance of the farthest contact from the origin.
     largest, total : float
         The greatest force of a contact and the sum of the normal forces (N); NaN unless held.
     """
