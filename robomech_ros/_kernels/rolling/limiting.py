@@ -1,0 +1,276 @@
+"""Streams of twists within limits of velocity, acceleration and jerk, and of steering.
+
+The state of the base is its twist v, its acceleration a, and the rest point: the twist at which it
+would be once the acceleration had been taken away as fast as jerk allows, along a.  Each period the
+rest point moves straight towards the command, as far as jerk and acceleration allow.  Rest point
+and command lie in a convex set of allowed twists; so does every twist on the way, since it lies
+between the twist before and the rest point.  From rest the rest point stays on the ray of the
+command, and so does the twist: the base keeps the curvature of the command while it speeds up.
+"""
+
+import math
+
+from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT2, i8, inline, kernel, scratch
+
+__all__ = ["ANGLE", "AXIS_ROWS", "COSINE", "PIVOT_COLUMNS", "SINE", "limited_stream"]
+
+# Rows of the axes: acceleration and deceleration forward, the same backward, jerk, and whether the
+# velocity goes through 0 only with the acceleration 0.
+FORTH_UP, FORTH_DOWN, BACK_UP, BACK_DOWN, JERK, STOPS = range(6)
+AXIS_ROWS = 6
+# Columns of pivots: place, rate per period, limits of the angle; what follows is state: the angle
+# and the direction of the wheel in the base.
+X, Y, TURN, LOWER, UPPER, ANGLE, COSINE, SINE = range(8)
+PIVOT_COLUMNS = 8
+
+# A limit may be passed by this part of itself: rounding of twists, seen through the period squared.
+_SLACK = 1e-11
+# Halvings that find how far the rest point can go, with and without steered wheels.
+_HALVINGS, _HALVINGS_STEERED = 48, 24
+# A rest point that gets no farther than this part of its way stands still.
+_STUCK = 1e-9
+# A pivot slower than this part of the twist keeps its direction; its square.
+_STILL = 1e-18
+# Angles this far beyond a limit (rad) are at it; directions this near (rad) are the same.
+_AT_LIMIT, _SAME = 1e-9, 1e-12
+# Rounding of what goes to zero, as a part of what it comes from.
+_ROUNDING = 1e-15
+# Looking ahead ends with the acceleration, after so many periods at the latest.
+_MOST_AHEAD = 100000
+
+
+@inline
+def _periods(way):
+    """How many periods' jerk an acceleration may be that covers a way, in jerk times period^2."""
+    whole = math.floor(0.5 * (math.sqrt(8.0 * way + 1.0) - 1.0))
+    return (way + 0.5 * whole * (whole + 1.0)) / (whole + 1.0)
+
+
+@inline
+def _aim(v, a, target, axes, period, out):
+    """Write the acceleration with which to begin to a rest point; tell whether limits allow it."""
+    way = 0.0
+    for i in range(3):
+        way = max(way, abs(target[i] - v[i]) / (axes[JERK, i] * period * period))
+    share = _periods(way) / way if way > 0.0 else 1.0
+    if way <= 1.0:
+        share = 1.0
+    allowed = True
+    for i in range(3):
+        out[i] = (target[i] - v[i]) / period * share
+        if abs(out[i] - a[i]) > axes[JERK, i] * period * (1.0 + _SLACK):
+            allowed = False
+        forth = v[i] > 0.0 or (v[i] == 0.0 and out[i] > 0.0)
+        if forth:
+            most = axes[FORTH_UP, i] if out[i] > 0.0 else axes[FORTH_DOWN, i]
+        else:
+            most = axes[BACK_UP, i] if out[i] < 0.0 else axes[BACK_DOWN, i]
+        if abs(out[i]) > most * (1.0 + _SLACK):
+            allowed = False
+    return allowed
+
+
+@inline
+def _steer(pivots, v, new):
+    """Turn wheels to the direction in which their pivots move; tell whether they can in a period.
+
+    ``new`` (s, 3) takes angle, cosine and sine.
+    """
+    size = v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
+    for k in range(pivots.shape[0]):
+        x, y = v[1] - v[0] * pivots[k, Y], v[2] + v[0] * pivots[k, X]
+        square = x * x + y * y
+        if square <= _STILL * size:
+            continue
+        along = new[k, 1] * x + new[k, 2] * y
+        across = new[k, 1] * y - new[k, 2] * x
+        if along < 0.0:
+            along, across = -along, -across
+        turn, length = pivots[k, TURN], math.sqrt(square)
+        if turn < 0.5 * math.pi and abs(across) > math.tan(turn) * along + _SAME * length:
+            return False
+        change = math.atan2(across, along)
+        new[k, 0] += change
+        if new[k, 0] < pivots[k, LOWER] - _AT_LIMIT or new[k, 0] > pivots[k, UPPER] + _AT_LIMIT:
+            return False
+        sign = 1.0 if new[k, 1] * x + new[k, 2] * y >= 0.0 else -1.0
+        new[k, 1], new[k, 2] = sign * x / length, sign * y / length
+    return True
+
+
+@inline
+def _next_twist(v, a, target, axes, period, out):
+    """Write the twist after a period; it ends on the target where one period's jerk suffices."""
+    way = 0.0
+    for i in range(3):
+        way = max(way, abs(target[i] - v[i]) / (axes[JERK, i] * period * period))
+    for i in range(3):
+        out[i] = target[i] if way <= 1.0 else v[i] + a[i] * period
+
+
+@inline
+def _steering_holds(v, a, target, axes, period, pivots, ahead, twist, gain):
+    """Tell whether wheels can follow from here on to the rest point, with the acceleration a."""
+    for k in range(pivots.shape[0]):
+        ahead[k, 0], ahead[k, 1], ahead[k, 2] = pivots[k, ANGLE], pivots[k, COSINE], pivots[k, SINE]
+    for i in range(3):
+        twist[i], gain[i] = v[i], a[i]
+    for _ in range(_MOST_AHEAD):
+        _next_twist(twist, gain, target, axes, period, twist)
+        if not _steer(pivots, twist, ahead):
+            return False
+        if twist[0] == target[0] and twist[1] == target[1] and twist[2] == target[2]:
+            return True
+        _aim(twist, gain, target, axes, period, gain)
+    return False
+
+
+@inline
+def _aligned(pivots, command):
+    """Turn wheels at rest towards a command; tell whether they already were there."""
+    size = command[0] ** 2 + command[1] ** 2 + command[2] ** 2
+    ready = True
+    for k in range(pivots.shape[0]):
+        x = command[1] - command[0] * pivots[k, Y]
+        y = command[2] + command[0] * pivots[k, X]
+        if x * x + y * y <= _STILL * size:
+            continue
+        change = math.atan2(
+            pivots[k, COSINE] * y - pivots[k, SINE] * x, pivots[k, COSINE] * x + pivots[k, SINE] * y
+        )
+        # The same line, by the way that is nearer and within limits.
+        turned = pivots[k, ANGLE] + change
+        best = math.inf
+        for half in range(-2, 3):
+            angle = turned + half * math.pi
+            inside = pivots[k, LOWER] - _AT_LIMIT <= angle <= pivots[k, UPPER] + _AT_LIMIT
+            if inside and abs(angle - pivots[k, ANGLE]) < abs(best):
+                best = angle - pivots[k, ANGLE]
+        if best == math.inf:
+            continue
+        turn = min(max(best, -pivots[k, TURN]), pivots[k, TURN])
+        if turn != best:
+            ready = False
+        elif abs(best) > _SAME:
+            ready = False
+        pivots[k, ANGLE] += turn
+        c, s = math.cos(turn), math.sin(turn)
+        cosine, sine = pivots[k, COSINE], pivots[k, SINE]
+        pivots[k, COSINE], pivots[k, SINE] = c * cosine - s * sine, s * cosine + c * sine
+    return ready
+
+
+@inline
+def _towards(rest, goal, share, target):
+    for i in range(3):
+        target[i] = goal[i] if share == 1.0 else rest[i] + share * (goal[i] - rest[i])
+
+
+@inline
+def _largest_share(v, a, rest, goal, axes, period, pivots, work):
+    """Find how far of its way to a goal the rest point can go in this period."""
+    target, gain, ahead = work[0], work[1], work[4:]
+    most = 1.0
+    for i in range(3):
+        if axes[STOPS, i] != 0.0 and (v[i] * goal[i] < 0.0 or rest[i] * goal[i] < 0.0):
+            most = min(most, abs(rest[i]) / (abs(rest[i]) + abs(goal[i])))
+    low, high, share = 0.0, most, most
+    halvings = _HALVINGS if pivots.shape[0] == 0 else _HALVINGS_STEERED
+    for _ in range(halvings):
+        _towards(rest, goal, share, target)
+        allowed = _aim(v, a, target, axes, period, gain)
+        if allowed and pivots.shape[0] > 0:
+            allowed = _steering_holds(
+                v, gain, target, axes, period, pivots, ahead, work[2], work[3]
+            )
+        if allowed:
+            low = share
+            if share == most:
+                break
+        else:
+            high = share
+        share = 0.5 * (low + high)
+    return low
+
+
+@inline
+def _still(v, a):
+    for i in range(3):
+        if v[i] != 0.0 or a[i] != 0.0:
+            return False
+    return True
+
+
+@inline
+def _advance(state, command, axes, forward, period, pivots, work):
+    """Move the state by a period."""
+    v, a, rest = state[0], state[1], state[2]
+    goal = work[work.shape[0] - 1]
+    for i in range(3):
+        goal[i] = command[i]
+    if _still(v, a) and pivots.shape[0] > 0:
+        if goal[0] == 0.0 and goal[1] == 0.0 and goal[2] == 0.0:
+            return
+        if not _aligned(pivots, goal):
+            return
+    # A base with limits of curvature changes its direction at rest only.
+    wanted = forward[0] * goal[0] + forward[1] * goal[1] + forward[2] * goal[2]
+    now = forward[0] * v[0] + forward[1] * v[1] + forward[2] * v[2]
+    then = forward[0] * rest[0] + forward[1] * rest[1] + forward[2] * rest[2]
+    if now * wanted < 0.0 or then * wanted < 0.0:
+        for i in range(3):
+            goal[i] = 0.0
+    share = _largest_share(v, a, rest, goal, axes, period, pivots, work)
+    if share <= _STUCK and pivots.shape[0] > 0:
+        for i in range(3):
+            goal[i] = 0.0
+        share = _largest_share(v, a, rest, goal, axes, period, pivots, work)
+    target, gain, twist = work[0], work[1], work[2]
+    _towards(rest, goal, share, target)
+    for i in range(3):
+        # An axis that has to stop before it turns round does so exactly.
+        crossing = v[i] * goal[i] < 0.0 or rest[i] * goal[i] < 0.0
+        if axes[STOPS, i] != 0.0 and crossing and abs(target[i]) <= _ROUNDING * abs(goal[i]):
+            target[i] = 0.0
+    _aim(v, a, target, axes, period, gain)
+    _next_twist(v, gain, target, axes, period, twist)
+    ahead = work[4:]
+    for k in range(pivots.shape[0]):
+        ahead[k, 0], ahead[k, 1], ahead[k, 2] = pivots[k, ANGLE], pivots[k, COSINE], pivots[k, SINE]
+    _steer(pivots, twist, ahead)
+    for k in range(pivots.shape[0]):
+        pivots[k, ANGLE], pivots[k, COSINE], pivots[k, SINE] = ahead[k, 0], ahead[k, 1], ahead[k, 2]
+    for i in range(3):
+        v[i], a[i], rest[i] = twist[i], gain[i], target[i]
+
+
+@kernel(i8(IN2, IN2, IN1, OUT2, OUT2, OUT2, OUT2))
+def limited_stream(commands, axes, forward, pivots, state, twists, angles):
+    """Follow commands, one a period.
+
+    Parameters
+    ----------
+    commands : ndarray, shape (n, 3)
+        Twists that the base may have (rad/s, m/s).
+    axes : ndarray, shape (AXIS_ROWS, 3)
+        Limits (per s^2 and s^3), and flags.
+    forward : ndarray, shape (4,)
+        What gives the velocity forward of a twist, zero for bases that may go anywhere; the period
+        (s).
+    pivots : ndarray, shape (s, PIVOT_COLUMNS)
+        Of steered wheels (m, rad); their state is changed.
+    state : ndarray, shape (3, 3)
+        Twist, acceleration, rest point: changed.
+    twists : ndarray, shape (n, 3)
+        Filled with twists after each period.
+    angles : ndarray, shape (n, s)
+        Filled with steering angles after each period (rad).
+    """
+    work = scratch(64, 3)[: pivots.shape[0] + 5]
+    for n in range(commands.shape[0]):
+        _advance(state, commands[n], axes, forward, forward[3], pivots, work)
+        for i in range(3):
+            twists[n, i] = state[0, i]
+        for k in range(pivots.shape[0]):
+            angles[n, k] = pivots[k, ANGLE]
+    return 0

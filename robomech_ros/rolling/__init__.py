@@ -1,0 +1,76 @@
+"""Rolling robots: wheels of all kinds, their base, odometry and limits (book: section 10.5).
+
+Each part is loaded on first use.
+"""
+
+from typing import TYPE_CHECKING
+
+from robomech_ros.lazy import lazy_exports
+
+if TYPE_CHECKING:
+    from robomech_ros.rolling.base import RollingBase
+    from robomech_ros.rolling.constraints import Mobility
+    from robomech_ros.rolling.evenness import Isotropy, isotropy
+    from robomech_ros.rolling.library import RollingRobot, list_rolling, load_rolling, rolling_robot
+    from robomech_ros.rolling.limiter import BaseMotion, CommandLimiter
+    from robomech_ros.rolling.limits import MotionLimits
+    from robomech_ros.rolling.named import (
+        ackermann,
+        mecanum,
+        omnidirectional,
+        swerve,
+        tricycle,
+        two_wheeled,
+    )
+    from robomech_ros.rolling.odometry import Odometry, OdometryNoise, advance_odometry
+    from robomech_ros.rolling.wheels import Wheel
+
+__all__ = [
+    "BaseMotion",
+    "CommandLimiter",
+    "Isotropy",
+    "Mobility",
+    "MotionLimits",
+    "Odometry",
+    "OdometryNoise",
+    "RollingBase",
+    "RollingRobot",
+    "Wheel",
+    "ackermann",
+    "advance_odometry",
+    "isotropy",
+    "list_rolling",
+    "load_rolling",
+    "mecanum",
+    "omnidirectional",
+    "rolling_robot",
+    "swerve",
+    "tricycle",
+    "two_wheeled",
+]
+
+_MODULES = {
+    "BaseMotion": "limiter",
+    "CommandLimiter": "limiter",
+    "Isotropy": "evenness",
+    "Mobility": "constraints",
+    "MotionLimits": "limits",
+    "Odometry": "odometry",
+    "OdometryNoise": "odometry",
+    "RollingBase": "base",
+    "RollingRobot": "library",
+    "Wheel": "wheels",
+    "ackermann": "named",
+    "advance_odometry": "odometry",
+    "isotropy": "evenness",
+    "list_rolling": "library",
+    "load_rolling": "library",
+    "mecanum": "named",
+    "omnidirectional": "named",
+    "rolling_robot": "library",
+    "swerve": "named",
+    "tricycle": "named",
+    "two_wheeled": "named",
+}
+
+__getattr__ = lazy_exports(__name__, _MODULES, globals())

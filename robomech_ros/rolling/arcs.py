@@ -1,0 +1,42 @@
+"""Motions in the plane: arcs of circles, exact for every turn."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["moved", "slope_by_pose"]
+
+Array = NDArray[np.float64]
+
+# Below this turn (rad) series replace quotients: what they leave out is below rounding.
+_SMALL = 1e-2
+
+
+def moved(pose: Array, step: Array) -> Array:
+    """Move poses (..., 3), x y heading, by steps (..., 3) of a constant twist times its time."""
+    a, b = _shares(step[..., 0])
+    x, y = a * step[..., 1] - b * step[..., 2], b * step[..., 1] + a * step[..., 2]
+    c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
+    return np.stack(
+        [pose[..., 0] + c * x - s * y, pose[..., 1] + s * x + c * y, pose[..., 2] + step[..., 0]],
+        axis=-1,
+    )
+
+
+def slope_by_pose(heading: float, step: Array) -> Array:
+    """Differentiate the pose after a step by the pose before it, (3, 3)."""
+    way = moved(np.array([0.0, 0.0, heading]), step)
+    slope = np.eye(3)
+    slope[:2, 2] = -way[1], way[0]
+    return slope
+
+
+def _shares(turn: Array) -> tuple[Array, Array]:
+    """sin(t) / t and (1 - cos(t)) / t."""
+    small = np.abs(turn) < _SMALL
+    t, t2 = np.where(small, 1.0, turn), np.square(turn)
+    a = np.where(small, 1.0 - t2 / 6.0 * (1.0 - t2 / 20.0 * (1.0 - t2 / 42.0)), np.sin(t) / t)
+    half = np.sin(0.5 * t)
+    near = 0.5 * turn * (1.0 - t2 / 12.0 * (1.0 - t2 / 30.0 * (1.0 - t2 / 56.0)))
+    return a, np.where(small, near, 2.0 * half * half / t)

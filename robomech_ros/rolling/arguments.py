@@ -1,0 +1,89 @@
+"""Check what callers give to rolling robots."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import as_finite, real_number
+
+__all__ = ["above_zero", "angle", "bounded", "duration", "length", "one_vector", "shared_batch"]
+
+Array = NDArray[np.float64]
+
+# Rates, twists, poses and times beyond this (SI) are no motion of a robot; angles have no digits.
+_LARGEST = 1e9
+# Times below this (s) are none of a cycle.
+_SHORTEST = 1e-9
+# Lengths below this (m) are none of a wheel.
+_LEAST_LENGTH = 1e-6
+_MOST_TURNED = 1e6
+
+
+def bounded(what: str, value: ArrayLike, length: int) -> Array:
+    """Give finite numbers of shape (..., length), up to 1e9."""
+    array = as_finite(what, value, (length,))
+    largest = float(np.abs(array).max(initial=0.0))
+    if largest > _LARGEST:
+        raise BadValueError(f"largest of {what}", largest, f"numbers up to {_LARGEST:g}")
+    return array
+
+
+def one_vector(what: str, value: ArrayLike, length: int) -> Array:
+    """Give finite numbers of shape (length,), up to 1e9."""
+    array = bounded(what, value, length)
+    if array.shape != (length,):
+        raise WrongSizeError(what, array.shape, (length,))
+    return array
+
+
+def shared_batch(*named: tuple[str, Array]) -> tuple[int, ...]:
+    """Give the batch axes that arrays have together; the last axis is that of one item."""
+    batch: tuple[int, ...] = ()
+    for what, array in named:
+        try:
+            batch = np.broadcast_shapes(batch, array.shape[:-1])
+        except ValueError:
+            fitting = (*batch, array.shape[-1])
+            raise WrongSizeError(what, array.shape, f"{array.shape[-1:]} or {fitting}") from None
+    return batch
+
+
+def duration(what: str, value: object) -> float:
+    """Give a time from 1 ns (s)."""
+    expected = f"a time from {_SHORTEST:g} s, up to {_LARGEST:g}"
+    number = real_number(what, value, expected)
+    if not _SHORTEST <= number <= _LARGEST:
+        raise BadValueError(what, value, expected)
+    return number
+
+
+def above_zero(what: str, value: object, unit: str, most: float = _LARGEST) -> float:
+    """Give a number above 0; ``unit`` is for messages."""
+    expected = f"a number above 0 {unit}" + (f", up to {most:g}" if math.isfinite(most) else "")
+    number = real_number(what, value, expected)
+    if not 0.0 < number <= most:
+        raise BadValueError(what, value, expected)
+    return number
+
+
+def length(what: str, value: object) -> float:
+    """Give a length (m) that a robot can have."""
+    expected = f"a length from {_LEAST_LENGTH:g} to {LARGEST_LENGTH:g} m"
+    number = real_number(what, value, expected)
+    if not _LEAST_LENGTH <= number <= LARGEST_LENGTH:
+        raise BadValueError(what, value, expected)
+    return number
+
+
+def angle(what: str, value: object) -> float:
+    """Give an angle (rad) that has digits."""
+    expected = f"an angle (rad), up to {_MOST_TURNED:g}"
+    number = real_number(what, value, expected)
+    if not abs(number) <= _MOST_TURNED:
+        raise BadValueError(what, value, expected)
+    return number

@@ -1,0 +1,206 @@
+"""Rolling robots by name, by path or from a YAML document.
+
+A document says where its numbers come from, and lists the wheels with the arguments of
+:class:`Wheel`::
+
+    kind: rolling
+    name: cart
+    source: where the numbers come from
+    drive: diff
+    wheels:
+      - {name: left, kind: fixed, position: [0.0, 0.2], radius: 0.1}
+      - {name: right, kind: fixed, position: [0.0, -0.2], radius: 0.1}
+    limits:
+      velocity: [2.0, 1.0, 0.0]
+
+Names are those of files in the folder ``rolling`` of the folders of robots.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from robomech_ros.errors import (
+    BadValueError,
+    RobomechError,
+    RobotDescriptionError,
+    UnknownRobotError,
+)
+from robomech_ros.robots import robot_folders
+from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
+from robomech_ros.robots.source_files import read_source
+from robomech_ros.rolling.base import RollingBase
+from robomech_ros.rolling.limits import MotionLimits
+from robomech_ros.rolling.wheels import Wheel
+
+__all__ = ["DRIVES", "RollingRobot", "list_rolling", "load_rolling", "rolling_robot"]
+
+# Kinds of drive, by the names of the controllers of ros2_control, and swerve.
+DRIVES = ("diff", "omni", "mecanum", "bicycle", "tricycle", "ackermann", "swerve")
+_NEEDED = ("kind", "name", "source", "drive", "wheels")
+_MORE = ("notes", "limits")
+_WHEEL = tuple(field.name for field in fields(Wheel))
+_LIMITS = tuple(field.name for field in fields(MotionLimits))
+_MOST_WHEELS = 100
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
+_SUFFIXES = (".yaml", ".yml")
+
+
+@dataclass(frozen=True, eq=False)
+class RollingRobot:
+    """What a document says of a rolling robot.
+
+    Attributes
+    ----------
+    base : RollingBase
+    drive : str
+        One of diff, omni, mecanum, bicycle, tricycle, ackermann and swerve.
+    limits : MotionLimits
+        Infinite where the document has none.
+    source : str
+        Where the numbers come from.
+    """
+
+    base: RollingBase
+    drive: str
+    limits: MotionLimits
+    source: str
+
+
+def load_rolling(name_or_path: str | os.PathLike[str]) -> RollingBase:
+    """Load the base of a rolling robot.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        A name (see :func:`list_rolling`), the path of a YAML file, or the text of one.
+
+    Returns
+    -------
+    RollingBase
+
+    Raises
+    ------
+    UnknownRobotError
+        No robot of this name; the error lists those there are.
+    RobotDescriptionError
+        The document cannot be used: the message says where and why.
+
+    See Also
+    --------
+    rolling_robot : the same with limits.
+
+    Examples
+    --------
+    >>> from robomech_ros.rolling import load_rolling
+    >>> load_rolling("swerve").mobility.type
+    '(1,2)'
+    """
+    return rolling_robot(name_or_path).base
+
+
+def rolling_robot(name_or_path: str | os.PathLike[str]) -> RollingRobot:
+    """Load a rolling robot: its base, kind of drive and limits.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        As for :func:`load_rolling`.
+
+    Returns
+    -------
+    RollingRobot
+
+    Raises
+    ------
+    UnknownRobotError, RobotDescriptionError
+        As :func:`load_rolling`.
+
+    Examples
+    --------
+    >>> from robomech_ros.rolling import rolling_robot
+    >>> robot = rolling_robot("mecanum")
+    >>> robot.drive, robot.limits.velocity.tolist()
+    ('mecanum', [1.23, 0.8, 0.8])
+    """
+    given: object = name_or_path
+    if isinstance(given, os.PathLike):
+        return _from_file(Path(given))
+    if not isinstance(given, str) or not given.strip():
+        raise BadValueError("robot", given, "a robot's name, a path, or the text of a document")
+    if "\n" in given.strip():
+        return _from_text(given, "YAML string")
+    name = given.strip()
+    if name.lower().endswith(_SUFFIXES) or os.sep in name:
+        return _from_file(Path(name).expanduser())
+    files = _files()
+    if not _NAME.fullmatch(name) or name not in files:
+        raise UnknownRobotError(name, sorted(files))
+    return _from_file(files[name])
+
+
+def list_rolling() -> tuple[str, ...]:
+    """List the names of the rolling robots in all folders, sorted.
+
+    Examples
+    --------
+    >>> from robomech_ros.rolling import list_rolling
+    >>> "mecanum" in list_rolling()
+    True
+    """
+    return tuple(sorted(_files()))
+
+
+def _files() -> dict[str, Path]:
+    found: dict[str, Path] = {}
+    for folder in robot_folders():
+        try:
+            entries = sorted((folder / "rolling").iterdir())
+        except OSError:
+            continue
+        for path in entries:
+            if path.suffix in _SUFFIXES and path.is_file():
+                found.setdefault(path.stem, path)
+    return found
+
+
+def _from_file(path: Path) -> RollingRobot:
+    if path.suffix.lower() not in _SUFFIXES:
+        why = f"expected a file named {', '.join(_SUFFIXES)}"
+        raise RobotDescriptionError(str(path), why)
+    return _from_text(read_source(path, LARGEST_YAML), str(path))
+
+
+def _from_text(text: str | bytes, where: str) -> RollingRobot:
+    document = check_keys(parse_yaml(text, where), where, _NEEDED, _MORE)
+    for key, known in (("kind", ("rolling",)), ("drive", DRIVES)):
+        if document[key] not in known:
+            why = f"{str(document[key])[:80]!r}, expected {' or '.join(known)}"
+            raise RobotDescriptionError(f"{where}: {key}", why)
+    for key in ("name", "source"):
+        if not isinstance(document[key], str) or not document[key].strip():
+            raise RobotDescriptionError(f"{where}: {key}", "expected a text")
+    wheels, limits = document["wheels"], document.get("limits", {})
+    if not isinstance(wheels, list) or not 0 < len(wheels) <= _MOST_WHEELS:
+        why = f"expected a list of up to {_MOST_WHEELS} wheels"
+        raise RobotDescriptionError(f"{where}: wheels", why)
+    made = [_wheel(one, f"{where}: wheels: {i}") for i, one in enumerate(wheels)]
+    check_keys(limits, f"{where}: limits", (), _LIMITS)
+    try:
+        base = RollingBase(made, name=document["name"])
+        return RollingRobot(base, document["drive"], MotionLimits(**limits), document["source"])
+    except RobomechError as error:
+        raise RobotDescriptionError(where, str(error)) from None
+
+
+def _wheel(entry: Any, where: str) -> Wheel:
+    needed = ("name", "kind", "position", "radius")
+    check_keys(entry, where, needed, [key for key in _WHEEL if key not in needed])
+    try:
+        return Wheel(**entry)
+    except RobomechError as error:
+        raise RobotDescriptionError(where, str(error)) from None

@@ -1,0 +1,102 @@
+"""Whatever is given to a rolling robot, it answers or raises an error of its own."""
+
+import warnings
+
+import numpy as np
+import pytest
+from wrong_values import WRONG_VALUES, with_options
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.rolling import (
+    CommandLimiter,
+    MotionLimits,
+    Odometry,
+    OdometryNoise,
+    RollingBase,
+    Wheel,
+    ackermann,
+    advance_odometry,
+    isotropy,
+    list_rolling,
+    load_rolling,
+    mecanum,
+    omnidirectional,
+    rolling_robot,
+    swerve,
+    tricycle,
+    two_wheeled,
+)
+
+VALUES = (
+    *WRONG_VALUES,
+    [np.nan] * 3,
+    [np.inf] * 3,
+    [1e300] * 3,
+    [-1.0] * 3,
+    [0.0] * 3,
+    [0.0] * 2,
+    [1e300] * 2,
+    [[1, -1]] * 3,
+    np.empty((0, 3)),
+    np.zeros((2, 3)),
+    np.zeros(3, complex),
+    ["a"] * 3,
+)
+
+
+def calls():
+    """Every class, method and function, one argument at a time."""
+    found = {"load_rolling": load_rolling, "rolling_robot": rolling_robot, "isotropy": isotropy}
+    sizes = {"radius": 0.1, "wheelbase": 1.0, "track": 0.5}
+    for kind in ("fixed", "steered", "caster", "omni"):
+        good = {"kind": kind, "position": [0.1, 0.2], "radius": 0.1}
+        good |= {"trail": 0.1} if kind == "caster" else {}
+        for name, call in with_options(Wheel, **good).items():
+            found[f"{kind}.{name}"] = call
+    found |= with_options(RollingBase, wheels=list(load_rolling("omni").wheels))
+    found |= with_options(two_wheeled, radius=0.1, track=0.4)
+    found |= with_options(omnidirectional, count=3, radius=0.1, distance=0.5)
+    found |= with_options(mecanum, radius=0.1, length=0.5, width=0.4)
+    found |= with_options(tricycle, **sizes) | with_options(ackermann, **sizes)
+    found |= with_options(swerve, radius=0.1, positions=[[0.1, 0.2], [-0.1, 0.2]])
+    found |= with_options(MotionLimits) | with_options(OdometryNoise)
+    for name in list_rolling():
+        base = load_rolling(name)
+        rates, steering = np.ones(len(base.driven)), np.zeros(len(base.steered))
+        brackets = np.zeros(len(base.casters))
+        twist = base.feasible([0.1, 0.2, 0.3])
+        some = {}
+        some |= with_options(base.feasible, twist=twist)
+        some |= with_options(base.wheel_rates, twist=twist, steering=steering)
+        some |= with_options(base.rolling_rates, twist=twist, brackets=brackets)
+        some |= with_options(base.steering_angles, twist=twist, near=steering)
+        some |= with_options(base.caster_rates, twist=twist, brackets=brackets)
+        some |= with_options(base.body_twist, rates=rates, steering=steering)
+        some |= with_options(base.integrate, pose=[0, 0, 0], rates=rates, dt=0.1, steering=steering)
+        some |= with_options(base.told_rows, steering=steering)
+        some |= with_options(
+            advance_odometry, base=base, odometry=Odometry.at(), rates=rates, dt=0.1
+        )
+        limiter = CommandLimiter(base, MotionLimits(), 0.01)
+        some |= with_options(limiter.at_rest, steering=steering)
+        some |= with_options(limiter.allowed, command=twist)
+        some |= with_options(limiter.step, motion=limiter.at_rest(), command=twist)
+        some |= with_options(limiter.run, motion=limiter.at_rest(), commands=[twist])
+        found |= {f"{name}.{one}": call for one, call in some.items()}
+    good = {"base": load_rolling("omni"), "limits": MotionLimits(), "period": 0.1}
+    found |= with_options(CommandLimiter, **good) | {"Odometry.at": Odometry.at}
+    return found
+
+
+CALLS = calls()
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_wrong_arguments_are_answered_or_refused_with_an_error_of_ours(name):
+    for value in VALUES:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            try:
+                CALLS[name](value)
+            except RobomechError as error:
+                assert str(error), value
