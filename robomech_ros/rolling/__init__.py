@@ -9,11 +9,13 @@ from robomech_ros.lazy import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.rolling.base import RollingBase
+    from robomech_ros.rolling.bodies import PlatformBody, WheelBody
     from robomech_ros.rolling.constraints import Mobility
     from robomech_ros.rolling.evenness import Isotropy, isotropy
     from robomech_ros.rolling.library import RollingRobot, list_rolling, load_rolling, rolling_robot
     from robomech_ros.rolling.limiter import BaseMotion, CommandLimiter
     from robomech_ros.rolling.limits import MotionLimits
+    from robomech_ros.rolling.moving import RollingDynamics
     from robomech_ros.rolling.named import (
         ackermann,
         mecanum,
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
         two_wheeled,
     )
     from robomech_ros.rolling.odometry import Odometry, OdometryNoise, advance_odometry
+    from robomech_ros.rolling.runs import RollingRun, simulate_rolling
     from robomech_ros.rolling.wheels import Wheel
 
 __all__ = [
@@ -33,9 +36,13 @@ __all__ = [
     "MotionLimits",
     "Odometry",
     "OdometryNoise",
+    "PlatformBody",
     "RollingBase",
+    "RollingDynamics",
     "RollingRobot",
+    "RollingRun",
     "Wheel",
+    "WheelBody",
     "ackermann",
     "advance_odometry",
     "isotropy",
@@ -44,6 +51,7 @@ __all__ = [
     "mecanum",
     "omnidirectional",
     "rolling_robot",
+    "simulate_rolling",
     "swerve",
     "tricycle",
     "two_wheeled",
@@ -57,9 +65,13 @@ _MODULES = {
     "MotionLimits": "limits",
     "Odometry": "odometry",
     "OdometryNoise": "odometry",
+    "PlatformBody": "bodies",
     "RollingBase": "base",
+    "RollingDynamics": "moving",
     "RollingRobot": "library",
+    "RollingRun": "runs",
     "Wheel": "wheels",
+    "WheelBody": "bodies",
     "ackermann": "named",
     "advance_odometry": "odometry",
     "isotropy": "evenness",
@@ -68,6 +80,7 @@ _MODULES = {
     "mecanum": "named",
     "omnidirectional": "named",
     "rolling_robot": "library",
+    "simulate_rolling": "runs",
     "swerve": "named",
     "tricycle": "named",
     "two_wheeled": "named",

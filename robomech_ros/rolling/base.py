@@ -23,7 +23,6 @@ from robomech_ros.rolling.steering import (
     check_span,
     curvature_range,
     feasible_twists,
-    forward_row,
     require_feasible,
     steering_for,
 )
@@ -57,6 +56,8 @@ class RollingBase:
         Degrees of mobility and of steerability.
     radii, driven_radii : ndarray
         Of all wheels and of the driven ones (m).
+    axle : ndarray, shape (3,), or None
+        Of fixed wheels: its point nearest to the origin (m) and their heading (rad).
     curvatures : tuple of float
         Least and largest turn for each metre forward (rad/m) that steering allows; infinite where
         the base can turn on the spot.
@@ -106,16 +107,17 @@ class RollingBase:
         self.driven_radii = self.radii[self._drives]
         self._headings = np.array([wheel.heading for wheel in self.wheels])
         self._steered = [wheel for wheel in self.wheels if wheel.kind == "steered"]
-        self._axle: Array | None = None
+        self.axle: Array | None = None
         fixed = [wheel for wheel in self.wheels if wheel.kind == "fixed"]
         if fixed:
-            self._axle = axle_of(fixed[0])
+            self.axle = axle_of(fixed[0])
         self.curvatures = (-math.inf, math.inf)
-        if self._axle is not None:
-            self.curvatures = curvature_range(self._steered, self._axle)
+        if self.axle is not None:
+            self.curvatures = curvature_range(self._steered, self.axle)
         else:
             check_span(self._steered)
         self._fixed_rows = self.told_rows()
+        self._driven_rows = self.rate_rows()[self._drives]
         self._solver = None if self._steered else np.linalg.pinv(self._fixed_rows)
 
     def feasible(self, twist: ArrayLike) -> Array:
@@ -140,9 +142,9 @@ class RollingBase:
             Not finite twists.
         """
         given = bounded("twist", twist, 3)
-        if self._axle is None:
+        if self.axle is None:
             return given.copy()
-        return feasible_twists(self._axle, self.curvatures, given)
+        return feasible_twists(self.axle, self.curvatures, given)
 
     def wheel_rates(self, twist: ArrayLike, steering: ArrayLike | None = None) -> Array:
         """Compute the rates of the driven wheels.
@@ -171,6 +173,8 @@ class RollingBase:
             Not finite values of these shapes.
         """
         given = self._checked_twist(twist)
+        if not self._steered and steering is None:
+            return np.asarray(given @ self._driven_rows.T)
         angles = self._rolling_directions(self.steering_angles(given, steering))
         return self._rolled(given, angles)[..., self._drives]
 
@@ -369,15 +373,6 @@ class RollingBase:
         """Give the rates of all wheels for units of the twist, shape (n, 3), all angles being 0."""
         return np.asarray(drive_rows(self.wheels, self._headings) / self.radii[:, None])
 
-    def forward_row(self) -> Array:
-        """Give what the velocity forward is of a twist, shape (3,), where turns are limited.
-
-        Zeros for a base that can turn on the spot: it need not stop to drive the other way.
-        """
-        if self._axle is None or not np.isfinite(self.curvatures).any():
-            return np.zeros(3)
-        return forward_row(self._axle)
-
     def _rolling_directions(self, steering: Array) -> Array:
         angles = np.broadcast_to(self._headings, (*steering.shape[:-1], len(self.wheels))).copy()
         angles[..., self._turns] += steering
@@ -389,9 +384,9 @@ class RollingBase:
 
     def _checked_twist(self, twist: ArrayLike) -> Array:
         given = bounded("twist", twist, 3)
-        if self._axle is None:
+        if self.axle is None:
             return given
-        require_feasible(given, feasible_twists(self._axle, self.curvatures, given))
+        require_feasible("twist", given, feasible_twists(self.axle, self.curvatures, given))
         return given
 
     def _steering(self, steering: ArrayLike | None) -> Array:

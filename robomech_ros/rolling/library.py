@@ -34,7 +34,9 @@ from robomech_ros.robots import robot_folders
 from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
 from robomech_ros.robots.source_files import read_source
 from robomech_ros.rolling.base import RollingBase
+from robomech_ros.rolling.bodies import PlatformBody, WheelBody
 from robomech_ros.rolling.limits import MotionLimits
+from robomech_ros.rolling.moving import RollingDynamics
 from robomech_ros.rolling.wheels import Wheel
 
 __all__ = ["DRIVES", "RollingRobot", "list_rolling", "load_rolling", "rolling_robot"]
@@ -42,9 +44,11 @@ __all__ = ["DRIVES", "RollingRobot", "list_rolling", "load_rolling", "rolling_ro
 # Kinds of drive, by the names of the controllers of ros2_control, and swerve.
 DRIVES = ("diff", "omni", "mecanum", "bicycle", "tricycle", "ackermann", "swerve")
 _NEEDED = ("kind", "name", "source", "drive", "wheels")
-_MORE = ("notes", "limits")
+_MORE = ("notes", "limits", "bodies")
 _WHEEL = tuple(field.name for field in fields(Wheel))
 _LIMITS = tuple(field.name for field in fields(MotionLimits))
+_PLATFORM = tuple(field.name for field in fields(PlatformBody))
+_BODY = tuple(field.name for field in fields(WheelBody))
 _MOST_WHEELS = 100
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
 _SUFFIXES = (".yaml", ".yml")
@@ -61,6 +65,8 @@ class RollingRobot:
         One of diff, omni, mecanum, bicycle, tricycle, ackermann and swerve.
     limits : MotionLimits
         Infinite where the document has none.
+    dynamics : RollingDynamics or None
+        Where the document has bodies.
     source : str
         Where the numbers come from.
     """
@@ -68,6 +74,7 @@ class RollingRobot:
     base: RollingBase
     drive: str
     limits: MotionLimits
+    dynamics: RollingDynamics | None
     source: str
 
 
@@ -192,9 +199,29 @@ def _from_text(text: str | bytes, where: str) -> RollingRobot:
     check_keys(limits, f"{where}: limits", (), _LIMITS)
     try:
         base = RollingBase(made, name=document["name"])
-        return RollingRobot(base, document["drive"], MotionLimits(**limits), document["source"])
+        bodies = document.get("bodies")
+        dynamics = None if bodies is None else _dynamics(base, bodies, f"{where}: bodies")
+        bounds = MotionLimits(**limits)
+        return RollingRobot(base, document["drive"], bounds, dynamics, document["source"])
+    except RobotDescriptionError:
+        raise
     except RobomechError as error:
         raise RobotDescriptionError(where, str(error)) from None
+
+
+def _dynamics(base: RollingBase, entry: Any, where: str) -> RollingDynamics:
+    check_keys(entry, where, ("platform", "wheels"), ())
+    check_keys(entry["platform"], f"{where}: platform", ("mass", "inertia"), _PLATFORM)
+    wheels = entry["wheels"]
+    if not isinstance(wheels, dict):
+        raise RobotDescriptionError(f"{where}: wheels", "expected the names of wheels, or 'all'")
+    check_keys(wheels, f"{where}: wheels", (), ("all", *base.names))
+    made = []
+    for name in base.names:
+        given: Any = wheels.get(name, wheels.get("all", {}))
+        check_keys(given, f"{where}: wheels: {name}", (), _BODY)
+        made.append(WheelBody(**given))
+    return RollingDynamics(base, PlatformBody(**entry["platform"]), made)
 
 
 def _wheel(entry: Any, where: str) -> Wheel:

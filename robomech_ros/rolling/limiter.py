@@ -14,6 +14,7 @@ from robomech_ros.rolling.arguments import bounded, one_vector
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.constraints import direction_rows
 from robomech_ros.rolling.limits import AXES, MotionLimits
+from robomech_ros.rolling.steering import forward_row
 from robomech_ros.spatial.arrays import real_number
 
 __all__ = ["BaseMotion", "CommandLimiter"]
@@ -109,7 +110,11 @@ class CommandLimiter:
             raise WrongSizeError("steered wheels", len(base.steered), f"up to {_MOST_STEERED}")
         self.base, self.limits, self.period = base, limits, time
         self._axes = self._packed_axes()
-        self._forward = np.array([*base.forward_row(), time])
+        # A base that can turn on the spot need not stop to drive the other way.
+        forward = np.zeros(3)
+        if base.axle is not None and np.isfinite(base.curvatures).any():
+            forward = forward_row(base.axle)
+        self._forward = np.array([*forward, time])
         self._pivots = self._packed_pivots()
         self._bounds = self._packed_bounds()
 

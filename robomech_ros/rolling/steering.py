@@ -17,6 +17,7 @@ __all__ = [
     "curvature_range",
     "feasible_twists",
     "forward_row",
+    "free_twists",
     "steering_for",
 ]
 
@@ -113,13 +114,24 @@ def feasible_twists(axle: Array, curvatures: tuple[float, float], twists: Array)
     return np.stack([w, c * forward + w * axle[1], s * forward - w * axle[0]], axis=-1)
 
 
-def require_feasible(twists: Array, feasible: Array) -> None:
+def require_feasible(what: str, twists: Array, feasible: Array) -> None:
     """Refuse twists that differ from those that the wheels can give."""
     off = np.abs(feasible - twists).max(axis=-1)
     if (off > _OFF * np.abs(twists).max(axis=-1)).any():
         where = np.unravel_index(int(np.argmax(off)), off.shape)
-        what = f"[omega, v_x, v_y] that the wheels can give, such as {feasible[where].tolist()}"
-        raise BadValueError("twist", twists[where].tolist(), what)
+        expected = f"[omega, v_x, v_y] that the wheels can give, such as {feasible[where].tolist()}"
+        raise BadValueError(what, twists[where].tolist(), expected)
+
+
+def free_twists(axle: Array | None) -> Array:
+    """Give the twists (3, m) of units of the independent rates.
+
+    They are the turn, and the velocity forward at a fixed axle; the whole twist without one.
+    """
+    if axle is None:
+        return np.eye(3)
+    c, s = math.cos(axle[2]), math.sin(axle[2])
+    return np.array([[1.0, 0.0], [axle[1], c], [-axle[0], s]])
 
 
 def forward_row(axle: Array) -> Array:

@@ -23,6 +23,7 @@ GROUPS = (
     "parallel",
     "walking",
     "hands",
+    "rolling",
     "nodes",
     "view",
 )

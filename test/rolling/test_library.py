@@ -57,6 +57,17 @@ def test_a_document_and_a_path(tmp_path):
         (", radius: 0.1}\n  - {name: right", ", radious: 0.1}\n  - {name: right", "unknown key"),
         ("drive: diff\n", "drive: diff\nlimits: {velocity: [1, 2]}\n", "velocity has shape"),
         ("drive: diff\n", "drive: diff\nlimits: {speed: 3}\n", "unknown key 'speed'"),
+        ("drive: diff\n", "drive: diff\nbodies: {platform: {mass: 1}}\n", "missing key 'wheels'"),
+        (
+            "drive: diff\n",
+            "drive: diff\nbodies: {platform: {mass: 1, inertia: 1}, wheels: {front: {}}}\n",
+            "unknown key 'front'",
+        ),
+        (
+            "drive: diff\n",
+            "drive: diff\nbodies: {platform: {mass: 1, inertia: 1}, wheels: {all: {mass: -1}}}\n",
+            "mass is -1",
+        ),
     ],
 )
 def test_documents_that_are_wrong(old, new, text):

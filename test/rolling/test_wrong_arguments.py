@@ -12,8 +12,11 @@ from robomech_ros.rolling import (
     MotionLimits,
     Odometry,
     OdometryNoise,
+    PlatformBody,
     RollingBase,
+    RollingDynamics,
     Wheel,
+    WheelBody,
     ackermann,
     advance_odometry,
     isotropy,
@@ -83,6 +86,17 @@ def calls():
         some |= with_options(limiter.step, motion=limiter.at_rest(), command=twist)
         some |= with_options(limiter.run, motion=limiter.at_rest(), commands=[twist])
         found |= {f"{name}.{one}": call for one, call in some.items()}
+    platform = PlatformBody(mass=1.0, inertia=1.0)
+    found |= with_options(PlatformBody, mass=1.0, inertia=1.0) | with_options(WheelBody)
+    moving = rolling_robot("differential").dynamics
+    state = {"twist": [0.1, 0.2, 0.0], "brackets": [0.3]}
+    bodies = {"base": moving.base, "platform": platform, "wheels": list(moving.wheels)}
+    found |= with_options(RollingDynamics, **bodies)
+    found |= with_options(moving.inverse, acceleration=[1.0, 1.0, 0.0], wrench=[0, 0, 0], **state)
+    found |= with_options(moving.forward, torques=[1.0, 1.0], wrench=[0, 0, 0], **state)
+    found |= with_options(moving.bodies, **state) | with_options(moving.drive_model, **state)
+    found |= with_options(moving.kinetic_energy, **state)
+    found["within_limits"] = moving.within_limits
     good = {"base": load_rolling("omni"), "limits": MotionLimits(), "period": 0.1}
     found |= with_options(CommandLimiter, **good) | {"Odometry.at": Odometry.at}
     return found
