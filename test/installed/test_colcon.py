@@ -78,10 +78,11 @@ def test_what_is_imported_is_what_was_built(workspace, output_of, tmp_path):
     code = (
         "import robomech_ros, robomech_interfaces.srv\n"
         "from robomech_ros.parallel import list_parallel\n"
+        "from robomech_ros.rolling import list_rolling\n"
         "from robomech_ros.robots import list_robots, robot_folders\n"
         "from ament_index_python.packages import get_package_share_directory as share\n"
         "print(robomech_ros.__file__, robomech_interfaces.__file__, share('robomech_ros'))\n"
-        "print('robots', *list_robots(), *list_parallel())"
+        "print('robots', *list_robots(), *list_parallel(), *list_rolling())"
     )
     env = workspace.environment
     places, robots = output_of("python", "-c", code, env=env, cwd=tmp_path).splitlines()
