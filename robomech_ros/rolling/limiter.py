@@ -40,7 +40,8 @@ class BaseMotion:
     steering : ndarray, shape (s,)
         Angles of the steered wheels (rad).
     saturated : tuple of str
-        Axes and wheels whose limits shortened the command, such as ``linear.x``.
+        Axes and wheels whose limits shortened the command, such as ``linear.x``; ``curvature``
+        where it turned more sharply than steering allows.
     ahead : ndarray, shape (3,)
         Twist at which the base would be without further commands, once its acceleration is gone.
     directions : ndarray, shape (s, 2)
@@ -162,7 +163,8 @@ class CommandLimiter:
         twist : ndarray, shape (..., 3)
             That the wheels can give (:meth:`RollingBase.feasible`), within all velocities.
         saturated : tuple of str
-            Axes and wheels whose limits shortened a command.
+            Axes and wheels whose limits shortened a command, and ``curvature`` where it turned
+            more sharply than steering allows.
 
         Raises
         ------
@@ -183,6 +185,8 @@ class CommandLimiter:
         limits = np.array([*names, *pivot_names])
         which = (over * _WHOLE > 1.0) & (over >= worst[..., None] * _WHOLE)
         saturated = tuple(limits[which.reshape(-1, len(limits)).any(axis=0)].tolist())
+        if (wanted[..., 0] != given[..., 0]).any() and not barred[..., 0].any():
+            saturated = (*saturated, "curvature")
         return wanted / worst[..., None], saturated
 
     def step(self, motion: BaseMotion, command: ArrayLike) -> BaseMotion:

@@ -6,7 +6,9 @@ There is no peer in Python; limits are compared with those of ros2_control, whos
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +25,9 @@ from robomech_ros.rolling import (
     two_wheeled,
 )
 from robomech_ros.rolling.arcs import moved
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "rolling"))
+from limiter_oracle import limited
 
 Array = NDArray[np.float64]
 
@@ -76,6 +81,19 @@ def _streams() -> list[Row]:
         rest = limiter.at_rest()
         found.append(_row(f"{name}: limited stream, per period",
                           lambda x=limiter, m=rest: x.run(m, commands), STREAM))  # type: ignore[misc] # fmt: skip
+    robot = rolling_robot("mecanum")
+    limiter = CommandLimiter(robot.base, robot.limits, PERIOD)
+    allowed = limiter.allowed(commands)[0][:200]
+    time = interleave(
+        {
+            "ours": Work(lambda: limiter.run(limiter.at_rest(), allowed), len(allowed)),
+            "NumPy": Work(lambda: limited(allowed, robot.limits, PERIOD), len(allowed)),
+        },
+        rounds=11,
+    )
+    ours, peer = time["ours"], time["NumPy"]
+    found.append(Row("mecanum: the same, 200 periods", ours.median, peer=peer.median,
+                     peer_name="our rule in NumPy", spread=ours.spread))  # fmt: skip
     limiter = CommandLimiter(two_wheeled(0.1, 0.4), LIMITS, PERIOD)
     motion = limiter.step(limiter.at_rest(), CIRCLE)
     found.append(_row("differential: one limited step, one checked call",

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+import ruckig
+from limiter_oracle import limited
 
 from robomech_ros.errors import LimitExceededError, NonFiniteError
 from robomech_ros.rolling import (
@@ -221,3 +223,45 @@ def test_steps_one_by_one_are_those_of_a_run():
         motion = limiter.step(motion, command)
         assert motion.twist.tolist() == twists[i].tolist()
         assert motion.steering.tolist() == angles[i].tolist()
+
+
+def test_the_kernel_does_what_its_rule_in_numpy_does():
+    limiter, rng = limiter_of("mecanum"), np.random.default_rng(12)
+    for _ in range(5):
+        commands = limiter.allowed(stream(limiter, rng))[0]
+        twists = limiter.run(limiter.at_rest(), commands)[0]
+        assert np.abs(twists - limited(commands, limiter.limits, PERIOD)).max() < 1e-9
+
+
+def test_steps_from_rest_take_as_long_as_those_of_ruckig():
+    """Ruckig is optimal in continuous time; ours may be later by what whole periods cost."""
+    rng, base = np.random.default_rng(13), mecanum(0.1, 0.6, 0.4)
+    for _ in range(50):
+        acceleration, jerk = rng.uniform(0.5, 4.0, 3), rng.uniform(2.0, 40.0, 3)
+        limiter = CommandLimiter(base, MotionLimits(acceleration=acceleration, jerk=jerk), PERIOD)
+        command = rng.normal(size=3)
+        wanted = ruckig.InputParameter(3)
+        wanted.control_interface = ruckig.ControlInterface.Velocity
+        wanted.synchronization = ruckig.Synchronization.Phase
+        wanted.current_position = wanted.target_position = [0.0] * 3
+        wanted.current_velocity = wanted.current_acceleration = [0.0] * 3
+        wanted.target_velocity, wanted.target_acceleration = command.tolist(), [0.0] * 3
+        wanted.max_acceleration, wanted.max_jerk = acceleration.tolist(), jerk.tolist()
+        found = ruckig.Trajectory(3)
+        ruckig.Ruckig(3).calculate(wanted, found)
+        twists, _, _ = limiter.run(limiter.at_rest(), np.tile(command, (3000, 1)))
+        ours = (int(np.argmax((twists == command).all(axis=1))) + 1) * PERIOD
+        # Phases along one ray take as long as the axis that needs most of each limit.
+        share = np.abs(command)
+        most, harshest = (acceleration / share).min(), (jerk / share).min()
+        ray = 1.0 / most + most / harshest
+        if most * most > harshest:
+            ray = 2.0 / math.sqrt(harshest)
+        assert found.duration - PERIOD <= ours <= ray + 2.0 * PERIOD
+
+
+def test_a_turn_sharper_than_the_steering_allows_is_said():
+    limiter = limiter_of("ackermann")
+    twist, saturated = limiter.allowed([9.0, 1.0, 0.0])
+    assert saturated == ("curvature",)
+    assert twist == pytest.approx([limiter.base.curvatures[1], 1.0, 0.0])
