@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from robomech_ros.robots import robot_folders
+from robomech_ros.robots.source_files import SUFFIXES, documents_in
 
 __all__ = ["SUFFIXES", "list_parallel", "parallel_files"]
-
-SUFFIXES = (".yaml", ".yml")
 
 
 def list_parallel() -> tuple[str, ...]:
@@ -25,13 +24,4 @@ def list_parallel() -> tuple[str, ...]:
 
 def parallel_files() -> dict[str, Path]:
     """Find the file of each parallel robot, by name."""
-    found: dict[str, Path] = {}
-    for folder in robot_folders():
-        try:
-            entries = sorted((folder / "parallel").iterdir())
-        except OSError:
-            continue
-        for path in entries:
-            if path.suffix in SUFFIXES and path.is_file():
-                found.setdefault(path.stem, path)
-    return found
+    return documents_in(folder / "parallel" for folder in robot_folders())

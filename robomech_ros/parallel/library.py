@@ -21,19 +21,15 @@ files in the folder ``parallel`` of the folders of robots.
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from robomech_ros.errors import (
-    BadValueError,
     RobomechError,
     RobotDescriptionError,
-    UnknownRobotError,
 )
 from robomech_ros.parallel.delta import Delta
-from robomech_ros.parallel.files import SUFFIXES, parallel_files
+from robomech_ros.parallel.files import parallel_files
 from robomech_ros.parallel.limbs_document import mechanism_from_limbs
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.mechanism.parts import Parts
@@ -41,7 +37,7 @@ from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
 from robomech_ros.parallel.spherical import Spherical3RRR
 from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
-from robomech_ros.robots.source_files import read_source
+from robomech_ros.robots.source_files import document_source
 from robomech_ros.robots.yaml_bodies import body_from_yaml, drive_from_yaml
 
 __all__ = ["TYPES", "ParallelRobot", "load_parallel", "parallel_from_yaml"]
@@ -76,7 +72,6 @@ TYPES: dict[str, tuple[Any, tuple[str, ...], tuple[str, ...]]] = {
 _HEAD = ("kind", "name", "source", "type")
 _PARTS = ("bodies", "drive")
 _KEYS = sorted({key for _, needed, more in TYPES.values() for key in (*needed, *more)})
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
 
 
 def load_parallel(name_or_path: str | os.PathLike[str]) -> ParallelRobot | Mechanism:
@@ -104,27 +99,7 @@ def load_parallel(name_or_path: str | os.PathLike[str]) -> ParallelRobot | Mecha
     >>> load_parallel("hexapod").family
     '3-6 planar'
     """
-    given: object = name_or_path
-    if isinstance(given, os.PathLike):
-        return _from_file(Path(given))
-    if not isinstance(given, str) or not given.strip():
-        raise BadValueError("robot", given, "a robot's name, a path, or the text of a document")
-    if "\n" in given.strip():
-        return parallel_from_yaml(given, "YAML string")
-    name = given.strip()
-    if name.lower().endswith(SUFFIXES) or os.sep in name:
-        return _from_file(Path(name).expanduser())
-    files = parallel_files()
-    if not _NAME.fullmatch(name) or name not in files:
-        raise UnknownRobotError(name, sorted(files))
-    return _from_file(files[name])
-
-
-def _from_file(path: Path) -> ParallelRobot | Mechanism:
-    if path.suffix.lower() not in SUFFIXES:
-        why = f"expected a file named {', '.join(SUFFIXES)}"
-        raise RobotDescriptionError(str(path), why)
-    return parallel_from_yaml(read_source(path, LARGEST_YAML), str(path))
+    return parallel_from_yaml(*document_source(name_or_path, parallel_files, LARGEST_YAML))
 
 
 def parallel_from_yaml(text: str | bytes, where: str) -> ParallelRobot | Mechanism:

@@ -19,20 +19,17 @@ Names are those of files in the folder ``rolling`` of the folders of robots.
 from __future__ import annotations
 
 import os
-import re
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 from robomech_ros.errors import (
-    BadValueError,
     RobomechError,
     RobotDescriptionError,
-    UnknownRobotError,
 )
 from robomech_ros.robots import robot_folders
 from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
-from robomech_ros.robots.source_files import read_source
+from robomech_ros.robots.source_files import document_source, documents_in
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.bodies import PlatformBody, WheelBody
 from robomech_ros.rolling.limits import MotionLimits
@@ -50,8 +47,6 @@ _LIMITS = tuple(field.name for field in fields(MotionLimits))
 _PLATFORM = tuple(field.name for field in fields(PlatformBody))
 _BODY = tuple(field.name for field in fields(WheelBody))
 _MOST_WHEELS = 100
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
-_SUFFIXES = (".yaml", ".yml")
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,20 +129,7 @@ def rolling_robot(name_or_path: str | os.PathLike[str]) -> RollingRobot:
     >>> robot.drive, robot.limits.velocity.tolist()
     ('mecanum', [1.23, 0.8, 0.8])
     """
-    given: object = name_or_path
-    if isinstance(given, os.PathLike):
-        return _from_file(Path(given))
-    if not isinstance(given, str) or not given.strip():
-        raise BadValueError("robot", given, "a robot's name, a path, or the text of a document")
-    if "\n" in given.strip():
-        return _from_text(given, "YAML string")
-    name = given.strip()
-    if name.lower().endswith(_SUFFIXES) or os.sep in name:
-        return _from_file(Path(name).expanduser())
-    files = _files()
-    if not _NAME.fullmatch(name) or name not in files:
-        raise UnknownRobotError(name, sorted(files))
-    return _from_file(files[name])
+    return _from_text(*document_source(name_or_path, _files, LARGEST_YAML))
 
 
 def list_rolling() -> tuple[str, ...]:
@@ -163,23 +145,7 @@ def list_rolling() -> tuple[str, ...]:
 
 
 def _files() -> dict[str, Path]:
-    found: dict[str, Path] = {}
-    for folder in robot_folders():
-        try:
-            entries = sorted((folder / "rolling").iterdir())
-        except OSError:
-            continue
-        for path in entries:
-            if path.suffix in _SUFFIXES and path.is_file():
-                found.setdefault(path.stem, path)
-    return found
-
-
-def _from_file(path: Path) -> RollingRobot:
-    if path.suffix.lower() not in _SUFFIXES:
-        why = f"expected a file named {', '.join(_SUFFIXES)}"
-        raise RobotDescriptionError(str(path), why)
-    return _from_text(read_source(path, LARGEST_YAML), str(path))
+    return documents_in(folder / "rolling" for folder in robot_folders())
 
 
 def _from_text(text: str | bytes, where: str) -> RollingRobot:
