@@ -15,6 +15,7 @@ EXECUTABLES = (
     "servo_node",
     "calibration_node",
     "rvs_node",
+    "mobile_base_node",
 )
 HERE = Path(__file__).resolve().parent
 VERSION = re.search(

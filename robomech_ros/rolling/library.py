@@ -36,7 +36,14 @@ from robomech_ros.rolling.limits import MotionLimits
 from robomech_ros.rolling.moving import RollingDynamics
 from robomech_ros.rolling.wheels import Wheel
 
-__all__ = ["DRIVES", "RollingRobot", "list_rolling", "load_rolling", "rolling_robot"]
+__all__ = [
+    "DRIVES",
+    "RollingRobot",
+    "is_rolling",
+    "list_rolling",
+    "load_rolling",
+    "rolling_robot",
+]
 
 # Kinds of drive, by the names of the controllers of ros2_control, and swerve.
 DRIVES = ("diff", "omni", "mecanum", "bicycle", "tricycle", "ackermann", "swerve")
@@ -130,6 +137,16 @@ def rolling_robot(name_or_path: str | os.PathLike[str]) -> RollingRobot:
     ('mecanum', [1.23, 0.8, 0.8])
     """
     return _from_text(*document_source(name_or_path, _files, LARGEST_YAML))
+
+
+def is_rolling(name_or_path: str | os.PathLike[str]) -> bool:
+    """Say whether a name, path or text is that of a rolling robot, whatever else is in it."""
+    try:
+        text, where = document_source(name_or_path, _files, LARGEST_YAML)
+        document = parse_yaml(text, where)
+    except RobomechError:
+        return False
+    return isinstance(document, dict) and document.get("kind") == "rolling"
 
 
 def list_rolling() -> tuple[str, ...]:

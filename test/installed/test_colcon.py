@@ -20,6 +20,7 @@ NODES = {
     "dynamics_node",
     "joint_state_simulator_node",
     "kinematics_node",
+    "mobile_base_node",
     "robomech",
     "rvs_node",
     "servo_node",

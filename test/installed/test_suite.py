@@ -381,6 +381,7 @@ def test_a_node_that_cannot_start_says_why_in_one_line(suite, arguments, words):
         "dynamics_node",
         "joint_state_simulator_node",
         "kinematics_node",
+        "mobile_base_node",
         "rvs_node",
         "servo_node",
         "trajectory_planner_node",

@@ -19,6 +19,8 @@ from robomech_ros.nodes.process.reach import reach, stay_on_this_machine
 from robomech_ros.nodes.process.start import NODE_MODULES
 from robomech_ros.parallel import DescribedRobot, load_described
 from robomech_ros.robots import main_chain, semantics_of
+from robomech_ros.rolling import rolling_robot
+from robomech_ros.rolling.library import is_rolling
 
 __all__ = ["add_arguments", "add_launch_arguments", "check", "launch_options", "node_class", "run"]
 
@@ -105,7 +107,9 @@ def add_launch_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Bring the nodes up; returns 0 after SIGINT or SIGTERM, 1 if a node ended by itself."""
     check(args)
-    if args.robot and _load(args).mechanism is not None:
+    if args.robot and is_rolling(args.robot):
+        _check_rolling(args)
+    elif args.robot and _load(args).mechanism is not None:
         _leave_out(args)
     if args.localhost:
         stay_on_this_machine()
@@ -133,8 +137,18 @@ def launch_options(args: argparse.Namespace) -> LaunchOptions:
         view=args.view,
         view_port=args.view_port,
         view_host=args.view_host,
+        rolling=bool(args.robot) and is_rolling(args.robot),
         ros_args=tuple(args.ros_args),
     )
+
+
+def _check_rolling(args: argparse.Namespace) -> None:
+    """Refuse what is for arms, and robots that cannot be loaded."""
+    rolling_robot(args.robot)
+    for option in ("joint_limits", "srdf", "group", "base_link", "tip_link", "calibration", "view"):
+        if given := getattr(args, option):
+            expected = f"nothing: '{args.robot}' is a rolling robot"
+            raise BadValueError(f"--{option.replace('_', '-')}", given, expected)
 
 
 def _leave_out(args: argparse.Namespace) -> None:

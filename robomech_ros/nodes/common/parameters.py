@@ -9,6 +9,8 @@ time, the help text, and a frozen object with the values::
         rate: float = parameter(100.0, "How often joint_states is published", 1.0, 1000.0, "Hz")
 
     settings = NodeParameters(node, Settings).settings
+
+A name with dots, such as ``linear.x.max_velocity``, is a field ``linear__x__max_velocity``.
 """
 
 import dataclasses
@@ -36,6 +38,8 @@ Settings = TypeVar("Settings")
 
 _METADATA = "robomech parameter"
 _SHORTENED = 120
+# Stands in a field for the dot in the name of a parameter.
+_DOT = "__"
 _TEXTS = tuple[str, ...]
 _TYPE_NAMES = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
 # The wildcard and the parameters that rclpy itself declares.
@@ -91,6 +95,11 @@ class ParameterRow:
     unit: str = ""
     choices: tuple[str, ...] = ()
     read_only: bool = True
+
+    @property
+    def field(self) -> str:
+        """Name the field of the table."""
+        return self.name.replace(".", _DOT)
 
     @property
     def allowed(self) -> str:
@@ -151,6 +160,9 @@ class ParameterRow:
     def _in_range(self, value: float) -> bool:
         low = -math.inf if self.low is None else self.low
         high = math.inf if self.high is None else self.high
+        if math.isnan(value):
+            # Where nothing is given: not a number switches off.
+            return isinstance(self.default, float) and math.isnan(self.default)
         return math.isfinite(value) and low <= value <= high
 
     def descriptor(self) -> ParameterDescriptor:
@@ -162,6 +174,10 @@ class ParameterRow:
         if self.choices or self.kind not in _TYPE_NAMES:
             result.additional_constraints = self.allowed
         if self.low is None and self.high is None:
+            return result
+        if isinstance(self.default, float) and math.isnan(self.default):
+            # No range of ROS contains the default.
+            result.additional_constraints = f"{self.allowed}, or NaN"
             return result
         if self.kind is int:
             low = -(2**63) if self.low is None else int(self.low)
@@ -216,7 +232,12 @@ def table_rows(table: type) -> tuple[ParameterRow, ...]:
     """List the parameters of a settings dataclass."""
     kinds = get_type_hints(table)
     return tuple(
-        ParameterRow(entry.name, kinds[entry.name], entry.default, **entry.metadata[_METADATA])
+        ParameterRow(
+            entry.name.replace(_DOT, "."),
+            kinds[entry.name],
+            entry.default,
+            **entry.metadata[_METADATA],
+        )
         for entry in dataclasses.fields(table)
     )
 
@@ -251,7 +272,9 @@ class NodeParameters(Generic[Settings]):
         self._rows = {row.name: row for row in table_rows(table)}
         self._on_change = on_change
         self._check_settings = check
-        self.settings: Settings = table(**{r.name: _declared(node, r) for r in self._rows.values()})
+        self.settings: Settings = table(
+            **{r.field: _declared(node, r) for r in self._rows.values()}
+        )
         for name, hint in _unknown_overrides(node, self._rows):
             node.get_logger().warning(f"unknown parameter '{name}' is ignored{hint}")
         node.add_on_set_parameters_callback(self._check)
@@ -274,7 +297,7 @@ class NodeParameters(Generic[Settings]):
     def _changed(self, changes: list[Parameter]) -> Settings:
         """Give the settings with these changes; the same object if none concerns them."""
         values = {
-            change.name: self._rows[change.name].checked(change.value)
+            self._rows[change.name].field: self._rows[change.name].checked(change.value)
             for change in changes
             if change.name in self._rows
         }

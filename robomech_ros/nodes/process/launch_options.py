@@ -4,7 +4,7 @@ import json
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, is_dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ __all__ = ["LaunchOptions", "config_file"]
 
 # What the words that give a parameter begin with.
 _PARAMETER = ("-p", "--param")
+_ROLLING = "mobile_base"
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,8 @@ class LaunchOptions:
         Of its page; default the node's own.
     view_host : str, optional
         Address that its page listens on; default the node's own.
+    rolling : bool, optional
+        Whether the robot rolls: then the mobile base is the only node.
     ros_args : tuple of str, optional
         Other ROS arguments for every node; parameters among them replace those of the options.
     """
@@ -77,12 +80,20 @@ class LaunchOptions:
     view: bool = False
     view_port: int | None = None
     view_host: str | None = None
+    rolling: bool = False
     ros_args: tuple[str, ...] = ()
 
     @property
     def nodes(self) -> tuple[str, ...]:
         """Names of the nodes, in the order in which they are started."""
-        wanted = {"servo": self.servo, "calibration": self.calibration, "rvs": self.view}
+        if self.rolling:
+            return (_ROLLING,)
+        wanted = {
+            "servo": self.servo,
+            "calibration": self.calibration,
+            "rvs": self.view,
+            _ROLLING: False,
+        }
         return tuple(node for node in NODE_MODULES if wanted.get(node, True))
 
     def commands(self) -> dict[str, list[str]]:
@@ -120,6 +131,10 @@ class LaunchOptions:
             "group": self.group,
             "frame_prefix": self._frame_prefix(),
         }
+        if self.rolling:
+            # The names of the controllers of ros2_control; the namespace is the node's own default.
+            described = {"robot_description": values["robot_description"]}
+            values = {**described, "tf_frame_prefix": self.frame_prefix or ""}
         for name, value in values.items():
             if value:
                 # Quoted: YAML would read a robot called 7 as a number.
@@ -127,10 +142,11 @@ class LaunchOptions:
         if self.joint_limits:
             path = json.dumps(_absolute(self.joint_limits))
             result += ["-p", f"trajectory_planner:joint_limits:={path}"]
+        simulated = _ROLLING if self.rolling else "joint_trajectory_controller"
         if self.rate is not None:
-            result += ["-p", f"joint_trajectory_controller:publish_rate:={float(self.rate)}"]
+            result += ["-p", f"{simulated}:publish_rate:={float(self.rate)}"]
         if self.dynamic:
-            result += ["-p", "joint_trajectory_controller:simulation:=dynamic"]
+            result += ["-p", f"{simulated}:simulation:=dynamic"]
         if self.view and self.view_port is not None:
             result += ["-p", f"rvs:port:={self.view_port}"]
         if self.view and self.view_host is not None:
@@ -199,14 +215,18 @@ def _document(tree: Mapping[str, Any] | str) -> yaml.Node:
 
 def _parameter_names(node: str) -> set[str]:
     """Name the parameters in the table of a node."""
+    from robomech_ros.nodes.common.parameters import table_rows
+
     settings = NODE_MODULES[node].rpartition(".")[0] + ".settings"
     module = import_module(settings)
     tables = [
         value
         for value in vars(module).values()
-        if getattr(value, "__module__", "") == settings and is_dataclass(value)
+        if getattr(value, "__module__", "") == settings
+        and isinstance(value, type)
+        and is_dataclass(value)
     ]
-    return {row.name for row in fields(tables[0])}
+    return {row.name for row in table_rows(tables[0])}
 
 
 def config_file(node: str) -> list[str]:

@@ -23,6 +23,7 @@ __all__ = [
     "joint_state_simulator_node",
     "kinematics_node",
     "main",
+    "mobile_base_node",
     "rvs_node",
     "servo_node",
     "trajectory_planner_node",
@@ -39,6 +40,7 @@ NODE_MODULES = {
     "servo": "robomech_ros.nodes.servo.node",
     "calibration": "robomech_ros.nodes.calibration.node",
     "rvs": "robomech_ros.nodes.rvs.node",
+    "mobile_base": "robomech_ros.nodes.mobile_base.node",
 }
 
 EXIT_CANNOT_START = 2
@@ -88,6 +90,11 @@ def calibration_node() -> NoReturn:
 def rvs_node() -> NoReturn:
     """Run the node rvs, and end the process."""
     _run("rvs", sys.argv)
+
+
+def mobile_base_node() -> NoReturn:
+    """Run the node mobile_base, and end the process."""
+    _run("mobile_base", sys.argv)
 
 
 def _run(node: str, argv: Sequence[str]) -> NoReturn:

@@ -23,6 +23,9 @@ def parsed(*arguments):
     return parser.parse_args(list(arguments))
 
 
+OF_ARMS = set(NODE_MODULES) - {"mobile_base"}
+
+
 def commands(*arguments):
     return bringup.launch_options(parsed(*arguments)).commands()
 
@@ -35,13 +38,13 @@ def test_every_node_gets_the_robot_and_its_own_file():
 
 def test_the_servo_may_be_left_out():
     every, without = set(commands("--robot", "scara")), set(commands("--no-servo"))
-    assert every - without == {"servo"} and every == set(NODE_MODULES) - {"calibration", "rvs"}
+    assert every - without == {"servo"} and every == OF_ARMS - {"calibration", "rvs"}
     assert set(LaunchOptions("scara", servo=False).commands()) == without
 
 
 def test_calibration_is_one_of_the_nodes_where_it_is_wanted():
     every = commands("--calibration", "--ros-args", "-p", "tracking_base_frame:=camera")
-    assert set(every) == set(NODE_MODULES) - {"rvs"}
+    assert set(every) == OF_ARMS - {"rvs"}
     given = "tracking_base_frame:=camera"
     assert [node for node, command in every.items() if given in command] == ["calibration"]
 
@@ -49,7 +52,7 @@ def test_calibration_is_one_of_the_nodes_where_it_is_wanted():
 def test_the_view_is_one_of_the_nodes_where_it_is_wanted():
     given = ("--view", "--view-port", "0", "--view-host", "0.0.0.0")
     every = commands("--robot", "scara", *given)
-    assert list(every)[-1] == "rvs" and set(every) == set(NODE_MODULES) - {"calibration"}
+    assert list(every)[-1] == "rvs" and set(every) == OF_ARMS - {"calibration"}
     for option in ("port:=0", 'host:="0.0.0.0"'):
         assert [node for node, command in every.items() if option in command] == ["rvs"]
     assert not [word for word in commands("--view")["rvs"] if word.startswith(("port:", "host:"))]
@@ -204,6 +207,21 @@ def test_what_no_node_could_use_is_refused_once(option, value):
         bringup.run(parsed("--robot", "puma560", option, value))
 
 
+def test_a_rolling_robot_has_the_mobile_base_alone():
+    every = commands("--robot", "mecanum", "--dynamic", "--rate", "20", "--frame-prefix", "left")
+    assert set(every) == {"mobile_base"}
+    words = every["mobile_base"]
+    for option in (
+        'robot_description:="mecanum"',
+        'tf_frame_prefix:="left"',
+        "mobile_base:simulation:=dynamic",
+        "mobile_base:publish_rate:=20.0",
+    ):
+        assert option in words
+    with pytest.raises(BadValueError, match="--group is 'arm', expected nothing: 'mecanum' is a"):
+        bringup.run(parsed("--robot", "mecanum", "--group", "arm"))
+
+
 @pytest.mark.parametrize("node", NODE_MODULES)
 def test_file_of_each_node_gives_the_defaults_of_its_table(node):
     values = yaml.safe_load((CONFIG / f"{node}.yaml").read_text(encoding="utf-8"))
@@ -219,8 +237,9 @@ def documented(node):
     page = (CONFIG.parent / "doc" / "interfaces.md").read_text(encoding="utf-8")
     parts = re.split(r"^(Of all nodes|`\w+`)(?=[: ])", page, flags=re.MULTILINE)
     tables = dict(zip(parts[1::2], parts[2::2], strict=True))
-    listed = tables["Of all nodes"] + tables[f"`{node}`"].split("## ")[0]
-    rows = re.findall(r"^\| `(\w+)`( \*)? \| (.*?) \|", listed, re.MULTILINE)
+    of_all = "" if node == "mobile_base" else tables["Of all nodes"]
+    listed = of_all + tables[f"`{node}`"].split("## ")[0]
+    rows = re.findall(r"^\| `([\w.]+)`( \*)? \| (.*?) \|", listed, re.MULTILINE)
     return {name: (default.strip("`"), bool(star)) for name, star, default in rows}
 
 
@@ -239,5 +258,6 @@ def test_every_parameter_is_documented_with_its_default(node):
 @pytest.mark.parametrize("node", NODE_MODULES)
 def test_every_node_is_found_and_has_its_name(node, graph):
     more = {"port": 0} if node == "rvs" else {}
-    started = graph.start(bringup.node_class(node), robot_description="scara", **more)
+    robot = "mecanum" if node == "mobile_base" else "scara"
+    started = graph.start(bringup.node_class(node), robot_description=robot, **more)
     assert started.get_name() == node

@@ -1,0 +1,86 @@
+"""Takes commands from the topics of a mobile base, and says which it does not follow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Twist, TwistStamped
+from rclpy.node import Node
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.middleware.polled_subscription import Inbox
+from robomech_ros.nodes.mobile_base.mobile_base import MobileBase
+from robomech_ros.spatial.arrays import as_finite
+
+__all__ = ["CommandIntake"]
+
+_DEPTH = 10
+# What is said again and again is logged this often at the most (s).
+_SELDOM = 5.0
+
+
+class CommandIntake:
+    """Gives the commands that have come to a base.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscriptions.
+    base : MobileBase
+    clock : MotionClock
+
+    Attributes
+    ----------
+    refusal : str
+        Why the last command was not followed; empty if it was.
+    refused : int
+        How many were not.
+    """
+
+    def __init__(self, node: Node, base: MobileBase, clock: MotionClock) -> None:
+        self._logger, self._base, self._clock = node.get_logger(), base, clock
+        self.refusal, self.refused = "", 0
+        topic = base.interface.command
+        readers: list[tuple[type, str, Callable[[Any], tuple[Twist, Time | None]]]] = [
+            (TwistStamped, topic, lambda message: (message.twist, message.header.stamp)),
+            (Twist, f"{topic}_unstamped", lambda message: (message, None)),
+        ]
+        self._readers = [
+            (Inbox(node, kind, name, _DEPTH, lambda: None), read) for kind, name, read in readers
+        ]
+        for inbox, _ in self._readers:
+            inbox.attend(False)
+
+    @property
+    def topic(self) -> str:
+        """Full name of the topic of stamped commands."""
+        return self._readers[0][0].topic
+
+    def take(self) -> None:
+        """Give all that has come since the last look."""
+        for inbox, read in self._readers:
+            for message in inbox.take():
+                twist, stamp = read(message)
+                try:
+                    self._offer(twist, stamp, inbox.topic)
+                except RobomechError as error:
+                    self.refusal = f"command on '{inbox.topic}' ignored: {error}"
+                    self.refused += 1
+                    self._logger.warning(self.refusal, throttle_duration_sec=_SELDOM)
+                else:
+                    self.refusal = ""
+
+    def _offer(self, twist: Twist, stamp: Time | None, topic: str) -> None:
+        age = 0.0
+        if stamp is not None:
+            age = -self._clock.until(stamp, self._clock.now())
+            if not (stamp.sec or stamp.nanosec):
+                text = f"commands on '{topic}' have no stamp, which is taken for now"
+                self._logger.warning(text, once=True)
+        linear, angular = twist.linear, twist.angular
+        # A message with one number that is none is spoilt, whichever it is.
+        as_finite("command", [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z], (6,))
+        self._base.take([angular.z, linear.x, linear.y], age)

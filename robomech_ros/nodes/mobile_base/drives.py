@@ -1,0 +1,271 @@
+"""Robots made from the parameters of the controllers of ros2_control, and their interfaces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from robomech_ros.nodes.common.parameters import ParameterError
+from robomech_ros.nodes.mobile_base.settings import MobileBaseSettings
+from robomech_ros.rolling import (
+    MotionLimits,
+    RollingBase,
+    RollingRobot,
+    Wheel,
+    mecanum,
+    omnidirectional,
+    rolling_robot,
+)
+
+__all__ = ["INTERFACES", "DriveJoints", "Interface", "chosen_robot", "joints_of"]
+
+# What stands for no limit of steering: with a right angle a car would turn on the spot.
+_STEERING = 1.57
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Topics of a drive, and how it takes time-outs and twists.
+
+    Attributes
+    ----------
+    command, odometry, frames : str
+        Topics.
+    timeout_name : str
+        Parameter of the time-out.
+    timeout : float
+        Its default (s).
+    at_zero : str
+        What a time-out of 0 means: commands count ``for ever``, ``once`` or ``never``.
+    mean : bool
+        Whether the published twist is a rolling mean.
+    forget_at_stale : bool
+        Whether a stale command also ends the one before.
+    """
+
+    command: str
+    odometry: str
+    frames: str
+    timeout_name: str
+    timeout: float
+    at_zero: str
+    mean: bool
+    forget_at_stale: bool = False
+
+
+_DIFF = Interface(
+    "~/cmd_vel", "~/odom", "/tf", "cmd_vel_timeout", 0.5, at_zero="for ever", mean=True
+)
+_OMNI = replace(_DIFF, at_zero="never", mean=False)
+_STEERED = Interface(
+    "~/reference", "~/odometry", "~/tf_odometry", "reference_timeout", 1.0, "once", mean=True
+)
+INTERFACES = {
+    "diff": _DIFF,
+    "omni": _OMNI,
+    "mecanum": replace(_STEERED, timeout=0.0, mean=False, forget_at_stale=True),
+    "bicycle": _STEERED,
+    "tricycle": _STEERED,
+    "ackermann": _STEERED,
+    "swerve": replace(_DIFF, mean=False),
+}
+
+
+@dataclass(frozen=True)
+class DriveJoints:
+    """Names of the joints of a base.
+
+    Attributes
+    ----------
+    rolling : tuple of (str, int)
+        Joints that roll, each with the number of its wheel: several wheels of one side are one.
+    steering : tuple of str
+        Of the steered wheels.
+    """
+
+    rolling: tuple[tuple[str, int], ...]
+    steering: tuple[str, ...]
+
+
+def chosen_robot(settings: MobileBaseSettings) -> tuple[RollingRobot, DriveJoints]:
+    """Load or make the robot that the parameters say, with its limits.
+
+    Raises
+    ------
+    RobomechError
+        There is none, or it cannot be.
+    """
+    if settings.robot_description:
+        robot = rolling_robot(settings.robot_description)
+        if settings.drive not in ("", robot.drive):
+            raise ParameterError("drive", settings.drive, f"'{robot.drive}', that of the robot")
+        base, joints = robot.base, joints_of(robot.base)
+    elif settings.drive in _MAKERS:
+        base, joints = _MAKERS[settings.drive](settings)
+        robot = RollingRobot(base, settings.drive, MotionLimits(), None, "parameters")
+    else:
+        allowed = f"one of {', '.join(_MAKERS)}, or a robot_description"
+        raise ParameterError("drive", settings.drive, allowed)
+    base = _with_wheel_limits(base, settings)
+    return replace(robot, base=base, limits=_limits(robot.limits, settings)), joints
+
+
+def joints_of(base: RollingBase) -> DriveJoints:
+    """Name the joints of a base after its wheels."""
+    rolling = tuple((name, number) for number, name in enumerate(base.names))
+    return DriveJoints(rolling, tuple(f"{name}_steering" for name in base.steered))
+
+
+def _limits(known: MotionLimits, settings: MobileBaseSettings) -> MotionLimits:
+    """Replace limits by those that are given; what is not given follows from what is."""
+    names = {
+        "velocity": ("max_velocity",),
+        "backward_velocity": ("min_velocity", "max_velocity"),
+        "acceleration": ("max_acceleration",),
+        "deceleration": ("max_deceleration", "max_acceleration"),
+        "backward_acceleration": ("max_acceleration_reverse", "max_acceleration"),
+        "backward_deceleration": (
+            "max_deceleration_reverse",
+            "max_acceleration_reverse",
+            "max_deceleration",
+            "max_acceleration",
+        ),
+        "jerk": ("max_jerk",),
+    }
+    made = {}
+    for name, sources in names.items():
+        row = np.array(getattr(known, name))
+        for i, axis in enumerate(("angular__z", "linear__x", "linear__y")):
+            given = (abs(getattr(settings, f"{axis}__{source}")) for source in sources)
+            row[i] = next((value for value in given if not math.isnan(value)), row[i])
+            if name == "jerk":
+                row[i] = np.fmin(row[i], abs(getattr(settings, f"{axis}__min_jerk")))
+        made[name] = row
+    return MotionLimits(**made)
+
+
+def _with_wheel_limits(base: RollingBase, settings: MobileBaseSettings) -> RollingBase:
+    rate, turn = settings.max_wheel_rate, settings.max_steering_rate
+    if math.isnan(rate) and math.isnan(turn):
+        return base
+    wheels = []
+    for wheel in base.wheels:
+        if wheel.driven and not math.isnan(rate):
+            wheel = replace(wheel, max_rate=rate)
+        if wheel.kind == "steered" and not math.isnan(turn):
+            wheel = replace(wheel, max_steering_rate=turn)
+        wheels.append(wheel)
+    return RollingBase(wheels, name=base.name)
+
+
+def _diff(settings: MobileBaseSettings) -> tuple[RollingBase, DriveJoints]:
+    sides = (settings.left_wheel_names, settings.right_wheel_names)
+    names = ("left_wheel_names", "right_wheel_names")
+    for name, given in zip(names, sides, strict=True):
+        _count(name, given, len(sides[0]) or 1)
+    half = 0.5 * settings.wheel_separation * settings.wheel_separation_multiplier
+    multipliers = (settings.left_wheel_radius_multiplier, settings.right_wheel_radius_multiplier)
+    wheels = [
+        Wheel(
+            kind="fixed",
+            position=np.array([0.0, y]),
+            radius=settings.wheel_radius * factor,
+            name=name,
+        )
+        for name, y, factor in zip(("left", "right"), (half, -half), multipliers, strict=True)
+    ]
+    rolling = [(name, side) for side, joints in enumerate(sides) for name in joints]
+    return RollingBase(wheels, name="diff"), _joints(rolling)
+
+
+def _omni(settings: MobileBaseSettings) -> tuple[RollingBase, DriveJoints]:
+    joints = settings.wheel_names
+    base = omnidirectional(
+        len(joints), settings.wheel_radius, settings.robot_radius, offset=settings.wheel_offset
+    )
+    return base, _joints([(name, i) for i, name in enumerate(joints)])
+
+
+def _mecanum(settings: MobileBaseSettings) -> tuple[RollingBase, DriveJoints]:
+    # Only the sum of both lengths counts, with rollers of 45 degrees.
+    reach = settings.kinematics__sum_of_robot_center_projection_on_X_Y_axis
+    centred = mecanum(settings.kinematics__wheels_radius, reach, reach)
+    turn = settings.kinematics__base_frame_offset__theta
+    c, s = math.cos(turn), math.sin(turn)
+    centre = (settings.kinematics__base_frame_offset__x, settings.kinematics__base_frame_offset__y)
+    wheels = [
+        replace(
+            wheel,
+            position=np.array(centre) + np.array([[c, -s], [s, c]]) @ wheel.position,
+            heading=wheel.heading + turn,
+        )
+        for wheel in centred.wheels
+    ]
+    corners = ("front_left", "front_right", "rear_right", "rear_left")
+    names = [f"{corner}_wheel_command_joint_name" for corner in corners]
+    for name in names:
+        if not getattr(settings, name):
+            raise ParameterError(name, "", "the name of a joint")
+    rolling = [(getattr(settings, name), i) for i, name in enumerate(names)]
+    return RollingBase(wheels, name="mecanum"), _joints(rolling)
+
+
+def _steered(rear: int, front: int) -> Callable[..., tuple[RollingBase, DriveJoints]]:
+    """Give what makes a base with so many rear and front wheels."""
+
+    def make(settings: MobileBaseSettings) -> tuple[RollingBase, DriveJoints]:
+        _count("traction_joints_names", settings.traction_joints_names, rear)
+        _count("steering_joints_names", settings.steering_joints_names, front)
+        axles = (
+            ("fixed", settings.traction_joints_names, 0.0, settings.traction_track_width),
+            ("steered", settings.steering_joints_names, settings.wheelbase, None),
+        )
+        wheels = []
+        for kind, joints, x, track in axles:
+            width = settings.steering_track_width if track is None else track
+            offsets = (0.0,) if len(joints) == 1 else (-0.5 * width, 0.5 * width)
+            most = math.inf if kind == "fixed" else _STEERING
+            for name, y in zip(joints, offsets, strict=True):
+                place = np.array([x, y])
+                radius, driven = settings.traction_wheels_radius, kind == "fixed"
+                wheels.append(
+                    Wheel(
+                        kind=kind,
+                        position=place,
+                        radius=radius,
+                        driven=driven,
+                        name=name if driven else f"{name}_wheel",
+                        steering_limits=(-most, most),
+                    )
+                )
+        base = RollingBase(wheels, name=settings.drive)
+        rolling = [(name, i) for i, name in enumerate(settings.traction_joints_names)]
+        return base, _joints(rolling, settings.steering_joints_names)
+
+    return make
+
+
+def _joints(rolling: Sequence[tuple[str, int]], steering: Sequence[str] = ()) -> DriveJoints:
+    names = [*(name for name, _ in rolling), *steering]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise ParameterError("names of joints", twice, "each joint once")
+    return DriveJoints(tuple(rolling), tuple(steering))
+
+
+def _count(name: str, given: Sequence[str], expected: int) -> None:
+    if len(given) != expected:
+        raise ParameterError(name, list(given), f"a list of {expected} names")
+
+
+_MAKERS = {
+    "diff": _diff,
+    "omni": _omni,
+    "mecanum": _mecanum,
+    "bicycle": _steered(1, 1),
+    "tricycle": _steered(2, 1),
+    "ackermann": _steered(2, 2),
+}

@@ -1,0 +1,183 @@
+"""A simulated base that follows commands period by period; it knows neither ROS nor a clock."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.nodes.mobile_base.drives import Interface
+from robomech_ros.nodes.mobile_base.plant import SimulatedBase
+from robomech_ros.rolling import (
+    CommandLimiter,
+    Odometry,
+    RollingRobot,
+    advance_odometry,
+)
+
+__all__ = ["BaseOptions", "MobileBase"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BaseOptions:
+    """How a base follows commands and tells where it is.
+
+    Attributes
+    ----------
+    period : float
+        Of its updates (s).
+    timeout : float
+        How long a command counts (s); 0 as the interface says.
+    open_loop : bool
+        Whether odometry is that of limited commands.
+    by_position : bool
+        Whether odometry reads positions of wheels, not velocities.
+    window : int
+        Twists whose mean is told.
+    dynamic : bool
+        Whether torques move the base.
+    wheel_position : float
+        At which its wheels begin (rad).
+    """
+
+    period: float
+    timeout: float
+    open_loop: bool = False
+    by_position: bool = True
+    window: int = 1
+    dynamic: bool = False
+    wheel_position: float = 0.0
+
+
+class MobileBase:
+    """A base on wheels, its limits, its simulation and its odometry.
+
+    Parameters
+    ----------
+    robot : RollingRobot
+    interface : Interface
+        Of its drive.
+    options : BaseOptions
+
+    Attributes
+    ----------
+    time : float
+        Of the last update (s).
+    motion : BaseMotion
+        Limited commands: twist, acceleration, steering, what limits shortened them.
+    odometry : Odometry
+    wheel_rates : ndarray, shape (k,)
+        Commanded to the driven wheels (rad/s).
+    steering_rates : ndarray, shape (s,)
+        Of the steered wheels (rad/s).
+    timed_out : bool
+        Whether the base brakes, or stands, since there is no command.
+    """
+
+    def __init__(self, robot: RollingRobot, interface: Interface, options: BaseOptions) -> None:
+        self.robot, self.interface, self.options = robot, interface, options
+        self.limiter = CommandLimiter(robot.base, robot.limits, options.period)
+        self.motion = self.limiter.at_rest()
+        self.simulated = SimulatedBase(robot, options.dynamic, options.wheel_position)
+        self.odometry = Odometry.at()
+        self.wheel_rates = np.zeros(len(robot.base.driven))
+        self.steering_rates = np.zeros(len(robot.base.steered))
+        self.timed_out = True
+        self.time = 0.0
+        self._command, self._since, self._used = np.zeros(3), -math.inf, True
+        # The first reading: odometry begins where the encoders happen to be.
+        self._read = self.simulated.positions.copy()
+        self._twists: deque[Array] = deque(maxlen=options.window)
+
+    def take(self, command: ArrayLike, age: float) -> None:
+        """Follow a command from the next update on.
+
+        Parameters
+        ----------
+        command : array_like, shape (3,)
+            ``[omega, v_x, v_y]`` (rad/s, m/s); what the drive cannot give is left out.
+        age : float
+            How old it is (s); what comes from the future is new.
+
+        Raises
+        ------
+        BadValueError
+            It is older than the time-out.
+        RobomechError
+            It is not three finite numbers.
+        """
+        timeout = self.options.timeout
+        if age > timeout > 0.0:
+            if self.interface.forget_at_stale:
+                self._since = -math.inf
+            raise BadValueError("age of the stamp", age, f"up to {timeout:g} s, the time-out")
+        wanted = np.array(command, dtype=np.float64)
+        if self.robot.base.axle is not None:
+            wanted[2] = 0.0
+        self.limiter.allowed(wanted)
+        self._command, self._used = wanted, False
+        self._since = self.time - max(age, 0.0)
+
+    def update(self) -> None:
+        """Move on by one period."""
+        base, options = self.robot.base, self.options
+        self.timed_out = not self._counts()
+        before = self.motion.steering
+        self._used = True
+        self.motion = self.limiter.step(
+            self.motion, np.zeros(3) if self.timed_out else self._command
+        )
+        self.time += options.period
+        self.steering_rates = (self.motion.steering - before) / options.period
+        self.wheel_rates = base.wheel_rates(self.motion.twist, self.motion.steering)
+        self.simulated.advance(self.motion, options.period)
+        steering = self.motion.steering if base.steered else None
+        self.odometry = advance_odometry(
+            base, self.odometry, self._measured(), options.period, steering=steering
+        )
+        self._twists.append(self.odometry.twist)
+
+    @property
+    def mean_twist(self) -> Array:
+        """Mean of the latest twists, ``[omega, v_x, v_y]`` (rad/s, m/s)."""
+        return np.mean(self._twists, axis=0) if self._twists else np.zeros(3)
+
+    def place(self, pose: ArrayLike) -> None:
+        """Go on with odometry at a pose that is known: x, y (m), heading (rad).
+
+        The base moves on as it does.
+
+        Raises
+        ------
+        RobomechError
+            Not three finite numbers.
+        """
+        begun = Odometry.at(pose)
+        self.odometry = replace(self.odometry, pose=begun.pose, covariance=begun.covariance)
+
+    def _counts(self) -> bool:
+        """Whether there is a command that still counts."""
+        timeout = self.options.timeout
+        if self._since == -math.inf:
+            return False
+        if timeout > 0.0:
+            # Updates add up periods: rounding must not take one off.
+            return self.time - self._since <= timeout + 1e-9
+        rule = self.interface.at_zero
+        return rule == "for ever" or (rule == "once" and not self._used)
+
+    def _measured(self) -> Array:
+        """Rates of the driven wheels as odometry takes them (rad/s)."""
+        driven = self.simulated.driven
+        before, self._read = self._read, self.simulated.positions.copy()
+        if self.options.open_loop:
+            return self.wheel_rates
+        if self.options.by_position:
+            return np.asarray((self._read - before)[driven] / self.options.period)
+        return np.asarray(self.simulated.rates[driven])

@@ -1,0 +1,126 @@
+"""The node of a rolling robot: twists in, wheels, odometry and frames out."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from rclpy.node import Node
+from std_srvs.srv import Empty
+
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.common.parameters import NodeParameters
+from robomech_ros.nodes.common.readiness import Readiness
+from robomech_ros.nodes.common.status_report import NodeCondition, StatusReport
+from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.mobile_base.command_intake import CommandIntake
+from robomech_ros.nodes.mobile_base.drives import INTERFACES, chosen_robot
+from robomech_ros.nodes.mobile_base.mobile_base import BaseOptions, MobileBase
+from robomech_ros.nodes.mobile_base.publication import BasePublication
+from robomech_ros.nodes.mobile_base.settings import (
+    DYNAMIC,
+    MobileBaseSettings,
+    check_settings,
+)
+from robomech_ros.nodes.process.run import run_node
+
+__all__ = ["MobileBaseNode", "main"]
+
+# Updates that are made up for at once; a base that was held up for longer goes on from where it is.
+_MOST_UPDATES = 100
+# Wheels that contradict each other by more than this (m/s) are worth a warning.
+_SLIPS = 1e-3
+
+
+class MobileBaseNode(Node):
+    """Drives a simulated rolling robot by twists, as the controllers of ros2_control do."""
+
+    SETTINGS = MobileBaseSettings
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("mobile_base", **options)
+        settings = NodeParameters(self, MobileBaseSettings, check=check_settings).settings
+        check_settings(settings)
+        robot, joints = chosen_robot(settings)
+        interface = INTERFACES[robot.drive]
+        timeout = getattr(settings, interface.timeout_name)
+        timeout = interface.timeout if math.isnan(timeout) else timeout
+        self._period = 1.0 / settings.update_rate
+        self._base = MobileBase(
+            robot,
+            interface,
+            BaseOptions(
+                period=self._period,
+                timeout=timeout,
+                open_loop=settings.open_loop,
+                by_position=settings.position_feedback,
+                window=settings.velocity_rolling_window_size if interface.mean else 1,
+                dynamic=settings.simulation == DYNAMIC,
+                wheel_position=settings.initial_wheel_position,
+            ),
+        )
+        self._motion_clock = MotionClock(self)
+        self._base.time = self._motion_clock.now()
+        self._intake = CommandIntake(self, self._base, self._motion_clock)
+        self._publication = BasePublication(self, self._base, joints, settings)
+        self._updates_per_state = max(round(settings.update_rate / settings.publish_rate), 1)
+        self._updates = 0
+        Readiness(self)
+        serve(self, Empty, "~/reset_odometry", self._reset_odometry)
+        StatusReport(self, "motion", robot.base.name, self._condition)
+        if timeout == 0.0 and interface.at_zero == "never":
+            text = f"{interface.timeout_name} is 0: every command is too old, nothing will move"
+            self.get_logger().warning(text)
+        self.get_logger().info(
+            f"ready: {robot.base.name}, drive {robot.drive}, {len(robot.base.driven)} driven "
+            f"wheels, commands on '{self._intake.topic}'"
+        )
+        self.create_timer(self._period, self._cycle, clock=self._motion_clock.clock)
+
+    def _cycle(self) -> None:
+        """Make all updates that are due."""
+        if not self._motion_clock.runs:
+            return
+        self._intake.take()
+        now, base = self._motion_clock.now(), self._base
+        due = int((now - base.time) / self._period)
+        if due > _MOST_UPDATES:
+            base.time += (due - _MOST_UPDATES) * self._period
+            due = _MOST_UPDATES
+        for _ in range(due):
+            base.update()
+            stamp = self._motion_clock.stamp(base.time)
+            self._publication.publish_commands(stamp)
+            self._updates += 1
+            if self._updates % self._updates_per_state == 0:
+                self._publication.publish_states(stamp)
+
+    def _reset_odometry(self, request: Any, response: Any) -> Any:
+        self._base.place([0.0, 0.0, 0.0])
+        return response
+
+    def _condition(self) -> NodeCondition:
+        base, slip = self._base, self._base.odometry.slip
+        limits = ", ".join((*base.motion.saturated, *base.simulated.saturated))
+        moves = bool(base.motion.twist.any())
+        summary = ("moves" if moves else "stands") + (
+            ", without commands" if base.timed_out else ""
+        )
+        trouble = self._intake.refusal or (f"limited by {limits}" if limits else "")
+        if slip > _SLIPS:
+            trouble = trouble or f"wheels slip by {slip:.3g} m/s"
+        values = {
+            "slip (m/s)": f"{slip:.6g}",
+            "limited by": limits,
+            "ignored commands": self._intake.refused,
+            "last ignored": self._intake.refusal,
+        }
+        return NodeCondition(f"{summary}; {trouble}" if trouble else summary, bool(trouble), values)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node; returns the exit code."""
+    return run_node(MobileBaseNode, args)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,162 @@
+"""What a mobile base says of itself: odometry, frames, wheels and what they are commanded."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import PoseStamped, TransformStamped, TwistStamped
+from nav_msgs.msg import Odometry
+from numpy.typing import NDArray
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray
+
+from robomech_ros.nodes.common.message_fields import NANO, floats
+from robomech_ros.nodes.mobile_base.drives import DriveJoints
+from robomech_ros.nodes.mobile_base.mobile_base import MobileBase
+from robomech_ros.nodes.mobile_base.settings import MobileBaseSettings
+
+__all__ = ["BasePublication", "frame_prefix"]
+
+Array = NDArray[np.float64]
+
+_DEPTH = 10
+# Places of x, y and heading in the six of a message's covariance.
+_PLACES = (0, 1, 5)
+
+
+def frame_prefix(settings: MobileBaseSettings, namespace: str) -> str:
+    """Give what the names of frames begin with, as ros2_controllers have it."""
+    if not settings.tf_frame_prefix_enable:
+        return ""
+    given = settings.tf_frame_prefix
+    prefix = (namespace if given in ("", "~") else given).lstrip("/")
+    return f"{prefix}/" if prefix and not prefix.endswith("/") else prefix
+
+
+class BasePublication:
+    """Publishes where a base is.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the publishers.
+    base : MobileBase
+    joints : DriveJoints
+    settings : MobileBaseSettings
+    """
+
+    def __init__(
+        self, node: Node, base: MobileBase, joints: DriveJoints, settings: MobileBaseSettings
+    ) -> None:
+        self._base = base
+        prefix = frame_prefix(settings, node.get_namespace())
+        self._odom, self._frame = prefix + settings.odom_frame_id, prefix + settings.base_frame_id
+        self._wheels = np.array([number for _, number in joints.rolling])
+        self._states = JointState(name=[*(name for name, _ in joints.rolling), *joints.steering])
+        # The driven wheels in the order of their joints, for commands.
+        order = np.flatnonzero(base.simulated.driven).tolist()
+        self._commanded = [order.index(number) for number in self._wheels if number in order]
+        of_pose, of_twist = _constant_covariances(settings, base)
+        self._of_pose, self._of_twist = of_pose, of_twist
+        self._joint_states = node.create_publisher(JointState, "joint_states", _DEPTH)
+        self._odometry = node.create_publisher(Odometry, base.interface.odometry, _DEPTH)
+        self._truth = node.create_publisher(PoseStamped, "~/simulated_base", _DEPTH)
+        self._commands = node.create_publisher(Float64MultiArray, "~/commands", _DEPTH)
+        self._limited = None
+        if settings.publish_limited_velocity:
+            self._limited = node.create_publisher(TwistStamped, "~/cmd_vel_out", _DEPTH)
+        self._frames, self._message = _frames_out(node, base, settings)
+
+    def publish_commands(self, stamp: int) -> None:
+        """Publish what the wheels are commanded, at a ROS time (ns)."""
+        rates = self._base.wheel_rates[self._commanded]
+        values = np.concatenate([rates, self._base.motion.steering])
+        self._commands.publish(Float64MultiArray(data=floats(values)))
+        if self._limited is not None:
+            message = TwistStamped()
+            _put_stamp(message.header, self._frame, stamp)
+            _put_twist(message.twist, self._base.motion.twist)
+            self._limited.publish(message)
+
+    def publish_states(self, stamp: int) -> None:
+        """Publish where the base and its wheels are, at a ROS time (ns)."""
+        base, simulated = self._base, self._base.simulated
+        _put_stamp(self._states.header, "", stamp)
+        steering = simulated.steering
+        rolled = simulated.positions[self._wheels]
+        self._states.position = floats(np.concatenate([rolled, steering]))
+        rates = [simulated.rates[self._wheels], base.steering_rates]
+        self._states.velocity = floats(np.concatenate(rates))
+        self._joint_states.publish(self._states)
+        message = Odometry(child_frame_id=self._frame)
+        _put_stamp(message.header, self._odom, stamp)
+        odometry = base.odometry
+        _put_pose(message.pose.pose.position, message.pose.pose.orientation, odometry.pose)
+        _put_twist(message.twist.twist, base.mean_twist)
+        message.pose.covariance = _full(self._of_pose, odometry.covariance)
+        # Of the twist heading comes first.
+        turned = np.roll(odometry.twist_covariance, -1, axis=(0, 1))
+        message.twist.covariance = _full(self._of_twist, turned)
+        self._odometry.publish(message)
+        if self._frames is not None:
+            self._publish_frame(stamp)
+        truth = PoseStamped()
+        _put_stamp(truth.header, self._odom, stamp)
+        _put_pose(truth.pose.position, truth.pose.orientation, simulated.pose)
+        self._truth.publish(truth)
+
+    def _publish_frame(self, stamp: int) -> None:
+        frame = TransformStamped(child_frame_id=self._frame)
+        _put_stamp(frame.header, self._odom, stamp)
+        place = frame.transform
+        _put_pose(place.translation, place.rotation, self._base.odometry.pose)
+        assert self._frames is not None
+        self._frames.publish(self._message(transforms=[frame]))
+
+
+def _frames_out(node: Node, base: MobileBase, settings: MobileBaseSettings) -> tuple[Any, Any]:
+    """Make the publisher of frames, and the type of its messages, where they are wanted."""
+    if not settings.enable_odom_tf:
+        return None, None
+    try:
+        from tf2_msgs.msg import TFMessage
+    except ImportError as error:
+        node.get_logger().warning(f"no frames are published: {error}")
+        return None, None
+    return node.create_publisher(TFMessage, base.interface.frames, 100), TFMessage
+
+
+def _constant_covariances(
+    settings: MobileBaseSettings, base: MobileBase
+) -> tuple[Array | None, Array | None]:
+    omni = base.robot.drive == "omni"
+    pose = (omni and settings.diagonal_covariance__pose) or settings.pose_covariance_diagonal
+    twist = (omni and settings.diagonal_covariance__twist) or settings.twist_covariance_diagonal
+    made = [np.diag(given).ravel() if given else None for given in (pose, twist)]
+    return made[0], made[1]
+
+
+def _full(constant: Array | None, planar: Array) -> Array:
+    """Give the 36 numbers of a message, of x, y and heading (3, 3)."""
+    if constant is not None:
+        return constant
+    full = np.zeros((6, 6))
+    full[np.ix_(_PLACES, _PLACES)] = planar
+    return full.ravel()
+
+
+def _put_stamp(header: Any, frame: str, stamp: int) -> None:
+    header.frame_id = frame
+    header.stamp.sec, header.stamp.nanosec = divmod(stamp, NANO)
+
+
+def _put_twist(message: Any, twist: Array) -> None:
+    message.angular.z, message.linear.x, message.linear.y = twist.tolist()
+
+
+def _put_pose(position: Any, orientation: Any, pose: Array) -> None:
+    position.x, position.y, heading = pose.tolist()
+    orientation.z, orientation.w = math.sin(0.5 * heading), math.cos(0.5 * heading)

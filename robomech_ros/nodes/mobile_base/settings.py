@@ -1,0 +1,198 @@
+"""Parameters of the mobile base, with the names of the controllers of ros2_control."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from robomech_ros.nodes.common.parameters import ParameterError, parameter
+
+__all__ = ["DYNAMIC", "KINEMATIC", "MobileBaseSettings", "check_settings"]
+
+KINEMATIC, DYNAMIC = "kinematic", "dynamic"
+_DRIVES = ("", "diff", "omni", "mecanum", "bicycle", "tricycle", "ackermann", "swerve")
+_OFF = math.nan
+# Of each axis: the limits whose sign is negative, as in ros2_controllers.
+_NEGATIVE = ("min_velocity", "max_deceleration", "max_acceleration_reverse", "min_jerk")
+_POSITIVE = ("max_velocity", "max_acceleration", "max_deceleration_reverse", "max_jerk")
+_AXES = ("linear__x", "linear__y", "angular__z")
+
+
+def _bound(axis: str, what: str) -> float:
+    text: float = parameter(_OFF, f"{what} of {axis}; NaN = that of the robot, else none")
+    return text
+
+
+@dataclass(frozen=True)
+class MobileBaseSettings:
+    """Parameters of the node."""
+
+    robot_description: str = parameter(
+        "", "Name of a rolling robot, or path or text of its YAML; empty = the parameters below"
+    )
+    drive: str = parameter("", "Kind of drive; empty = that of the robot", choices=_DRIVES)
+    simulation: str = parameter(
+        KINEMATIC,
+        "How the base moves: kinematic = as commanded, dynamic = by the torques of its motors",
+        choices=(KINEMATIC, DYNAMIC),
+    )
+    update_rate: float = parameter(
+        100.0, "How often the limits are applied and wheels commanded", 1.0, 1000.0, "Hz"
+    )
+    publish_rate: float = parameter(
+        50.0, "How often odometry and joint states are published", 0.1, 1000.0, "Hz"
+    )
+    cmd_vel_timeout: float = parameter(
+        0.5,
+        "diff, omni, swerve: how long a command counts; then the base brakes. 0: diff and swerve "
+        "follow for ever, omni always brakes",
+        0.0,
+        3600.0,
+        "s",
+    )
+    reference_timeout: float = parameter(
+        _OFF,
+        "mecanum, bicycle, tricycle, ackermann: the same; 0 = a command counts for one update, "
+        "NaN = 0 for mecanum, else 1",
+        0.0,
+        3600.0,
+        "s",
+    )
+    left_wheel_names: tuple[str, ...] = parameter((), "diff: joints of the left wheels")
+    right_wheel_names: tuple[str, ...] = parameter((), "diff: joints of the right wheels")
+    wheel_separation: float = parameter(0.0, "diff: from left to right", 0.0, 1e3, "m")
+    wheel_radius: float = parameter(0.0, "diff, omni: of the wheels", 0.0, 1e3, "m")
+    wheel_separation_multiplier: float = parameter(1.0, "diff: corrects the separation", 0.0, 1e3)
+    left_wheel_radius_multiplier: float = parameter(1.0, "diff: corrects the radius", 0.0, 1e3)
+    right_wheel_radius_multiplier: float = parameter(1.0, "diff: corrects the radius", 0.0, 1e3)
+    wheel_names: tuple[str, ...] = parameter((), "omni: joints, counter-clockwise, evenly spaced")
+    wheel_offset: float = parameter(0.0, "omni: from x to the first wheel", -10.0, 10.0, "rad")
+    robot_radius: float = parameter(0.0, "omni: from the centre to the wheels", 0.0, 1e3, "m")
+    front_left_wheel_command_joint_name: str = parameter("", "mecanum: joint")
+    front_right_wheel_command_joint_name: str = parameter("", "mecanum: joint")
+    rear_right_wheel_command_joint_name: str = parameter("", "mecanum: joint")
+    rear_left_wheel_command_joint_name: str = parameter("", "mecanum: joint")
+    kinematics__base_frame_offset__x: float = parameter(
+        0.0, "mecanum: centre of the wheels in the base", -1e3, 1e3, "m"
+    )
+    kinematics__base_frame_offset__y: float = parameter(
+        0.0, "mecanum: centre of the wheels in the base", -1e3, 1e3, "m"
+    )
+    kinematics__base_frame_offset__theta: float = parameter(
+        0.0, "mecanum: heading of the wheels in the base", -10.0, 10.0, "rad"
+    )
+    kinematics__wheels_radius: float = parameter(0.0, "mecanum: of the wheels", 0.0, 1e3, "m")
+    kinematics__sum_of_robot_center_projection_on_X_Y_axis: float = parameter(
+        0.0,
+        "mecanum: x plus y of the front left wheel, from the centre of the wheels",
+        0.0,
+        1e3,
+        "m",
+    )
+    traction_joints_names: tuple[str, ...] = parameter(
+        (), "bicycle, tricycle, ackermann: driven rear wheels, the right one first"
+    )
+    steering_joints_names: tuple[str, ...] = parameter(
+        (), "bicycle, tricycle, ackermann: front wheels, the right one first"
+    )
+    wheelbase: float = parameter(0.0, "bicycle, tricycle, ackermann: axle to axle", 0.0, 1e3, "m")
+    traction_track_width: float = parameter(
+        0.0, "tricycle, ackermann: between rear wheels", 0.0, 1e3, "m"
+    )
+    steering_track_width: float = parameter(0.0, "ackermann: between front wheels", 0.0, 1e3, "m")
+    traction_wheels_radius: float = parameter(
+        0.0, "bicycle, tricycle, ackermann: of the wheels", 0.0, 1e3, "m"
+    )
+    max_wheel_rate: float = parameter(
+        _OFF,
+        "Of each driven wheel, keeping the curvature; NaN = that of the robot",
+        0.0,
+        1e6,
+        "rad/s",
+    )
+    max_steering_rate: float = parameter(
+        _OFF, "Of each steered wheel; NaN = that of the robot", 0.0, 1e6, "rad/s"
+    )
+    open_loop: bool = parameter(False, "Odometry of the limited commands, not of the wheels")
+    position_feedback: bool = parameter(True, "Odometry of positions of wheels, not of velocities")
+    velocity_rolling_window_size: int = parameter(
+        10, "Twists whose mean is published, except of omni, mecanum and swerve", 1, 10000
+    )
+    publish_limited_velocity: bool = parameter(False, "Publish ~/cmd_vel_out")
+    odom_frame_id: str = parameter("odom", "Frame of odometry")
+    base_frame_id: str = parameter("base_link", "Frame of the base")
+    enable_odom_tf: bool = parameter(True, "Publish the frame of the base on tf")
+    tf_frame_prefix_enable: bool = parameter(True, "Whether frames have a prefix")
+    tf_frame_prefix: str = parameter("", "Of both frames; empty or '~' = the namespace")
+    pose_covariance_diagonal: tuple[float, ...] = parameter(
+        (), "x, y, z, roll, pitch, yaw; empty = grows with distance and slip", 0.0, 1e9
+    )
+    twist_covariance_diagonal: tuple[float, ...] = parameter(
+        (), "The same of the twist; empty = that of the wheels", 0.0, 1e9
+    )
+    diagonal_covariance__pose: tuple[float, ...] = parameter(
+        (), "omni: as pose_covariance_diagonal", 0.0, 1e9
+    )
+    diagonal_covariance__twist: tuple[float, ...] = parameter(
+        (), "omni: as twist_covariance_diagonal", 0.0, 1e9
+    )
+    initial_wheel_position: float = parameter(
+        0.0, "At which the simulated wheels begin", -1e6, 1e6, "rad"
+    )
+    linear__x__max_velocity: float = _bound("linear.x", "Largest velocity (m/s)")
+    linear__x__min_velocity: float = _bound("linear.x", "Least velocity, at most 0 (m/s)")
+    linear__x__max_acceleration: float = _bound("linear.x", "Acceleration (m/s^2)")
+    linear__x__max_deceleration: float = _bound("linear.x", "Deceleration, below 0 (m/s^2)")
+    linear__x__max_acceleration_reverse: float = _bound(
+        "linear.x", "Acceleration backward, below 0 (m/s^2)"
+    )
+    linear__x__max_deceleration_reverse: float = _bound("linear.x", "Deceleration backward (m/s^2)")
+    linear__x__max_jerk: float = _bound("linear.x", "Jerk (m/s^3)")
+    linear__x__min_jerk: float = _bound("linear.x", "Jerk, below 0 (m/s^3)")
+    linear__y__max_velocity: float = _bound("linear.y", "Largest velocity (m/s)")
+    linear__y__min_velocity: float = _bound("linear.y", "Least velocity, at most 0 (m/s)")
+    linear__y__max_acceleration: float = _bound("linear.y", "Acceleration (m/s^2)")
+    linear__y__max_deceleration: float = _bound("linear.y", "Deceleration, below 0 (m/s^2)")
+    linear__y__max_acceleration_reverse: float = _bound(
+        "linear.y", "Acceleration to the right, below 0 (m/s^2)"
+    )
+    linear__y__max_deceleration_reverse: float = _bound(
+        "linear.y", "Deceleration to the right (m/s^2)"
+    )
+    linear__y__max_jerk: float = _bound("linear.y", "Jerk (m/s^3)")
+    linear__y__min_jerk: float = _bound("linear.y", "Jerk, below 0 (m/s^3)")
+    angular__z__max_velocity: float = _bound("angular.z", "Largest velocity (rad/s)")
+    angular__z__min_velocity: float = _bound("angular.z", "Least velocity, at most 0 (rad/s)")
+    angular__z__max_acceleration: float = _bound("angular.z", "Acceleration (rad/s^2)")
+    angular__z__max_deceleration: float = _bound("angular.z", "Deceleration, below 0 (rad/s^2)")
+    angular__z__max_acceleration_reverse: float = _bound(
+        "angular.z", "Acceleration clockwise, below 0 (rad/s^2)"
+    )
+    angular__z__max_deceleration_reverse: float = _bound(
+        "angular.z", "Deceleration clockwise (rad/s^2)"
+    )
+    angular__z__max_jerk: float = _bound("angular.z", "Jerk (rad/s^3)")
+    angular__z__min_jerk: float = _bound("angular.z", "Jerk, below 0 (rad/s^3)")
+
+
+def check_settings(settings: MobileBaseSettings) -> None:
+    """Refuse what does not fit together.
+
+    Raises
+    ------
+    ParameterError
+    """
+    for axis in _AXES:
+        for names, sign, allowed in (
+            (_NEGATIVE, -1.0, "a number of at most 0, or NaN"),
+            (_POSITIVE, 1.0, "a number of at least 0, or NaN"),
+        ):
+            for name in names:
+                value = getattr(settings, f"{axis}__{name}")
+                if sign * value < 0.0:
+                    raise ParameterError(f"{axis.replace('__', '.')}.{name}", value, allowed)
+    for name in ("pose_covariance_diagonal", "twist_covariance_diagonal"):
+        for of in (name, f"diagonal_covariance__{name.partition('_')[0]}"):
+            if len(getattr(settings, of)) not in (0, 6):
+                allowed = "six numbers of at least 0, or none"
+                raise ParameterError(of.replace("__", "."), getattr(settings, of), allowed)
