@@ -214,8 +214,8 @@ def test_a_rolling_robot_has_the_mobile_base_alone():
     for option in (
         'robot_description:="mecanum"',
         'tf_frame_prefix:="left"',
-        "mobile_base:simulation:=dynamic",
-        "mobile_base:publish_rate:=20.0",
+        "simulation:=dynamic",
+        "publish_rate:=20.0",
     ):
         assert option in words
     with pytest.raises(BadValueError, match="--group is 'arm', expected nothing: 'mecanum' is a"):
