@@ -155,11 +155,13 @@ def _kernels() -> Finding:
 
 def _robots() -> Finding:
     from robomech_ros.robots import list_robots, robot_folders
+    from robomech_ros.robots.kinds import KINDS, documents_of
 
     names = list_robots()
     folders = ", ".join(str(folder) for folder in robot_folders())
     if names:
-        return Finding("robots", True, f"{len(names)} in {folders}")
+        others = ", ".join(f"{kind} {len(documents_of(kind))}" for kind in KINDS)
+        return Finding("robots", True, f"arms {len(names)}, {others} in {folders}")
     return Finding("robots", False, f"none in {folders or 'any folder'}", SET_UP)
 
 

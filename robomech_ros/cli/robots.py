@@ -10,8 +10,10 @@ from rich.table import Table
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics.inverse.families.selection import family_of
-from robomech_ros.parallel import list_parallel, load_described
+from robomech_ros.parallel import load_described
 from robomech_ros.robots import PRISMATIC, list_robots, load_description
+from robomech_ros.robots.kinds import documents_of
+from robomech_ros.rolling import rolling_robot
 
 __all__ = ["add_arguments", "run"]
 
@@ -31,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
     table = Table("name", "joints", "inverse kinematics", "source")
     code = 0
     rows = [(name, _arm) for name in list_robots()]
-    rows += [(name, _parallel) for name in list_parallel()]
+    rows += [(name, facts) for kind, facts in _FACTS.items() for name in sorted(documents_of(kind))]
     for name, facts in rows:
         try:
             joints, family, source = facts(name)
@@ -65,5 +67,19 @@ def _parallel(name: str) -> tuple[str, str, str]:
     return joints, "parallel", robot.description.source
 
 
+def _rolling(name: str) -> tuple[str, str, str]:
+    """Give the wheels, the drive and the source of a rolling robot."""
+    robot = rolling_robot(name)
+    base = robot.base
+    wheels = f"{len(base.wheels)} wheels"
+    if base.steered:
+        wheels += f", {len(base.steered)} steered"
+    return wheels, f"rolling: {robot.drive}", robot.source
+
+
 def _letters(types: Iterable[int]) -> str:
     return "".join("P" if kind == PRISMATIC else "R" for kind in types)
+
+
+# What is told of robots that are no arms, by their kind in ``robomech_ros.robots.kinds.KINDS``.
+_FACTS = {"parallel": _parallel, "rolling": _rolling}

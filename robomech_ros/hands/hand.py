@@ -29,14 +29,14 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import (
     BadValueError,
     RobotDescriptionError,
-    UnknownRobotError,
     WrongSizeError,
 )
 from robomech_ros.hands.contacts import Contact, as_contacts
-from robomech_ros.robots import SerialChain, robot_folders
+from robomech_ros.robots import SerialChain
 from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
+from robomech_ros.robots.kinds import documents_of
 from robomech_ros.robots.robot_yaml import description_from_yaml
-from robomech_ros.robots.source_files import read_source
+from robomech_ros.robots.source_files import document_source
 from robomech_ros.robots.yaml_rows import read_text
 from robomech_ros.spatial.arrays import as_finite, listed
 
@@ -44,7 +44,6 @@ __all__ = ["Hand", "fingers_of", "hand_posture", "list_hands", "load_hand"]
 
 Array = NDArray[np.float64]
 
-_SUFFIXES = (".yaml", ".yml")
 _MOST_FINGERS = 20
 
 
@@ -152,12 +151,7 @@ def list_hands() -> tuple[str, ...]:
 
 
 def _files() -> dict[str, Path]:
-    found: dict[str, Path] = {}
-    for folder in robot_folders():
-        for path in sorted((folder / "hands").glob("*")):
-            if path.suffix in _SUFFIXES and path.is_file():
-                found.setdefault(path.stem, path)
-    return found
+    return documents_of("hand")
 
 
 def load_hand(name_or_path: str | os.PathLike[str]) -> Hand:
@@ -185,22 +179,7 @@ def load_hand(name_or_path: str | os.PathLike[str]) -> Hand:
     >>> load_hand("three_fingered").n
     9
     """
-    given: object = name_or_path
-    if not isinstance(given, str | os.PathLike) or not str(given).strip():
-        raise BadValueError("hand", given, "a hand's name, a path, or the text of a document")
-    if isinstance(given, str) and "\n" in given.strip():
-        return _from_yaml(given, "YAML string")
-    name = os.fspath(given).strip() if isinstance(given, str) else ""
-    if name and os.sep not in name and not name.lower().endswith(_SUFFIXES):
-        files = _files()
-        if name not in files:
-            raise UnknownRobotError(name, sorted(files))
-        path = files[name]
-    else:
-        path = Path(os.fspath(given)).expanduser()
-    if path.suffix.lower() not in _SUFFIXES:
-        raise RobotDescriptionError(str(path), f"expected a file named {', '.join(_SUFFIXES)}")
-    return _from_yaml(read_source(path, LARGEST_YAML), str(path))
+    return _from_yaml(*document_source(name_or_path, _files, LARGEST_YAML))
 
 
 def _from_yaml(text: str | bytes, where: str) -> Hand:

@@ -11,16 +11,14 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from robomech_ros.errors import RobotDescriptionError, UnknownRobotError
-from robomech_ros.parallel.files import SUFFIXES, parallel_files
+from robomech_ros.parallel.files import parallel_files
 from robomech_ros.robots import RobotDescription, list_robots, load_description
-from robomech_ros.robots.guarded_xml import is_xml, parse_xml
-from robomech_ros.robots.guarded_yaml import LARGEST_YAML, parse_yaml
-from robomech_ros.robots.library import is_document
-from robomech_ros.robots.source_files import read_source
+from robomech_ros.robots.guarded_xml import parse_xml
+from robomech_ros.robots.guarded_yaml import parse_yaml
+from robomech_ros.robots.kinds import KINDS, yaml_source
 from robomech_ros.robots.urdf.document import description_from_urdf
 from robomech_ros.robots.urdf.elements import element
 
@@ -81,11 +79,15 @@ def load_described(robot: str | os.PathLike[str]) -> DescribedRobot:
     >>> load_described("delta").mechanism.actuated
     ('leg1_base', 'leg2_base', 'leg3_base')
     """
-    found = _yaml_of(robot)
+    found = yaml_source(robot)
     if found is not None:
         text, where = found
-        if parse_yaml(text, where).get("kind") == "parallel":
+        kind = parse_yaml(text, where).get("kind")
+        if kind == "parallel":
             return _parallel(text, where)
+        if isinstance(kind, str) and kind in KINDS:
+            why = f"'{kind}', expected an arm or a parallel robot"
+            raise RobotDescriptionError(f"{where}: kind", why)
     try:
         description = load_description(robot)
     except UnknownRobotError as error:
@@ -94,23 +96,6 @@ def load_described(robot: str | os.PathLike[str]) -> DescribedRobot:
         for one in parse_xml(description.document, description.where).all(_TAG):
             return _from_element(description, one.attributes)
     return DescribedRobot(description)
-
-
-def _yaml_of(robot: object) -> tuple[str | bytes, str] | None:
-    """Give the text of a YAML document and what it is called; None for what else is given."""
-    if isinstance(robot, str):
-        if is_document(robot):
-            return None if is_xml(robot) else (robot, "YAML string")
-        name = robot.strip()
-        known = {} if name in list_robots() else parallel_files()
-        path = known.get(name, Path(name).expanduser())
-    elif isinstance(robot, os.PathLike):
-        path = Path(robot)
-    else:
-        return None
-    if path.suffix.lower() not in SUFFIXES:
-        return None
-    return read_source(path, LARGEST_YAML), str(path)
 
 
 def _parallel(text: str | bytes, where: str) -> DescribedRobot:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from robomech_ros.robots import robot_folders
-from robomech_ros.robots.source_files import SUFFIXES, documents_in
+from robomech_ros.robots.kinds import documents_of
 
-__all__ = ["SUFFIXES", "list_parallel", "parallel_files"]
+__all__ = ["list_parallel", "parallel_files"]
 
 
 def list_parallel() -> tuple[str, ...]:
@@ -24,4 +23,4 @@ def list_parallel() -> tuple[str, ...]:
 
 def parallel_files() -> dict[str, Path]:
     """Find the file of each parallel robot, by name."""
-    return documents_in(folder / "parallel" for folder in robot_folders())
+    return documents_of("parallel")

@@ -27,9 +27,9 @@ from robomech_ros.errors import (
     RobomechError,
     RobotDescriptionError,
 )
-from robomech_ros.robots import robot_folders
 from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
-from robomech_ros.robots.source_files import document_source, documents_in
+from robomech_ros.robots.kinds import documents_of
+from robomech_ros.robots.source_files import document_source
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.bodies import PlatformBody, WheelBody
 from robomech_ros.rolling.limits import MotionLimits
@@ -39,7 +39,6 @@ from robomech_ros.rolling.wheels import Wheel
 __all__ = [
     "DRIVES",
     "RollingRobot",
-    "is_rolling",
     "list_rolling",
     "load_rolling",
     "rolling_robot",
@@ -139,16 +138,6 @@ def rolling_robot(name_or_path: str | os.PathLike[str]) -> RollingRobot:
     return _from_text(*document_source(name_or_path, _files, LARGEST_YAML))
 
 
-def is_rolling(name_or_path: str | os.PathLike[str]) -> bool:
-    """Say whether a name, path or text is that of a rolling robot, whatever else is in it."""
-    try:
-        text, where = document_source(name_or_path, _files, LARGEST_YAML)
-        document = parse_yaml(text, where)
-    except RobomechError:
-        return False
-    return isinstance(document, dict) and document.get("kind") == "rolling"
-
-
 def list_rolling() -> tuple[str, ...]:
     """List the names of the rolling robots in all folders, sorted.
 
@@ -162,7 +151,7 @@ def list_rolling() -> tuple[str, ...]:
 
 
 def _files() -> dict[str, Path]:
-    return documents_in(folder / "rolling" for folder in robot_folders())
+    return documents_of("rolling")
 
 
 def _from_text(text: str | bytes, where: str) -> RollingRobot:

@@ -35,9 +35,10 @@ from numpy.typing import NDArray
 
 from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.parallel.mechanism.limb import Axis, chain_of_axes
-from robomech_ros.robots import SerialChain, load_description, robot_folders
+from robomech_ros.robots import SerialChain, load_description
 from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
-from robomech_ros.robots.source_files import document_source, documents_in
+from robomech_ros.robots.kinds import documents_of
+from robomech_ros.robots.source_files import document_source
 from robomech_ros.robots.yaml_rows import read_number, read_positive, read_range, read_text
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.walking.robot import LeggedRobot
@@ -62,7 +63,7 @@ def list_legged() -> tuple[str, ...]:
 
 
 def _files() -> dict[str, Path]:
-    return documents_in(folder / "walking" for folder in robot_folders())
+    return documents_of("walking")
 
 
 def load_legged(name_or_path: str | os.PathLike[str]) -> LeggedRobot:

@@ -1,6 +1,7 @@
 """The `robomech` command on a machine where ROS cannot be imported."""
 
 import json
+import re
 import subprocess
 import sys
 
@@ -62,6 +63,7 @@ def test_doctor_names_what_is_missing():
     assert code == 1
     assert "MISSING  ROS 2 client library" in out
     assert "No module named 'rclpy'" in out
+    assert re.search(r"robots +arms \d+, parallel \d+, rolling 6, walking \d+, hand \d+ in ", out)
 
 
 def test_robots_are_listed():

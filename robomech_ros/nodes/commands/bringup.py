@@ -13,16 +13,24 @@ from types import FrameType
 from typing import Any
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.nodes.process.kind_nodes import KIND_NODES, KindNodes
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.nodes.process.process_group import ProcessGroup
 from robomech_ros.nodes.process.reach import reach, stay_on_this_machine
 from robomech_ros.nodes.process.start import NODE_MODULES
 from robomech_ros.parallel import DescribedRobot, load_described
 from robomech_ros.robots import main_chain, semantics_of
-from robomech_ros.rolling import rolling_robot
-from robomech_ros.rolling.library import is_rolling
+from robomech_ros.robots.kinds import kind_of
 
-__all__ = ["add_arguments", "add_launch_arguments", "check", "launch_options", "node_class", "run"]
+__all__ = [
+    "add_arguments",
+    "add_launch_arguments",
+    "check",
+    "launch_options",
+    "node_class",
+    "refuse_of_arms",
+    "run",
+]
 
 EXIT_CHILD_FAILED = 1
 
@@ -107,8 +115,9 @@ def add_launch_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Bring the nodes up; returns 0 after SIGINT or SIGTERM, 1 if a node ended by itself."""
     check(args)
-    if args.robot and is_rolling(args.robot):
-        _check_rolling(args)
+    if own := KIND_NODES.get(kind_of(args.robot)):
+        own.load(args.robot)
+        refuse_of_arms(args, own)
     elif args.robot and _load(args).mechanism is not None:
         _leave_out(args)
     if args.localhost:
@@ -137,17 +146,22 @@ def launch_options(args: argparse.Namespace) -> LaunchOptions:
         view=args.view,
         view_port=args.view_port,
         view_host=args.view_host,
-        rolling=bool(args.robot) and is_rolling(args.robot),
+        kind=kind if (kind := kind_of(args.robot)) in KIND_NODES else "",
         ros_args=tuple(args.ros_args),
     )
 
 
-def _check_rolling(args: argparse.Namespace) -> None:
-    """Refuse what is for arms, and robots that cannot be loaded."""
-    rolling_robot(args.robot)
-    for option in ("joint_limits", "srdf", "group", "base_link", "tip_link", "calibration", "view"):
-        if given := getattr(args, option):
-            expected = f"nothing: '{args.robot}' is a rolling robot"
+def refuse_of_arms(args: argparse.Namespace, kind: KindNodes) -> None:
+    """Refuse options that a kind of robot has no use for.
+
+    Raises
+    ------
+    BadValueError
+        It names the option.
+    """
+    for option in kind.refused:
+        if given := getattr(args, option, None):
+            expected = f"nothing: '{args.robot}' is a {kind.called}"
             raise BadValueError(f"--{option.replace('_', '-')}", given, expected)
 
 

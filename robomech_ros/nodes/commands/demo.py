@@ -3,10 +3,14 @@
 import argparse
 import signal
 import sys
+from importlib import import_module
 from pathlib import Path
 
 from robomech_ros.cli.warmup import warm
 from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.nodes.commands.bringup import refuse_of_arms
+from robomech_ros.nodes.process.kind_nodes import KIND_NODES
+from robomech_ros.robots.kinds import kind_of
 
 __all__ = ["add_arguments", "run"]
 
@@ -57,6 +61,11 @@ def run(args: argparse.Namespace) -> int:
     from robomech_ros.nodes.demonstration.session import demonstrate
 
     try:
+        own = KIND_NODES.get(kind_of(args.robot))
+        if own is not None and own.demonstration:
+            refuse_of_arms(args, own)
+            import_module(own.demonstration).demonstrate(args.robot, args.output)
+            return 0
         payload = args.payload if args.dynamic else None
         demonstrate(Which(args.robot, args.srdf, args.group), args.output, payload)
     except RobomechError as error:

@@ -11,6 +11,7 @@ from typing import Any
 
 import yaml
 
+from robomech_ros.nodes.process.kind_nodes import KIND_NODES
 from robomech_ros.nodes.process.process_group import node_command
 from robomech_ros.nodes.process.start import NODE_MODULES
 from robomech_ros.robots import robot_folders
@@ -19,7 +20,8 @@ __all__ = ["LaunchOptions", "config_file"]
 
 # What the words that give a parameter begin with.
 _PARAMETER = ("-p", "--param")
-_ROLLING = "mobile_base"
+# Of arms and parallel robots.
+_SIMULATOR = "joint_trajectory_controller"
 
 
 @dataclass(frozen=True)
@@ -58,8 +60,8 @@ class LaunchOptions:
         Of its page; default the node's own.
     view_host : str, optional
         Address that its page listens on; default the node's own.
-    rolling : bool, optional
-        Whether the robot rolls: then the mobile base is the only node.
+    kind : str, optional
+        Of a robot that is no arm, see ``KIND_NODES``; empty for arms and parallel robots.
     ros_args : tuple of str, optional
         Other ROS arguments for every node; parameters among them replace those of the options.
     """
@@ -80,21 +82,18 @@ class LaunchOptions:
     view: bool = False
     view_port: int | None = None
     view_host: str | None = None
-    rolling: bool = False
+    kind: str = ""
     ros_args: tuple[str, ...] = ()
 
     @property
     def nodes(self) -> tuple[str, ...]:
         """Names of the nodes, in the order in which they are started."""
-        if self.rolling:
-            return (_ROLLING,)
-        wanted = {
-            "servo": self.servo,
-            "calibration": self.calibration,
-            "rvs": self.view,
-            _ROLLING: False,
-        }
-        return tuple(node for node in NODE_MODULES if wanted.get(node, True))
+        own = KIND_NODES.get(self.kind)
+        if own is not None:
+            return (*own.nodes, "rvs") if self.view else own.nodes
+        optional = {"servo": self.servo, "calibration": self.calibration, "rvs": self.view}
+        others = {node for kind in KIND_NODES.values() for node in kind.nodes} - {_SIMULATOR}
+        return tuple(node for node in NODE_MODULES if optional.get(node, node not in others))
 
     def commands(self) -> dict[str, list[str]]:
         """Give the command line of each node's process."""
@@ -131,10 +130,10 @@ class LaunchOptions:
             "group": self.group,
             "frame_prefix": self._frame_prefix(),
         }
-        if self.rolling:
-            # The names of the controllers of ros2_control; the namespace is the node's own default.
+        own = KIND_NODES.get(self.kind)
+        if own is not None:
             described = {"robot_description": values["robot_description"]}
-            values = {**described, "tf_frame_prefix": self.frame_prefix or ""}
+            values = {**described, own.frame_prefix: values["frame_prefix"]}
         for name, value in values.items():
             if value:
                 # Quoted: YAML would read a robot called 7 as a number.
@@ -142,7 +141,7 @@ class LaunchOptions:
         if self.joint_limits:
             path = json.dumps(_absolute(self.joint_limits))
             result += ["-p", f"trajectory_planner:joint_limits:={path}"]
-        simulated = _ROLLING if self.rolling else "joint_trajectory_controller"
+        simulated = _SIMULATOR if own is None else own.simulator
         if self.rate is not None:
             result += ["-p", f"{simulated}:publish_rate:={float(self.rate)}"]
         if self.dynamic:

@@ -11,6 +11,7 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.commands import bringup
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.process import launch_options
+from robomech_ros.nodes.process.kind_nodes import KIND_NODES
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.nodes.process.start import NODE_MODULES
 
@@ -23,7 +24,8 @@ def parsed(*arguments):
     return parser.parse_args(list(arguments))
 
 
-OF_ARMS = set(NODE_MODULES) - {"mobile_base"}
+OF_KINDS = {node for kind in KIND_NODES.values() for node in kind.nodes}
+OF_ARMS = (set(NODE_MODULES) - OF_KINDS) | {"joint_trajectory_controller"}
 
 
 def commands(*arguments):

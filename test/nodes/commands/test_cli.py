@@ -210,6 +210,8 @@ def test_robots_are_listed_with_joints_and_family(capfd):
     assert re.search(r"stanford.*RRPRRR.*decoupled", out)
     assert re.search(r"hexapod.*6 x RR\[P\]RRR.*parallel", out)
     assert re.search(r"delta.*3 x \[R\]RRRR.*parallel", out)
+    assert re.search(r"mecanum.*4 wheels.*rolling: mecanum", out)
+    assert re.search(r"tricycle.*3 wheels, 1 steered.*rolling: tricycle", out)
 
 
 def test_warmup_imports_every_kernel_module(capfd):

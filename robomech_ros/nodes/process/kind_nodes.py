@@ -1,0 +1,61 @@
+"""Robots that are no arms: their nodes, what of bringup does not concern them, their demonstration.
+
+Arms and parallel robots share the other nodes.  A new kind takes a row here, one in
+:data:`robomech_ros.robots.kinds.KINDS`, and one in the table of ``robomech robots``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from robomech_ros.rolling import rolling_robot
+
+__all__ = ["KIND_NODES", "KindNodes"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class KindNodes:
+    """What is run for robots of a kind.
+
+    Parameters
+    ----------
+    called : str
+        What such a robot is, for people.
+    nodes : tuple of str
+        Names of its nodes, in the order in which they are started.
+    simulator : str
+        The one that publishes ``joint_states``, with the parameters ``publish_rate`` and
+        ``simulation``.
+    load : callable
+        Loads a robot by name or path, and raises a ``RobomechError`` where that cannot be.
+    refused : tuple of str
+        Options of bringup that such robots have no use for.
+    frame_prefix : str, optional
+        The parameter with what names of frames begin with.
+    demonstration : str, optional
+        The module of the demonstration, with ``demonstrate(robot, output)``; empty for none.
+    """
+
+    called: str
+    nodes: tuple[str, ...]
+    simulator: str
+    load: Callable[[str], object]
+    refused: tuple[str, ...]
+    frame_prefix: str = "frame_prefix"
+    demonstration: str = ""
+
+
+# What only arms have.
+_OF_ARMS = ("joint_limits", "srdf", "group", "base_link", "tip_link", "calibration")
+
+KIND_NODES = {
+    "rolling": KindNodes(
+        called="rolling robot",
+        nodes=("mobile_base",),
+        simulator="mobile_base",
+        load=rolling_robot,
+        refused=(*_OF_ARMS, "view"),
+        frame_prefix="tf_frame_prefix",
+    ),
+}

@@ -1,0 +1,87 @@
+"""Kinds of robots that are no arms: where their documents are, and of which kind a robot is.
+
+A document says its kind, as ``kind: rolling``; those of each kind have a folder of their own in the
+folders of robots.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.robots.guarded_xml import is_xml
+from robomech_ros.robots.guarded_yaml import LARGEST_YAML, parse_yaml
+from robomech_ros.robots.library import is_document, list_robots, robot_folders
+from robomech_ros.robots.source_files import SUFFIXES, documents_in, read_source
+
+__all__ = ["KINDS", "documents_of", "kind_of", "yaml_source"]
+
+# The kind in a document, and the folder of such documents.
+KINDS = {"parallel": "parallel", "rolling": "rolling", "walking": "walking", "hand": "hands"}
+
+
+def documents_of(kind: str) -> dict[str, Path]:
+    """Find the documents of a kind, by the names of the robots; kinds are those of ``KINDS``."""
+    return documents_in(folder / KINDS[kind] for folder in robot_folders())
+
+
+def kind_of(robot: object) -> str:
+    """Say of which kind a robot is, whatever else its document has.
+
+    Parameters
+    ----------
+    robot : str or path
+        A name, the path of a file, or the text of a document.
+
+    Returns
+    -------
+    str
+        One of ``KINDS``; empty for an arm, for a URDF, and for what is no robot.
+
+    Examples
+    --------
+    >>> from robomech_ros.robots.kinds import kind_of
+    >>> kind_of("mecanum"), kind_of("puma560")
+    ('rolling', '')
+    """
+    try:
+        found = yaml_source(robot)
+        document = None if found is None else parse_yaml(*found)
+    except RobomechError:
+        return ""
+    kind = document.get("kind") if isinstance(document, dict) else None
+    return kind if isinstance(kind, str) and kind in KINDS else ""
+
+
+def yaml_source(robot: object) -> tuple[str | bytes, str] | None:
+    """Give the text of a YAML document, and what it is called; None for what else is given.
+
+    The name of an arm comes before the same name of another kind, and is none of a document here.
+
+    Raises
+    ------
+    RobotDescriptionError
+        The file cannot be read.
+    """
+    if isinstance(robot, os.PathLike):
+        path = Path(robot)
+    elif not isinstance(robot, str):
+        return None
+    elif is_document(robot):
+        return None if is_xml(robot) else (robot, "YAML string")
+    else:
+        path = _file_of(robot.strip())
+    if path.suffix.lower() not in SUFFIXES:
+        return None
+    return read_source(path, LARGEST_YAML), str(path)
+
+
+def _file_of(name: str) -> Path:
+    """Give the file of a name, or the path that it is."""
+    if name not in list_robots():
+        for kind in KINDS:
+            known = documents_of(kind)
+            if name in known:
+                return known[name]
+    return Path(name).expanduser()
