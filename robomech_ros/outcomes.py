@@ -58,6 +58,7 @@ class Code(IntEnum):
     )
     UNDETERMINED = 207, "the samples leave a part of the answer free"
     CONTRADICTORY = 208, "the samples contradict each other, or what is said of them"
+    LOAD_NOT_HELD = 209, "no contact forces inside the friction cones hold the load"
     IK_LOST = 211, "along a path: no inverse-kinematic solution from here on"
     JUMP = 212, "along a path: the joints would have to jump"
     LIMIT = 213, "a joint, velocity, acceleration or jerk limit would be exceeded"
@@ -68,6 +69,7 @@ class Code(IntEnum):
     GOAL_TOLERANCE = 224, "a joint was outside the goal tolerance when the time was up"
 
     INTERNAL = 900, "a defect of the node; please report it"
+    NOT_INSTALLED = 901, "a library that the answer needs is not installed"
 
 
 _NAMES = {int(code): code.name for code in Code}
