@@ -16,6 +16,7 @@ EXECUTABLES = (
     "calibration_node",
     "rvs_node",
     "mobile_base_node",
+    "grasping_node",
 )
 HERE = Path(__file__).resolve().parent
 VERSION = re.search(

@@ -76,6 +76,7 @@ def findings() -> Iterator[Finding]:
         _domain,
         _sourced,
         lambda: _optional("matplotlib", "plots of robomech demo"),
+        lambda: _optional("clarabel", "contact_forces of hands"),
         lambda: _optional("viser", "robomech view, and the page of robomech demo"),
         lambda: _optional(
             "control_msgs",

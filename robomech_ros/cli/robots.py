@@ -9,6 +9,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.hands import load_hand
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.parallel import load_described
 from robomech_ros.robots import PRISMATIC, list_robots, load_description
@@ -77,9 +78,17 @@ def _rolling(name: str) -> tuple[str, str, str]:
     return wheels, f"rolling: {robot.drive}", robot.source
 
 
+def _hand(name: str) -> tuple[str, str, str]:
+    """Give the fingers and the source of a hand."""
+    hand = load_hand(name)
+    limbs = [_letters(finger.types) for finger in hand.fingers]
+    kinds = (f"{limbs.count(one)} x {one}" for one in dict.fromkeys(limbs))
+    return ", ".join(kinds), "hand: by finger", hand.source
+
+
 def _letters(types: Iterable[int]) -> str:
     return "".join("P" if kind == PRISMATIC else "R" for kind in types)
 
 
 # What is told of robots that are no arms, by their kind in ``robomech_ros.robots.kinds.KINDS``.
-_FACTS = {"parallel": _parallel, "rolling": _rolling}
+_FACTS = {"parallel": _parallel, "rolling": _rolling, "hand": _hand}

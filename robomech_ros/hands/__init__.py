@@ -23,7 +23,7 @@ if TYPE_CHECKING:
         hand_jacobian,
         object_twist,
     )
-    from robomech_ros.hands.postures import grasp_postures
+    from robomech_ros.hands.postures import grasp_postures, tip_postures, whole_postures
     from robomech_ros.hands.quality import GraspQuality, grasp_quality
 
 __all__ = [
@@ -49,6 +49,8 @@ __all__ = [
     "list_hands",
     "load_hand",
     "object_twist",
+    "tip_postures",
+    "whole_postures",
 ]
 
 _MODULES = {
@@ -72,6 +74,8 @@ _MODULES = {
     "hand_jacobian": "hand_motion",
     "object_twist": "hand_motion",
     "grasp_postures": "postures",
+    "tip_postures": "postures",
+    "whole_postures": "postures",
     "GraspQuality": "quality",
     "grasp_quality": "quality",
 }

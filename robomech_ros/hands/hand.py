@@ -40,7 +40,14 @@ from robomech_ros.robots.source_files import document_source
 from robomech_ros.robots.yaml_rows import read_text
 from robomech_ros.spatial.arrays import as_finite, listed
 
-__all__ = ["Hand", "fingers_of", "hand_posture", "list_hands", "load_hand"]
+__all__ = [
+    "Hand",
+    "finger_numbers",
+    "fingers_of",
+    "hand_posture",
+    "list_hands",
+    "load_hand",
+]
 
 Array = NDArray[np.float64]
 
@@ -58,6 +65,8 @@ class Hand:
         From the palm to the tip of each finger; their bases are one frame, that of the palm, and no
         two joints have one name.
     finger_names : sequence of str
+    source : str, optional
+        Where the numbers come from.
 
     Raises
     ------
@@ -67,6 +76,7 @@ class Hand:
     name: str
     fingers: tuple[SerialChain, ...]
     finger_names: tuple[str, ...]
+    source: str = ""
 
     def __post_init__(self) -> None:
         """Check everything."""
@@ -124,18 +134,23 @@ def fingers_of(
     given = as_contacts(contacts)
     if given[0].planar:
         raise BadValueError("contacts", "in the plane", "contacts in space")
-    count = len(hand.fingers)
+    return given, finger_numbers(hand, len(given), fingers)
+
+
+def finger_numbers(hand: Hand, count: int, fingers: Sequence[int] | None) -> tuple[int, ...]:
+    """Check which finger makes each of so many contacts; default one after the other."""
+    most = len(hand.fingers)
     if fingers is None:
-        if len(given) > count:
-            raise WrongSizeError("contacts", len(given), f"up to {count}, the number of fingers")
-        return given, tuple(range(len(given)))
-    found = listed("fingers", fingers, f"numbers of fingers from 0 to {count - 1}")
-    if len(found) != len(given):
-        raise WrongSizeError("fingers", len(found), len(given))
+        if count > most:
+            raise WrongSizeError("contacts", count, f"up to {most}, the number of fingers")
+        return tuple(range(count))
+    found = listed("fingers", fingers, f"numbers of fingers from 0 to {most - 1}")
+    if len(found) != count:
+        raise WrongSizeError("fingers", len(found), count)
     for one in found:
-        if isinstance(one, bool) or not isinstance(one, int | np.integer) or not 0 <= one < count:
-            raise BadValueError("finger", one, f"a number from 0 to {count - 1}")
-    return given, tuple(int(one) for one in found)
+        if isinstance(one, bool) or not isinstance(one, int | np.integer) or not 0 <= one < most:
+            raise BadValueError("finger", one, f"a number from 0 to {most - 1}")
+    return tuple(int(one) for one in found)
 
 
 def list_hands() -> tuple[str, ...]:
@@ -199,6 +214,8 @@ def _from_yaml(text: str | bytes, where: str) -> Hand:
         ends = {"source": source, "base_link": "palm", "tip_link": f"{names[-1]}_tip"}
         chains.append(description_from_yaml(yaml.safe_dump({**finger, **ends}), place).chain())
     try:
-        return Hand(read_text(document["name"], f"{where}: name"), tuple(chains), tuple(names))
+        return Hand(
+            read_text(document["name"], f"{where}: name"), tuple(chains), tuple(names), source
+        )
     except (BadValueError, WrongSizeError) as error:
         raise RobotDescriptionError(f"{where}: fingers", str(error)) from None

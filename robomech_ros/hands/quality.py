@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import ConvexHull
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.hands.closure import is_force_closed
 from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, cones_of
 from robomech_ros.spatial.arrays import real_number
@@ -127,6 +126,8 @@ def grasp_quality(
 def _positive(what: str, value: object, largest: float) -> float:
     expected = f"a number above 0, up to {largest:g}"
     number = real_number(what, value, expected)
+    if not np.isfinite(number):
+        raise NonFiniteError(what, number)
     if not 1e-9 <= number <= largest:
         raise BadValueError(what, value, expected)
     return number
@@ -134,6 +135,9 @@ def _positive(what: str, value: object, largest: float) -> float:
 
 def _bounds(cones: Array, close: float, most: int) -> tuple[float, float, Array]:
     """Let the hull grow until its nearest facet is close to where that would touch the cones."""
+    # Loaded here: it takes a good part of the start of a node.
+    from scipy.spatial import ConvexHull
+
     rng = np.random.default_rng(0)
     points = _shrunk(_first_points(cones), rng)
     upper, weakest, lower = np.inf, np.zeros(cones.shape[2]), 0.0

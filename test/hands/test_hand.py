@@ -5,7 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from robomech_ros.errors import RobotDescriptionError, UnknownRobotError, WrongSizeError
+from robomech_ros.errors import (
+    BadValueError,
+    RobotDescriptionError,
+    UnknownRobotError,
+    WrongSizeError,
+)
 from robomech_ros.hands import (
     Contact,
     Hand,
@@ -21,6 +26,8 @@ from robomech_ros.hands import (
     list_hands,
     load_hand,
     object_twist,
+    tip_postures,
+    whole_postures,
 )
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.spatial import pose_exponential
@@ -75,6 +82,50 @@ def test_postures_touch_the_contacts_in_all_branches():
 def test_what_is_out_of_reach_is_said_by_finger():
     found = grasp_postures(HAND, lifted(0.5), contacts_of())
     assert all(one.status.name == "OUT_OF_REACH" and one.reason for one in found)
+
+
+def test_postures_are_sorted_by_the_way_from_the_seed():
+    T, seed = lifted(), np.full(9, 0.4)
+    every = grasp_postures(HAND, T, contacts_of(), seed=seed, respect_limits=False)
+    for found, part in zip(every, HAND.split(seed), strict=True):
+        away = np.linalg.norm(found.q - part, axis=1)
+        assert (np.diff(away) >= 0.0).all()
+    again = tip_postures(
+        HAND, [c.position for c in in_palm(contacts_of(), T)], seed=seed, respect_limits=False
+    )
+    for one, other in zip(every, again, strict=True):
+        np.testing.assert_allclose(one.q, other.q, atol=1e-12)
+
+
+def test_whole_postures_are_all_combinations_the_nearest_first():
+    T, seed = lifted(), np.full(9, 0.4)
+    found = grasp_postures(HAND, T, contacts_of(), seed=seed, respect_limits=False)
+    q, distance = whole_postures(HAND, found, seed=seed)
+    assert len(q) == 4**3
+    assert len({row.tobytes() for row in np.round(q, 9)}) == 4**3
+    np.testing.assert_allclose(np.linalg.norm(q - seed, axis=1), distance)
+    assert (np.diff(distance) >= -1e-12).all()
+    few, near = whole_postures(HAND, found, seed=seed, most=5)
+    np.testing.assert_array_equal(few, q[:5])
+    np.testing.assert_array_equal(near, distance[:5])
+
+
+def test_fingers_without_a_contact_stay_and_one_without_a_posture_leaves_none():
+    T, seed = lifted(), np.full(9, 0.4)
+    contacts = contacts_of()[:2]
+    found = grasp_postures(HAND, T, contacts, fingers=[0, 1], seed=seed)
+    q, _ = whole_postures(HAND, found, fingers=[0, 1], seed=seed)
+    assert len(q) == len(found[0].q) * len(found[1].q)
+    assert (q[:, 6:] == 0.4).all()
+    far = grasp_postures(HAND, lifted(0.5), contacts, seed=seed)
+    q, distance = whole_postures(HAND, (found[0], far[1]), seed=seed)
+    assert q.shape == (0, 9)
+    assert distance.shape == (0,)
+
+
+def test_a_finger_has_one_tip():
+    with pytest.raises(BadValueError, match=r"fingers is \[0, 0\], expected each finger once"):
+        grasp_postures(HAND, lifted(), contacts_of()[:2], fingers=[0, 0])
 
 
 @pytest.mark.parametrize("model", ["frictionless", "point", "soft"])

@@ -41,6 +41,8 @@ def calls():
         "T": np.eye(4),
         "length": 1.0,
         "origin": np.zeros(3),
+        "points": 0.05 * np.eye(3) + [0.0, 0.0, 0.08],
+        "found": hands.grasp_postures(HAND, np.eye(4), GRASP),
     }
     found = {"load_hand": load_hand}
     found |= with_options(

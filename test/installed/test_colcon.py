@@ -18,6 +18,7 @@ pytestmark = pytest.mark.xdist_group("colcon")
 NODES = {
     "calibration_node",
     "dynamics_node",
+    "grasping_node",
     "joint_state_simulator_node",
     "kinematics_node",
     "mobile_base_node",

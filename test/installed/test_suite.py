@@ -379,6 +379,7 @@ def test_a_node_that_cannot_start_says_why_in_one_line(suite, arguments, words):
     [
         "calibration_node",
         "dynamics_node",
+        "grasping_node",
         "joint_state_simulator_node",
         "kinematics_node",
         "mobile_base_node",

@@ -11,6 +11,7 @@ from rclpy.node import Node
 from robomech_ros import errors
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.hands.conic_solver import ConicSolverUnavailableError
 from robomech_ros.outcomes import Code
 
 __all__ = [
@@ -121,6 +122,7 @@ _CODES: dict[type[BaseException], Code] = {
     errors.DurationTooShortError: Code.LIMIT,
     TrajectoryRefusedError: Code.REJECTED,
     ShutdownError: Code.REJECTED,
+    ConicSolverUnavailableError: Code.NOT_INSTALLED,
     RobomechError: Code.BAD_VALUE,
 }
 

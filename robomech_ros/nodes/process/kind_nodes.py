@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from robomech_ros.hands import load_hand
 from robomech_ros.rolling import rolling_robot
 
 __all__ = ["KIND_NODES", "KindNodes"]
@@ -24,13 +25,13 @@ class KindNodes:
         What such a robot is, for people.
     nodes : tuple of str
         Names of its nodes, in the order in which they are started.
-    simulator : str
-        The one that publishes ``joint_states``, with the parameters ``publish_rate`` and
-        ``simulation``.
     load : callable
         Loads a robot by name or path, and raises a ``RobomechError`` where that cannot be.
     refused : tuple of str
         Options of bringup that such robots have no use for.
+    simulator : str, optional
+        The node that publishes ``joint_states``, with the parameters ``publish_rate`` and
+        ``simulation``; empty for none.
     frame_prefix : str, optional
         The parameter with what names of frames begin with.
     demonstration : str, optional
@@ -39,9 +40,9 @@ class KindNodes:
 
     called: str
     nodes: tuple[str, ...]
-    simulator: str
     load: Callable[[str], object]
     refused: tuple[str, ...]
+    simulator: str = ""
     frame_prefix: str = "frame_prefix"
     demonstration: str = ""
 
@@ -57,5 +58,11 @@ KIND_NODES = {
         load=rolling_robot,
         refused=(*_OF_ARMS, "view"),
         frame_prefix="tf_frame_prefix",
+    ),
+    "hand": KindNodes(
+        called="hand",
+        nodes=("grasping",),
+        load=load_hand,
+        refused=(*_OF_ARMS, "rate", "dynamic", "view"),
     ),
 }

@@ -20,6 +20,7 @@ __all__ = [
     "NODE_MODULES",
     "calibration_node",
     "dynamics_node",
+    "grasping_node",
     "joint_state_simulator_node",
     "kinematics_node",
     "main",
@@ -41,6 +42,7 @@ NODE_MODULES = {
     "calibration": "robomech_ros.nodes.calibration.node",
     "rvs": "robomech_ros.nodes.rvs.node",
     "mobile_base": "robomech_ros.nodes.mobile_base.node",
+    "grasping": "robomech_ros.nodes.grasping.node",
 }
 
 EXIT_CANNOT_START = 2
@@ -95,6 +97,11 @@ def rvs_node() -> NoReturn:
 def mobile_base_node() -> NoReturn:
     """Run the node mobile_base, and end the process."""
     _run("mobile_base", sys.argv)
+
+
+def grasping_node() -> NoReturn:
+    """Run the node grasping, and end the process."""
+    _run("grasping", sys.argv)
 
 
 def _run(node: str, argv: Sequence[str]) -> NoReturn:

@@ -224,6 +224,16 @@ def test_a_rolling_robot_has_the_mobile_base_alone():
         bringup.run(parsed("--robot", "mecanum", "--group", "arm"))
 
 
+def test_a_hand_has_the_node_grasping_alone():
+    every = commands("--robot", "three_fingered", "--frame-prefix", "left/")
+    assert set(every) == {"grasping"}
+    for option in ('robot_description:="three_fingered"', 'frame_prefix:="left/"'):
+        assert option in every["grasping"]
+    for option in ("--dynamic", "--calibration", "--view"):
+        with pytest.raises(BadValueError, match="expected nothing: 'three_fingered' is a hand"):
+            bringup.run(parsed("--robot", "three_fingered", option))
+
+
 @pytest.mark.parametrize("node", NODE_MODULES)
 def test_file_of_each_node_gives_the_defaults_of_its_table(node):
     values = yaml.safe_load((CONFIG / f"{node}.yaml").read_text(encoding="utf-8"))
@@ -239,7 +249,7 @@ def documented(node):
     page = (CONFIG.parent / "doc" / "interfaces.md").read_text(encoding="utf-8")
     parts = re.split(r"^(Of all nodes|`\w+`)(?=[: ])", page, flags=re.MULTILINE)
     tables = dict(zip(parts[1::2], parts[2::2], strict=True))
-    of_all = "" if node == "mobile_base" else tables["Of all nodes"]
+    of_all = "" if node in ("mobile_base", "grasping") else tables["Of all nodes"]
     listed = of_all + tables[f"`{node}`"].split("## ")[0]
     rows = re.findall(r"^\| `([\w.]+)`( \*)? \| (.*?) \|", listed, re.MULTILINE)
     return {name: (default.strip("`"), bool(star)) for name, star, default in rows}
@@ -260,6 +270,7 @@ def test_every_parameter_is_documented_with_its_default(node):
 @pytest.mark.parametrize("node", NODE_MODULES)
 def test_every_node_is_found_and_has_its_name(node, graph):
     more = {"port": 0} if node == "rvs" else {}
-    robot = "mecanum" if node == "mobile_base" else "scara"
+    robots = {"mobile_base": "mecanum", "grasping": "three_fingered"}
+    robot = robots.get(node, "scara")
     started = graph.start(bringup.node_class(node), robot_description=robot, **more)
     assert started.get_name() == node

@@ -1,0 +1,145 @@
+"""The node that answers what a hand holds: closure, forces and postures of grasps."""
+
+from collections.abc import Sequence
+from functools import partial
+from importlib.util import find_spec
+from typing import Any
+
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+
+from robomech_interfaces.srv import AnalyzeGrasp, ContactForces, SolveGrasp
+from robomech_ros.errors import BadValueError
+from robomech_ros.hands import (
+    ForceStatus,
+    contact_forces,
+    grasp_matrix,
+    load_hand,
+    tip_postures,
+    whole_postures,
+)
+from robomech_ros.hands.conic_solver import ConicSolverUnavailableError
+from robomech_ros.hands.contacts import span
+from robomech_ros.hands.forces import SMALLEST
+from robomech_ros.nodes.common.error_codes import ShutdownError, guarded
+from robomech_ros.nodes.common.joint_messages import positions_by_name
+from robomech_ros.nodes.common.joint_positions import is_empty
+from robomech_ros.nodes.common.parameters import NodeParameters
+from robomech_ros.nodes.common.pauses import Worker
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose, point_vector
+from robomech_ros.nodes.common.readiness import Readiness
+from robomech_ros.nodes.grasping.answers import (
+    analysed,
+    fill_efforts,
+    fill_forces,
+    fill_postures,
+)
+from robomech_ros.nodes.grasping.requests import (
+    GivenHand,
+    load_wrench,
+    read_contacts,
+    read_points,
+)
+from robomech_ros.nodes.grasping.settings import GraspingSettings, check_settings
+from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.process.run import run_node
+
+__all__ = ["GraspingNode", "main"]
+
+_TOLERANCE = 1e-4
+_POSTURES = 100
+
+
+class GraspingNode(Node):
+    """Closure, quality and forces of grasps, and postures of a hand, as services."""
+
+    SETTINGS = GraspingSettings
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("grasping", **options)
+        self._table = NodeParameters(self, GraspingSettings, check=check_settings)
+        settings = self._table.settings
+        check_settings(settings)
+        described = settings.robot_description
+        hand = load_hand(described) if described else None
+        self._hand = GivenHand(hand, settings.frame_prefix)
+        # The quality of many contacts takes a second, in which others are served.
+        self._worker = Worker(self)
+        Readiness(self)
+        group = ReentrantCallbackGroup()
+        serve(self, AnalyzeGrasp, "~/analyze_grasp", self._analyze_grasp, callback_group=group)
+        serve(self, ContactForces, "~/contact_forces", self._contact_forces)
+        serve(self, SolveGrasp, "~/solve_grasp", self._solve_grasp)
+        if find_spec("clarabel") is None:
+            self.get_logger().warning(f"no ~/contact_forces: {ConicSolverUnavailableError()}")
+        name = "no hand" if hand is None else f"{hand.name}, {len(hand.fingers)} fingers"
+        self.get_logger().info(f"ready: {name}")
+
+    def stop(self) -> None:
+        """Answer those who wait for what takes long."""
+        self._worker.give_up(ShutdownError(self.get_name()))
+
+    def destroy_node(self) -> None:
+        """Take leave of ROS, and of the thread for long work."""
+        self._worker.close()
+        super().destroy_node()
+
+    @guarded
+    async def _analyze_grasp(self, request: Any, response: Any) -> Any:
+        contacts = read_contacts(request)
+        origin = point_vector(request.origin, "origin")
+        matrix = grasp_matrix(contacts, origin)
+        q = self._hand.state(request)
+        fingers = self._hand.fingers(request.fingers, len(contacts))
+        work = partial(
+            analysed,
+            contacts,
+            matrix,
+            origin=origin,
+            length=request.length or span(contacts, origin),
+            tolerance=request.tolerance or _TOLERANCE,
+            most_points=self._table.settings.most_points,
+            made_by=None if q is None else (self._hand.required(), q, fingers),
+        )
+        found = await self._worker.do(work)
+        return found.fill(self._hand.frame(request.frame_id), response)
+
+    @guarded
+    def _contact_forces(self, request: Any, response: Any) -> Any:
+        contacts = read_contacts(request)
+        if request.smallest >= len(SMALLEST):
+            raise BadValueError("smallest", request.smallest, "LARGEST (0) or TOTAL (1)")
+        load = load_wrench(request.wrench)
+        origin = point_vector(request.origin, "origin")
+        q = self._hand.state(request)
+        fingers = self._hand.fingers(request.fingers, len(contacts))
+        found = contact_forces(contacts, load, origin=origin, smallest=SMALLEST[request.smallest])
+        if q is not None and found.status is ForceStatus.HELD:
+            hand = self._hand.required()
+            fill_efforts(hand, q, contacts, found.components, fingers, response)
+        return fill_forces(found, load, self._hand.frame(request.frame_id), response)
+
+    @guarded
+    def _solve_grasp(self, request: Any, response: Any) -> Any:
+        hand = self._hand.required()
+        self._hand.require_palm(request.object_pose.header.frame_id)
+        T = matrix_from_pose(request.object_pose.pose, "object_pose")
+        points = read_points(request.positions) @ T[:3, :3].T + T[:3, 3]
+        numbers = self._hand.fingers(request.fingers, len(points))
+        seed = None
+        if not is_empty(request.seed):
+            seed = positions_by_name(request.seed, hand.joint_names, "seed")
+        respected, most = not request.ignore_limits, request.max_solutions or _POSTURES
+        found = tip_postures(hand, points, fingers=numbers, seed=seed, respect_limits=respected)
+        whole = whole_postures(hand, found, fingers=numbers, seed=seed, most=most)
+        owners = range(len(points)) if numbers is None else numbers
+        return fill_postures(hand, found, owners, whole, response)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node; returns the exit code."""
+    return run_node(GraspingNode, args)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,166 @@
+"""Contacts, loads and postures of hands as requests give them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import Vector3, Wrench
+from numpy.typing import NDArray
+
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.hands import Contact, Hand
+from robomech_ros.nodes.common.error_codes import FrameUnavailableError
+from robomech_ros.nodes.common.joint_messages import positions_by_name
+from robomech_ros.nodes.common.joint_positions import is_empty
+from robomech_ros.nodes.common.pose_messages import point_vector
+
+__all__ = ["GivenHand", "load_wrench", "read_contacts", "read_points"]
+
+Array = NDArray[np.float64]
+
+# The quality of twenty soft fingers takes a second, and that of more much longer.
+_MOST = 20
+
+
+def read_points(positions: Sequence[Any]) -> Array:
+    """Read positions of contacts, shape (k, 3), in m.
+
+    Raises
+    ------
+    WrongSizeError, NonFiniteError
+    """
+    if not 1 <= len(positions) <= _MOST:
+        raise WrongSizeError("positions", len(positions), f"1 to {_MOST}")
+    return np.array([point_vector(one, f"positions[{k}]") for k, one in enumerate(positions)])
+
+
+def read_contacts(request: Any) -> list[Contact]:
+    """Read the contacts of a request.
+
+    Raises
+    ------
+    WrongSizeError, NonFiniteError, BadValueError
+        The contact at fault is named by its number.
+    """
+    points = read_points(request.positions)
+    count = len(points)
+    if len(request.normals) != count:
+        raise WrongSizeError("normals", len(request.normals), f"{count}, one for each position")
+    models = _for_each("models", list(request.models), count, "point")
+    friction = _for_each("friction", list(request.friction), count, 0.0)
+    torsional = _for_each("torsional", list(request.torsional), count, 0.0)
+    rows = zip(points, request.normals, models, friction, torsional, strict=True)
+    return [_contact(k, *row) for k, row in enumerate(rows)]
+
+
+def _for_each(what: str, given: list[Any], count: int, default: object) -> list[Any]:
+    """Give an entry for each contact: one stands for all, none for the default."""
+    if len(given) not in (0, 1, count):
+        raise WrongSizeError(what, len(given), f"0, 1 or {count}, one for each position")
+    return given if len(given) == count else (given or [default]) * count
+
+
+def _contact(
+    k: int, point: Array, normal: Vector3, model: str, friction: float, torsional: float
+) -> Contact:
+    pressed = np.array([normal.x, normal.y, normal.z])
+    try:
+        return Contact(point, pressed, model, friction, torsional)
+    except BadValueError as error:
+        raise BadValueError(_numbered(error.what, k), error.value, error.expected) from None
+    except NonFiniteError as error:
+        raise NonFiniteError(_numbered(error.what, k), error.value) from None
+
+
+def _numbered(what: str, k: int) -> str:
+    return what.replace("the contact", f"contact {k}")
+
+
+def load_wrench(wrench: Wrench) -> Array:
+    """Read a load, shape (6,): torque (Nm), then force (N).
+
+    Raises
+    ------
+    NonFiniteError
+    """
+    parts = (wrench.torque, "wrench.torque"), (wrench.force, "wrench.force")
+    return np.concatenate([point_vector(part, what) for part, what in parts])
+
+
+class GivenHand:
+    """The hand of the node, for requests that name it.
+
+    Parameters
+    ----------
+    hand : Hand or None
+        None where the node has none.
+    frame_prefix : str
+        What the names of its frames begin with.
+    """
+
+    def __init__(self, hand: Hand | None, frame_prefix: str) -> None:
+        self._hand = hand
+        self.palm = "" if hand is None else frame_prefix + hand.fingers[0].base
+        self._prefix = frame_prefix
+
+    def required(self) -> Hand:
+        """Give the hand.
+
+        Raises
+        ------
+        BadValueError
+            The node has none.
+        """
+        if self._hand is None:
+            expected = "a hand, given at the start: this request is about its fingers"
+            raise BadValueError("the parameter robot_description", "", expected)
+        return self._hand
+
+    def frame(self, given: str) -> str:
+        """Name the frame of an answer: that of the request, else the palm."""
+        return given or self.palm
+
+    def require_palm(self, given: str) -> None:
+        """Refuse a frame that is not the palm's.
+
+        Raises
+        ------
+        FrameUnavailableError
+        """
+        known = {"", self.palm, self.palm.removeprefix(self._prefix)}
+        if given.removeprefix("/") not in known:
+            why = "contacts of a hand are taken in the frame of its palm alone"
+            raise FrameUnavailableError(given, [self.palm], why)
+
+    def state(self, request: Any) -> Array | None:
+        """Read the joint positions (n,) of a request in the frame of the palm; None = not given.
+
+        Raises
+        ------
+        RobomechError
+            The node has no hand, or they are not those of its joints.
+        """
+        if is_empty(request.state):
+            return None
+        hand = self.required()
+        self.require_palm(request.frame_id)
+        return positions_by_name(request.state, hand.joint_names, "state")
+
+    def fingers(self, names: Sequence[str], count: int) -> list[int] | None:
+        """Read which finger makes each of so many contacts; None = one after the other.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError
+        """
+        if not names:
+            return None
+        known = self.required().finger_names
+        if len(names) != count:
+            raise WrongSizeError("fingers", len(names), f"0 or {count}, one for each position")
+        for k, name in enumerate(names):
+            if name not in known:
+                raise BadValueError(f"fingers[{k}]", name, f"one of {', '.join(known)}")
+        return [known.index(name) for name in names]
