@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from robomech_ros.parallel import load_described, load_parallel
 from robomech_ros.robots import main_chain, semantics_of
-from robomech_ros.rvs.opening import page_of, platform_page_of
+from robomech_ros.robots.kinds import kind_of
+from robomech_ros.rvs.model.kinds.table import SEEN_KINDS
+from robomech_ros.rvs.opening import kind_page_of, page_of, platform_page_of
 from robomech_ros.rvs.serving.address import HOST, PORT
 from robomech_ros.stop_signals import leave_on_signals
 
@@ -50,6 +52,9 @@ def run(args: argparse.Namespace) -> int:
 
 def _page(args: argparse.Namespace) -> RobotPage:
     where: dict[str, Any] = {"port": args.port, "host": args.host}
+    kind = kind_of(args.robot)
+    if kind in SEEN_KINDS:
+        return kind_page_of(kind, args.robot, **where)
     described = load_described(args.robot)
     if described.mechanism is not None:
         return platform_page_of(load_parallel(args.robot), **where)

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     )
     from robomech_ros.rolling.odometry import Odometry, OdometryNoise, advance_odometry
     from robomech_ros.rolling.runs import RollingRun, simulate_rolling
+    from robomech_ros.rolling.tree import rolling_description
     from robomech_ros.rolling.wheels import Wheel
 
 __all__ = [
@@ -50,6 +51,7 @@ __all__ = [
     "load_rolling",
     "mecanum",
     "omnidirectional",
+    "rolling_description",
     "rolling_robot",
     "simulate_rolling",
     "swerve",
@@ -83,6 +85,7 @@ _MODULES = {
     "simulate_rolling": "runs",
     "swerve": "named",
     "tricycle": "named",
+    "rolling_description": "tree",
     "two_wheeled": "named",
 }
 

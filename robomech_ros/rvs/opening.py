@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 from robomech_ros.errors import RobomechError
 from robomech_ros.parallel import Mechanism, ParallelRobot, load_described, load_parallel
 from robomech_ros.robots import RobotDescription, SerialChain
+from robomech_ros.robots.kinds import kind_of
+from robomech_ros.rvs.model.kinds.table import SEEN_KINDS
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.serving.address import HOST, PORT
 
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ViewUnavailableError",
+    "kind_page_of",
     "live_page_of",
     "page_of",
     "platform_page_of",
@@ -49,8 +52,9 @@ def view(
     Parameters
     ----------
     robot : str or path
-        Name, path or text of a robot, as for :func:`~robomech_ros.robots.load_robot`, or of a
-        parallel one, as for :func:`~robomech_ros.parallel.load_parallel`.
+        Name, path or text of a robot, as for :func:`~robomech_ros.robots.load_robot`, of a
+        parallel one, as for :func:`~robomech_ros.parallel.load_parallel`, or of a rolling one, as
+        for :func:`~robomech_ros.rolling.load_rolling`, which drives on the page.
     port : int, optional
         To listen on; 0 takes a free one.
     host : str, optional
@@ -89,6 +93,9 @@ def view(
     '?token'
     >>> page.close()
     """
+    kind = kind_of(robot)
+    if kind in SEEN_KINDS:
+        return kind_page_of(kind, robot, port=port, host=host)
     described = load_described(robot)
     if described.mechanism is not None:
         return platform_page_of(load_parallel(robot), port=port, host=host)
@@ -106,6 +113,24 @@ def platform_page_of(robot: ParallelRobot | Mechanism, *, port: int, host: str) 
     platform = SeenPlatform(robot)
     description = robot.mechanism.description
     return RobotPage(description, platform, port=port, host=host, layers=PLATFORM_LAYERS)
+
+
+def kind_page_of(kind: str, robot: str | os.PathLike[str], *, port: int, host: str) -> RobotPage:
+    """Serve the page of a robot that is no arm; other parameters and errors: see :func:`view`.
+
+    Parameters
+    ----------
+    kind : str
+        One of ``SEEN_KINDS``.
+    robot : str or path
+    port, host : int, str
+    """
+    require_viser()
+    from robomech_ros.rvs.layers import KIND_LAYERS
+    from robomech_ros.rvs.page.page import RobotPage
+
+    seen = SEEN_KINDS[kind](robot)
+    return RobotPage(seen.description, seen, port=port, host=host, layers=KIND_LAYERS[kind])
 
 
 def page_of(

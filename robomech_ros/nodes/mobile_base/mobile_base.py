@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.mobile_base.drives import Interface
-from robomech_ros.nodes.mobile_base.plant import SimulatedBase
 from robomech_ros.rolling import (
     CommandLimiter,
     Odometry,
     RollingRobot,
     advance_odometry,
 )
+from robomech_ros.rolling.simulated import SimulatedBase
 
 __all__ = ["BaseOptions", "MobileBase"]
 

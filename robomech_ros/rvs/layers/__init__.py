@@ -7,11 +7,12 @@ from robomech_ros.rvs.layers.keeping import KeepingLayer
 from robomech_ros.rvs.layers.motions import MotionLayer
 from robomech_ros.rvs.layers.platform import PlatformLayer
 from robomech_ros.rvs.layers.platform_workspace import PlatformWorkspaceLayer
+from robomech_ros.rvs.layers.rolling import RollingLayer
 from robomech_ros.rvs.layers.understand import UnderstandLayer
 from robomech_ros.rvs.layers.workspace import WorkspaceLayer
 from robomech_ros.rvs.page.layer import LayerMaker
 
-__all__ = ["LAYERS", "PLATFORM_LAYERS"]
+__all__ = ["KIND_LAYERS", "LAYERS", "PLATFORM_LAYERS"]
 
 # In the order of their folders on the page.
 LAYERS: tuple[LayerMaker, ...] = (
@@ -30,3 +31,8 @@ PLATFORM_LAYERS: tuple[LayerMaker, ...] = (
     PlatformWorkspaceLayer,
     CameraLayer,
 )
+
+# Of robots that are no arms, by the kind that their documents say.
+KIND_LAYERS: dict[str, tuple[LayerMaker, ...]] = {
+    "rolling": (RollingLayer, CameraLayer),
+}

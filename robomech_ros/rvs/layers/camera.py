@@ -62,4 +62,5 @@ class CameraLayer:
         # The arrows of the gizmo, both ways.
         T = seen.tree.link_poses()[arm.base] @ arm.target
         ends = GIZMO * seen.reach * np.vstack([T[:3, :3].T, -T[:3, :3].T])
-        return np.vstack([points, T[:3, 3] + ends])
+        room = 0.5 * arm.room * np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0]])
+        return np.vstack([points, T[:3, 3] + ends, T[:3, 3] + room, T[:3, 3] - room])

@@ -57,6 +57,9 @@ class SeenArm:
         self._curve: SelfMotionCurve | None = None
         self._look_around()
 
+    # Of what is seen of it, see ``Moved``.
+    lists_postures, room = True, 0.0
+
     @property
     def name(self) -> str:
         """What the arm is called."""

@@ -49,6 +49,14 @@ class Moved(Protocol):
     def state_joints(self) -> tuple[str, ...]:
         """The joints of a posture."""
 
+    @property
+    def lists_postures(self) -> bool:
+        """Whether postures are listed, of which one can be taken."""
+
+    @property
+    def room(self) -> float:
+        """Side of the square around it that is to be seen (m); 0 for what it fills itself."""
+
     def follow(self, q: Array) -> None:
         """Be where a robot is, all joints (rad or m)."""
 

@@ -15,7 +15,7 @@ from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots import SerialChain
 
-__all__ = ["MOST_POSTURES", "PoseStudy", "Posture", "study_pose"]
+__all__ = ["MOST_POSTURES", "PoseStudy", "Posture", "ToldStudy", "study_pose"]
 
 # Of the self-motion of a redundant arm so many samples are shown; no other arm has more postures.
 MOST_POSTURES = 16
@@ -107,6 +107,24 @@ class PoseStudy:
             what = "there may be more"
         text = f"{count} {noun} inside the limits; {what}."
         return f"{text} {self.reason[0].upper()}{self.reason[1:]}." if self.reason else text
+
+
+@dataclass(frozen=True, eq=False)
+class ToldStudy(PoseStudy):
+    """What is shown of a pose, in a sentence of the robot's own.
+
+    Parameters
+    ----------
+    text : str
+        What is known, or why there is no posture, for people.
+    """
+
+    text: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """What is known, for people."""
+        return self.text
 
 
 def study_pose(chain: SerialChain, T: Array, present: Array) -> PoseStudy:

@@ -11,7 +11,6 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.arm import SeenArm
 from robomech_ros.rvs.model.moved import Moved
-from robomech_ros.rvs.model.platforms.seen_platform import SeenPlatform
 from robomech_ros.rvs.model.seen_plan import SeenPlan, check_same_joints
 from robomech_ros.rvs.model.seen_robot import SeenRobot, seen_robot
 from robomech_ros.rvs.motion import Motion
@@ -35,8 +34,8 @@ class RobotPage:
     Parameters
     ----------
     description : RobotDescription
-    moved : SerialChain or SeenPlatform
-        The arm of it that is moved; or the robot, if it is a parallel one.
+    moved : SerialChain or Moved
+        The arm of it that is moved; or the robot, if it is no arm.
     port, host : int, str
         As for :func:`robomech_ros.rvs.view`.
     layers : sequence of callable
@@ -48,7 +47,7 @@ class RobotPage:
     def __init__(
         self,
         description: RobotDescription,
-        moved: SerialChain | SeenPlatform,
+        moved: SerialChain | Moved,
         *,
         port: int,
         host: str,

@@ -83,9 +83,10 @@ class Panel:
         self._boxes: dict[str, Any] = {}
         self._held = False
         gui = client.gui
-        hint = "Number of a posture; a click on its row or its ghost takes it, too"
-        take = gui.add_text(TAKE, "", hint=hint, order=3)
-        self._keep(take, lambda: commands.take(take.value))
+        if arm.lists_postures:
+            hint = "Number of a posture; a click on its row or its ghost takes it, too"
+            take = gui.add_text(TAKE, "", hint=hint, order=3)
+            self._keep(take, lambda: commands.take(take.value))
         self._sliders = self._add_joints(arm)
         self._self_motion = self._add_self_motion() if arm.self_motion() is not None else None
         self._add_switches(switches)

@@ -39,7 +39,7 @@ class Stage:
         with server.atomic():
             # Beside the scene, not over it.
             gui.main_panel.dock_right()
-            self._ground = add_surroundings(server, seen.reach)
+            self._ground = add_surroundings(server, max(seen.reach, 0.5 * moved.room))
             self._robot = self._arm = RobotNodes(scene, seen)
             add_base(scene, seen, moved.base)
             self.ghosts = GhostNodes(scene, BASE, moved.ghosts(seen), seen.reach)

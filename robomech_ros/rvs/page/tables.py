@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros.kinematics import Status
 from robomech_ros.rvs.model.ghosts import Rgb
 from robomech_ros.rvs.model.moved import Moved
 from robomech_ros.rvs.model.postures import Posture
@@ -53,7 +54,8 @@ def summary(arm: Moved) -> str:
         f"<div><b>{html.escape(arm.end)}</b> in {html.escape(arm.base)}: "
         f"{place} m, roll pitch yaw {turn} rad</div>"
     ]
-    style = "" if study.postures else f' style="{WARN}"'
+    fine = study.postures or study.status is Status.SUCCESS
+    style = "" if fine else f' style="{WARN}"'
     lines.append(f"<div{style} data-sentence>{html.escape(study.sentence)}</div>")
     if study.nearest is not None:
         lines.append(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,11 +18,11 @@ from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.rvs.model.arm import OPEN_TURN, ROUNDING, Travel
 from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
 from robomech_ros.rvs.model.platforms.lists import PlatformList
-from robomech_ros.rvs.model.postures import PoseStudy
+from robomech_ros.rvs.model.postures import PoseStudy, ToldStudy
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.spatial import as_pose, pose_error
 
-__all__ = ["PlatformStudy", "SeenPlatform"]
+__all__ = ["SeenPlatform"]
 
 Array = NDArray[np.float64]
 
@@ -34,24 +34,6 @@ TWIST, ANGULAR, ABOUT_Z = 6, 3, 2
 AROUND = 3.0
 # Entries of twists that are nothing, of the largest; steps towards a pose that is not taken.
 NOTHING, STEPS = 1e-9, 8
-
-
-@dataclass(frozen=True, eq=False)
-class PlatformStudy(PoseStudy):
-    """What is shown of a pose of the platform.
-
-    Parameters
-    ----------
-    text : str
-        How many postures are listed, or why there is none, for people.
-    """
-
-    text: str = ""
-
-    @property
-    def sentence(self) -> str:
-        """What is known, for people."""
-        return self.text
 
 
 class SeenPlatform:
@@ -74,6 +56,9 @@ class SeenPlatform:
         self._study = self._at_rest()
         # The limb that ended the last drag, from 0; None where none did.
         self._faulty: int | None = None
+
+    # Of what is seen of it, see ``Moved``.
+    lists_postures, room = True, 0.0
 
     @property
     def name(self) -> str:
@@ -232,7 +217,7 @@ class SeenPlatform:
             return
         self._faulty = int(np.argmax(found.excess)) if found.excess.any() else None
         text = f"Stopped: {found.reason}."
-        self._study = PlatformStudy(target, (), True, Status.OUT_OF_REACH, "", text=text)
+        self._study = ToldStudy(target, (), True, Status.OUT_OF_REACH, "", text=text)
 
     def release(self) -> None:
         """Let go of the gizmo: where the robot could not follow, it goes back to the platform."""
@@ -278,16 +263,14 @@ class SeenPlatform:
         self._q, self._faulty = q, None
         self._study = self._at_rest()
 
-    def _at_rest(self, target: Array | None = None) -> PlatformStudy:
+    def _at_rest(self, target: Array | None = None) -> ToldStudy:
         at = self.tip if target is None else target
         if self._list is None:
-            return PlatformStudy(
+            return ToldStudy(
                 at, (), True, Status.SUCCESS, "", text="Looking for other postures ..."
             )
         known = self._list
-        return PlatformStudy(
-            at, known.postures, known.complete, Status.SUCCESS, "", text=known.text
-        )
+        return ToldStudy(at, known.postures, known.complete, Status.SUCCESS, "", text=known.text)
 
     def _possible(self, T: Array) -> Array:
         """Leave motions out that the platform does not have."""

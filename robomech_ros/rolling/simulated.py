@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.rolling import BaseMotion, RollingRobot
 from robomech_ros.rolling.arcs import moved
+from robomech_ros.rolling.library import RollingRobot
+from robomech_ros.rolling.limiter import BaseMotion
 
 __all__ = ["SimulatedBase"]
 
@@ -42,6 +43,8 @@ class SimulatedBase:
         Of all wheels (rad, rad/s).
     steering : ndarray, shape (s,)
         Of the steered wheels (rad).
+    brackets : ndarray, shape (c,)
+        Angles of the casters' brackets (rad).
     driven : ndarray, shape (n,)
         Which wheels are driven.
     torques : ndarray, shape (k,), or None
@@ -66,7 +69,7 @@ class SimulatedBase:
         self.rates = np.zeros(len(base.wheels))
         self.steering = np.zeros(len(base.steered))
         self.driven = np.array([wheel.driven for wheel in base.wheels])
-        self._brackets = np.zeros(len(base.casters))
+        self.brackets = np.zeros(len(base.casters))
         self.torques: Array | None = np.zeros(len(base.driven)) if dynamic else None
         self.saturated: tuple[str, ...] = ()
 
@@ -75,19 +78,19 @@ class SimulatedBase:
         self.steering = motion.steering
         self.twist = self._moved_by_motors(motion, period) if self._dynamics else motion.twist
         near = self.steering if len(self.steering) else None
-        self.rates = self._base.rolling_rates(self.twist, near, self._brackets)
+        self.rates = self._base.rolling_rates(self.twist, near, self.brackets)
         self.positions = self.positions + period * self.rates
-        if len(self._brackets):
+        if len(self.brackets):
             self._turn_brackets(period)
         self.pose = moved(self.pose, period * self.twist)
 
     def _turn_brackets(self, period: float) -> None:
         """Let casters trail behind; a step that goes far is cut, so that none turns over."""
         for _ in range(_MOST_CUT):
-            rates = self._base.caster_rates(self.twist, self._brackets)
+            rates = self._base.caster_rates(self.twist, self.brackets)
             far = float(np.abs(rates).max()) * period
             step = period if far <= _LONGEST_TURN else period * _LONGEST_TURN / far
-            self._brackets = self._brackets + step * rates
+            self.brackets = self.brackets + step * rates
             period -= step
             if period <= 0.0:
                 break
@@ -102,7 +105,7 @@ class SimulatedBase:
             return np.zeros(3)
         gain = min(_GAIN, 0.5 / period)
         wanted = self._base.feasible(motion.acceleration + gain * off)
-        torques = dynamics.inverse(self.twist, wanted, self._brackets)
+        torques = dynamics.inverse(self.twist, wanted, self.brackets)
         self.torques, self.saturated = dynamics.within_limits(torques)
-        change = dynamics.forward(self.twist, self.torques, self._brackets)
+        change = dynamics.forward(self.twist, self.torques, self.brackets)
         return self._base.feasible(self.twist + period * change)

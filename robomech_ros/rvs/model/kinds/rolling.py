@@ -1,0 +1,181 @@
+"""A rolling robot that is seen: it is placed by hand, or drives as its limits let it."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections import deque
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.rolling import CommandLimiter, rolling_robot
+from robomech_ros.rolling.arcs import moved
+from robomech_ros.rolling.library import RollingRobot
+from robomech_ros.rolling.simulated import SimulatedBase
+from robomech_ros.rolling.tree import BASE_JOINTS, rolling_description
+from robomech_ros.rvs.model.arm import Travel
+from robomech_ros.rvs.model.kinds.seen_tree import SeenTree
+
+__all__ = ["AXES", "PERIOD", "SeenBase", "seen_base"]
+
+Array = NDArray[np.float64]
+
+# Of a twist: its name, its unit, and the number of its limit.
+AXES = (("turn", "rad/s", 0), ("forward", "m/s", 1), ("sideways", "m/s", 2))
+# Of the steps of the simulation (s), and for how long the way ahead is drawn, in so many pieces.
+PERIOD, AHEAD, PIECES = 0.02, 3.0, 60
+# Between what the sliders of x and y move it (m); the greatest velocity where there is no limit.
+FAR, OPEN = 5.0, 2.0
+# Places of the trail that are kept, apart by so much (m, rad) at least.
+MOST_PLACES, APART = 2000, 0.01
+# Over the ground (m): a line on it would be lost in it.
+LIFT = 0.004
+# How many times larger its gizmo is, that it is seen beside the platform.
+GIZMO = 3.0
+# Side of the square that is seen, in the length or width between the wheels.
+ROOM = 4.0
+
+
+class SeenBase(SeenTree):
+    """A rolling robot with its present place; not for several threads at a time.
+
+    Parameters
+    ----------
+    robot : RollingRobot
+    """
+
+    def __init__(self, robot: RollingRobot) -> None:
+        self.robot = robot
+        x, y, heading = BASE_JOINTS
+        far, turn = Travel(-FAR, FAR), Travel(-math.pi, math.pi)
+        super().__init__(
+            rolling_description(robot.base), {x: far, y: far, heading: turn}, "base_link"
+        )
+        self.limiter = CommandLimiter(robot.base, robot.limits, PERIOD)
+        self.motion = self.limiter.at_rest()
+        self.command = np.zeros(3)
+        self._simulated = SimulatedBase(robot, dynamic=False, wheel_position=0.0)
+        self._trail: deque[Array] = deque(maxlen=MOST_PLACES)
+        self.preview()
+
+    @property
+    def room(self) -> float:
+        """Side of the square in which it is seen to drive (m)."""
+        places = np.array([wheel.position for wheel in self.robot.base.wheels])
+        return ROOM * float(np.ptp(places, axis=0).max())
+
+    @property
+    def most(self) -> Array:
+        """Greatest velocities that sliders ask for, shape (3,) (rad/s, m/s); 0 for none."""
+        limits = self.robot.limits.velocity
+        assert limits is not None
+        most = np.where(np.isfinite(limits), limits, OPEN)
+        most[2] = most[2] if self.robot.base.axle is None else 0.0
+        return most
+
+    @property
+    def pose(self) -> Array:
+        """Present x, y (m) and heading (rad), shape (3,)."""
+        at = self.positions
+        return np.array([at[name] for name in BASE_JOINTS])
+
+    def dragged(self, T: Array) -> Mapping[str, float]:
+        """Give where the base is put: on the ground, and turned about the vertical axis."""
+        heading = math.atan2(T[1, 0], T[0, 0])
+        x, y = (float(np.clip(value, -FAR, FAR)) for value in T[:2, 3])
+        return dict(zip(BASE_JOINTS, (x, y, heading), strict=True))
+
+    def gizmo(self, scale: float) -> dict[str, object]:
+        """Give the options of the gizmo: it slides on the ground and turns about z."""
+        return {"scale": GIZMO * scale, "active_axes": (True, True, False)}
+
+    @property
+    def stands(self) -> bool:
+        """Whether it does not move."""
+        return not self.motion.twist.any() and not self.motion.acceleration.any()
+
+    def drive(self, steps: int, *, brake: bool = False) -> None:
+        """Follow the command for some periods within all limits, or brake within them."""
+        simulated = self._simulated
+        simulated.pose = self.pose
+        before = simulated.positions
+        command = np.zeros(3) if brake else self.command
+        for _ in range(steps):
+            self.motion = self.limiter.step(self.motion, command)
+            simulated.advance(self.motion, PERIOD)
+        turned = simulated.positions - before
+        joints = self.positions
+        wheels = {n: joints[n] + t for n, t in zip(self.robot.base.names, turned, strict=True)}
+        x, y, heading = simulated.pose
+        turn = math.remainder(heading, 2.0 * math.pi)
+        self.place(dict(zip(BASE_JOINTS, (x, y, turn), strict=True)) | wheels)
+        self.place(self._angles())
+        self.remember(simulated.pose)
+        self.preview()
+
+    def preview(self) -> None:
+        """Say what limits the command, and mark the wheels that do."""
+        limited = self.limiter.allowed(self.command)[1]
+        text = f"{self.robot.drive} drive, mobility {self.robot.base.mobility.type}."
+        shortened = [name for name in limited if name != "curvature"]
+        if shortened:
+            text = f"At the limit of {', '.join(shortened)}: slower, on the same curve."
+        if "curvature" in limited:
+            text = f"Steering does not turn so sharply. {text}"
+        wheels = [f"{name}_link" for name in self.robot.base.names if name in limited]
+        self.tell(text, wheels)
+
+    def way_ahead(self) -> Array:
+        """Give the way that the command goes from here, within limits, shape (m, 3) (m)."""
+        twist, _ = self.limiter.allowed(self.command)
+        if not twist.any():
+            return np.empty((0, 3))
+        times = np.linspace(0.0, AHEAD, PIECES + 1)
+        return _on_ground(np.array([moved(self.pose, twist * time) for time in times]))
+
+    def remember(self, pose: Array) -> None:
+        """Add a place x, y, heading to the trail, unless it is where the last one is."""
+        if not self._trail or np.abs(self._trail[-1] - pose).max() > APART:
+            self._trail.append(np.array(pose))
+
+    def forget(self) -> None:
+        """Begin a new trail."""
+        self._trail.clear()
+
+    @property
+    def trail(self) -> Array:
+        """Where the base was, shape (m, 3) (m)."""
+        return _on_ground(np.array(self._trail).reshape(-1, 3))
+
+    def facts(self) -> list[tuple[str, str]]:
+        """Write twist, wheels and steering as they are, for people."""
+        base, twist = self.robot.base, self.motion.twist + 0.0
+        lines = [
+            (name, f"{twist[k]:.3f} {unit}") for name, unit, k in AXES if self.most[k] or twist[k]
+        ]
+        rates = self._simulated.rates
+        for name, wheel, rate in zip(base.names, base.wheels, rates, strict=True):
+            most = f" of {wheel.max_rate:.4g}" if math.isfinite(wheel.max_rate) else ""
+            lines.append((f"wheel {name}", f"{rate + 0.0:.2f}{most} rad/s"))
+        for name, angle in zip(base.steered, self.motion.steering, strict=True):
+            lines.append((f"steering {name}", f"{angle + 0.0:.3f} rad"))
+        return lines
+
+    def _angles(self) -> dict[str, float]:
+        base = self.robot.base
+        steering = zip(base.steered, self.motion.steering.tolist(), strict=True)
+        brackets = zip(base.casters, self._simulated.brackets.tolist(), strict=True)
+        return {f"{name}_steering": angle for name, angle in steering} | {
+            f"{name}_bracket": angle for name, angle in brackets
+        }
+
+
+def seen_base(robot: str | os.PathLike[str]) -> SeenBase:
+    """Load a rolling robot to be seen; errors are those of ``rolling_robot``."""
+    return SeenBase(rolling_robot(robot))
+
+
+def _on_ground(places: Array) -> Array:
+    return np.column_stack([places[:, :2], np.full(len(places), LIFT)])

@@ -1,0 +1,49 @@
+"""A way in the scene: a line that grows, or is drawn anew."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.rvs.model.ghosts import Rgb
+
+__all__ = ["PathNode"]
+
+# Width of the line, in the reach of the robot.
+WIDTH = 0.02
+
+
+class PathNode:
+    """A line through points, drawn as soon as there are two.
+
+    Parameters
+    ----------
+    scene : viser.SceneApi
+    name : str
+        Of the node.
+    colour : tuple of three int
+    reach : float
+        Of the robot (m).
+    """
+
+    def __init__(self, scene: Any, name: str, colour: Rgb, reach: float) -> None:
+        self._width = WIDTH * reach
+        self._scene, self._name, self._colour = scene, name, colour
+        self._node: Any = None
+        self._shown: NDArray[np.float32] | None = None
+
+    def show(self, points: NDArray[np.float64]) -> None:
+        """Draw the line through points (m, 3) (m); none through fewer than two."""
+        ends = np.stack([points[:-1], points[1:]], axis=1).astype(np.float32)
+        if self._shown is not None and np.array_equal(ends, self._shown):
+            return
+        self._shown = ends
+        if self._node is not None:
+            self._node.remove()
+            self._node = None
+        if len(ends):
+            self._node = self._scene.add_line_segments(
+                self._name, ends, self._colour, thickness=self._width
+            )
