@@ -17,6 +17,7 @@ EXECUTABLES = (
     "rvs_node",
     "mobile_base_node",
     "grasping_node",
+    "walker_node",
 )
 HERE = Path(__file__).resolve().parent
 VERSION = re.search(

@@ -12,12 +12,15 @@ NODES = sorted((ROOT / "robomech_ros" / "nodes").rglob("*.py"))
 INTERFACES = ROOT / "robomech_interfaces"
 FIELD = re.compile(r"^[A-Za-z][\w/]*(?:\[\d*\])?\s+([a-z]\w*)$")
 FOREIGN = {
+    "geometry_msgs/msg/PolygonStamped",
+    "geometry_msgs/msg/Pose",
     "geometry_msgs/msg/PoseStamped",
     "geometry_msgs/msg/TwistStamped",
     "sensor_msgs/msg/JointState",
     "control_msgs/action/FollowJointTrajectory",
     "control_msgs/srv/QueryTrajectoryState",
     "nav_msgs/msg/Odometry",
+    "std_msgs/msg/Float64",
     "std_msgs/msg/Float64MultiArray",
     "std_msgs/msg/String",
     "std_srvs/srv/Empty",

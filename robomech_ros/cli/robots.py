@@ -15,6 +15,7 @@ from robomech_ros.parallel import load_described
 from robomech_ros.robots import PRISMATIC, list_robots, load_description
 from robomech_ros.robots.kinds import documents_of
 from robomech_ros.rolling import rolling_robot
+from robomech_ros.walking import load_legged
 
 __all__ = ["add_arguments", "run"]
 
@@ -86,9 +87,16 @@ def _hand(name: str) -> tuple[str, str, str]:
     return ", ".join(kinds), "hand: by finger", hand.source
 
 
+def _walking(name: str) -> tuple[str, str, str]:
+    """Give the legs and the source of a walking machine."""
+    robot = load_legged(name)
+    legs = f"{len(robot.legs)} legs x {_letters(robot.legs[0].types)}"
+    return legs, "walking", robot.source
+
+
 def _letters(types: Iterable[int]) -> str:
     return "".join("P" if kind == PRISMATIC else "R" for kind in types)
 
 
 # What is told of robots that are no arms, by their kind in ``robomech_ros.robots.kinds.KINDS``.
-_FACTS = {"parallel": _parallel, "rolling": _rolling, "hand": _hand}
+_FACTS = {"parallel": _parallel, "rolling": _rolling, "hand": _hand, "walking": _walking}

@@ -2,19 +2,34 @@
 
 import math
 from collections import deque
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.robots.chain import SerialChain
-
-__all__ = ["Deviation", "Tracking"]
+__all__ = ["Deviation", "TrackedJoints", "Tracking"]
 
 Array = NDArray[np.float64]
 
 # Fewer commands, or a way shorter than this (rad or m), say nothing of a lag.
 _FEW, _CLEAR = 5, 0.01
+
+
+class TrackedJoints(Protocol):
+    """The n joints of a chain, or of all legs."""
+
+    @property
+    def joint_names(self) -> Sequence[str]:
+        """Their names."""
+
+    @property
+    def units(self) -> Sequence[str]:
+        """``"rad"`` or ``"m"``."""
+
+    @property
+    def continuous(self) -> NDArray[np.bool_]:
+        """Which turn without limits."""
 
 
 class Deviation(NamedTuple):
@@ -49,17 +64,17 @@ class Tracking:
 
     Parameters
     ----------
-    chain : SerialChain
-        Of n joints; those that turn without limits may be off by whole turns.
+    joints : TrackedJoints
+        The n joints; those that turn without limits may be off by whole turns.
     tolerance : float
         How far a joint may be off (rad or m).
     delay : float
         The longest with which joints follow (s).
     """
 
-    def __init__(self, chain: SerialChain, tolerance: float, delay: float) -> None:
-        self._names, self._units = chain.joint_names, chain.units
-        self._continuous = chain.continuous
+    def __init__(self, joints: TrackedJoints, tolerance: float, delay: float) -> None:
+        self._names, self._units = joints.joint_names, joints.units
+        self._continuous = joints.continuous
         self._tolerance, self._delay = tolerance, delay
         self._told: deque[tuple[float, Array]] = deque()
 

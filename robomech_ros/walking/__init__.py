@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from robomech_ros.walking.robot import LeggedRobot
     from robomech_ros.walking.stride import PoseAnswer
     from robomech_ros.walking.support import stability_margin, support_polygon
-    from robomech_ros.walking.walker import Walker, WalkUpdate
+    from robomech_ros.walking.update import WalkUpdate
+    from robomech_ros.walking.walker import Walker
 
 __all__ = [
     "GAITS",
@@ -33,7 +34,7 @@ _MODULES = {
     "Gait": "gaits",
     "LeggedRobot": "robot",
     "PoseAnswer": "stride",
-    "WalkUpdate": "walker",
+    "WalkUpdate": "update",
     "Walker": "walker",
     "list_legged": "library",
     "load_legged": "library",

@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 
 from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.parallel.mechanism.limb import Axis, chain_of_axes
-from robomech_ros.robots import SerialChain, load_description
+from robomech_ros.robots import RobotDescription, SerialChain, load_description
 from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
 from robomech_ros.robots.kinds import documents_of
 from robomech_ros.robots.source_files import document_source
@@ -107,7 +107,7 @@ def load_legged(name_or_path: str | os.PathLike[str]) -> LeggedRobot:
         raise RobotDescriptionError(f"{where}: legs", "expected a list of legs")
     try:
         make = _from_urdf if "urdf" in document else _from_axes
-        legs, homes = make(document, rows, where)
+        legs, homes, tree = make(document, rows, where)
         centre = _numbers(document.get("mass_centre", [0.0, 0.0, 0.0]), f"{where}: mass_centre", 3)
         return LeggedRobot(
             legs,
@@ -115,6 +115,7 @@ def load_legged(name_or_path: str | os.PathLike[str]) -> LeggedRobot:
             mass_centre=centre,
             name=read_text(document["name"], f"{where}: name"),
             source=read_text(document["source"], f"{where}: source", longest=None),
+            tree=tree,
         )
     except RobotDescriptionError:
         raise
@@ -124,7 +125,7 @@ def load_legged(name_or_path: str | os.PathLike[str]) -> LeggedRobot:
 
 def _from_urdf(
     document: Mapping[str, Any], rows: list[Any], where: str
-) -> tuple[dict[str, SerialChain], list[Array]]:
+) -> tuple[dict[str, SerialChain], list[Array], RobotDescription]:
     path = Path(read_text(document["urdf"], f"{where}: urdf", longest=None))
     description = load_description(Path(where).parent / path)
     legs, homes = dict[str, SerialChain](), []
@@ -134,12 +135,12 @@ def _from_urdf(
         name = _new_name(row, legs, place)
         legs[name] = description.chain(document.get("trunk"), read_text(row["foot"], place))
         homes.append(_numbers(row["home"], f"{place}: home", 3))
-    return legs, homes
+    return legs, homes, description
 
 
 def _from_axes(
     document: Mapping[str, Any], rows: list[Any], where: str
-) -> tuple[dict[str, SerialChain], list[Array]]:
+) -> tuple[dict[str, SerialChain], list[Array], None]:
     trunk = read_text(document.get("trunk", "base_link"), f"{where}: trunk")
     legs, homes = dict[str, SerialChain](), []
     for i, row in enumerate(rows):
@@ -166,7 +167,7 @@ def _from_axes(
         )
         legs[name] = replace(chain, base=trunk, frames=frames, velocity=np.array(speeds))
         homes.append(_numbers(row["home"], f"{place}: home", 3))
-    return legs, homes
+    return legs, homes, None
 
 
 def _new_name(row: Mapping[str, Any], legs: Mapping[str, SerialChain], where: str) -> str:

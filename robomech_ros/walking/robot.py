@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -15,6 +16,7 @@ from robomech_ros.kinetostatics import jacobian
 from robomech_ros.parallel import Mechanism
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.spatial.arrays import as_choice, as_finite, listed
+from robomech_ros.walking.described import tree_of_legs
 from robomech_ros.walking.planted import contact_rows, planted_mechanism
 
 __all__ = ["LeggedRobot"]
@@ -46,6 +48,8 @@ class LeggedRobot:
         What it is called.
     source : str, optional
         Where the numbers come from.
+    tree : RobotDescription, optional
+        The URDF that the legs were taken from.
 
     Raises
     ------
@@ -69,6 +73,7 @@ class LeggedRobot:
         mass_centre: ArrayLike = (0.0, 0.0, 0.0),
         name: str = "legged",
         source: str = "",
+        tree: RobotDescription | None = None,
     ) -> None:
         if not isinstance(legs, Mapping) or not all(isinstance(one, str) for one in legs):
             raise BadValueError("legs", legs, "chains by the names of the legs")
@@ -84,7 +89,7 @@ class LeggedRobot:
         trunks = sorted({chain.base for chain in legs.values()})
         if len(trunks) > 1:
             raise BadValueError("base links of the legs", trunks, "one trunk")
-        self.name, self.source, self.trunk = name, source, trunks[0]
+        self.name, self.source, self.trunk, self._tree = name, source, trunks[0], tree
         self.leg_names = tuple(legs)
         self.legs = tuple(legs.values())
         self.joint_names = tuple(joint for leg in self.legs for joint in leg.joint_names)
@@ -106,6 +111,26 @@ class LeggedRobot:
     def n(self) -> int:
         """Number of joints."""
         return _JOINTS * len(self.legs)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """``"rad"`` or ``"m"`` for each joint."""
+        return tuple(unit for leg in self.legs for unit in leg.units)
+
+    @property
+    def continuous(self) -> NDArray[np.bool_]:
+        """Which joints turn without limits, shape (3 k,)."""
+        return np.concatenate([leg.continuous for leg in self.legs])
+
+    @cached_property
+    def description(self) -> RobotDescription:
+        """The tree of links and joints, which stands at home.
+
+        It is the URDF that the legs were taken from; without one bodies are made up.
+        """
+        tree = self._tree or tree_of_legs(self.name, self.legs, self.source)
+        home = dict(zip(self.joint_names, self.home.tolist(), strict=True))
+        return replace(tree, home={**tree.home, **home})
 
     @cached_property
     def packed(self) -> Array:
@@ -160,6 +185,7 @@ class LeggedRobot:
             mass_centre=mass_centre,
             name=description.name,
             source=description.source,
+            tree=description,
         )
 
     def joints(self, q: ArrayLike, what: str = "q") -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from copy import copy
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,8 +15,9 @@ from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
 from robomech_ros.walking.gaits import GAITS
 from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.stride import PoseAnswer, Stride, stride_of
+from robomech_ros.walking.update import WalkUpdate
 
-__all__ = ["WalkUpdate", "Walker"]
+__all__ = ["Walker"]
 
 Array = NDArray[np.float64]
 
@@ -25,44 +26,6 @@ _STILL = np.zeros(3)
 # Ratio to the velocity limit that a slowed period aims at.
 _BELOW = 0.999
 _TRIES = 8
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class WalkUpdate:
-    """What one period of walking gives.
-
-    Attributes
-    ----------
-    q, rates : ndarray, shape (3 k,)
-        All joints, and their mean rates over the period (rad or m, and s).
-    contacts : ndarray of bool, shape (k,)
-        Which feet stand.
-    feet : ndarray, shape (k, 3)
-        Over the ground (m).
-    base : ndarray, shape (3,)
-        x, y (m) and yaw (rad) over the ground of the frame that moves with the command.
-    trunk : ndarray, shape (4, 4)
-        Pose of the trunk over the ground (m).
-    twist : ndarray, shape (3,)
-        [w, vx, vy] of that frame in its own axes (rad/s, m/s).
-    margin : float
-        Static stability margin (m).
-    part : float
-        Part of the commanded twist that feet and joints allow, 1 where nothing limits it.
-    walking : bool
-        Whether feet move; if not, all are down.
-    """
-
-    q: Array
-    rates: Array
-    contacts: NDArray[np.bool_]
-    feet: Array
-    base: Array
-    trunk: Array
-    twist: Array
-    margin: float
-    part: float
-    walking: bool
 
 
 class Walker:
@@ -91,6 +54,8 @@ class Walker:
         Time without a command (s) after which the robot stops, all feet down.
     acceleration : sequence of float, optional
         Bounds of [w, vx, vy] (rad/s^2, m/s^2).
+    speed : float, optional
+        Part of the joints' velocity limits that is used, up to 1.
 
     Raises
     ------
@@ -118,6 +83,7 @@ class Walker:
         bound: float | None = None,
         timeout: float = 0.5,
         acceleration: ArrayLike = (1.0, 0.5, 0.5),
+        speed: float = 1.0,
     ) -> None:
         if not isinstance(robot, LeggedRobot):
             raise BadValueError("robot", robot, "a LeggedRobot")
@@ -136,33 +102,45 @@ class Walker:
         self._acceleration = _three("acceleration", acceleration)
         if self._acceleration.min() <= 0.0:
             raise BadValueError("acceleration", self._acceleration.tolist(), "three above 0")
+        if (part := _positive("speed", speed)) > 1.0:
+            raise BadValueError("speed", speed, "at most 1, all of the limits")
+        bounds = (robot.lower, robot.upper, part * robot.velocity)
+        rows = [one.reshape(-1, 3) for one in bounds]
+        self._limits = np.ascontiguousarray(np.stack(rows, axis=1))
         chosen = gait if gait is not None else ("crawl" if len(robot.legs) == 4 else "tripod")
         self._stride = self._strides(chosen)
         self._waiting: Stride | None = None
-        self._set_up()
+        self.stand()
 
-    def _set_up(self) -> None:
-        count = len(self.robot.legs)
-        self._limits = np.ascontiguousarray(
-            np.stack(
-                [
-                    one.reshape(count, 3)
-                    for one in (self.robot.lower, self.robot.upper, self.robot.velocity)
-                ],
-                axis=1,
-            )
-        )
+    def stand(self, place: ArrayLike = (0.0, 0.0, 0.0)) -> None:
+        """Begin anew at a place, standing at home with all feet down.
+
+        Parameters
+        ----------
+        place : array_like, shape (3,), optional
+            x, y (m) and yaw (rad) over the ground.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not three finite numbers.
+        """
+        where = _three("place", place)
+        if self._waiting is not None:
+            self._stride, self._waiting = self._waiting, None
         self._pose = self._stride.level.copy()
         self._offset = np.zeros(6)
         self._way: tuple[Array, Array, float] | None = None
         self._command, self._velocity = np.zeros(3), np.zeros(3)
         self._age, self._walking = np.inf, False
         self._body = np.zeros(15)
-        self._feet = np.zeros((count, 8))
-        self._feet[:, :2] = self._stride.geometry[:, :2]
-        self._q = self.robot.home.reshape(count, 3).copy()
-        self._margin = 0.0
-        self._part = 1.0
+        self._body[:3] = where
+        c, s = np.cos(where[2]), np.sin(where[2])
+        self._feet = np.zeros((len(self.robot.legs), 8))
+        places = self._stride.geometry[:, :2] @ np.array([[c, s], [-s, c]])
+        self._feet[:, :2] = where[:2] + places
+        self._q = self.robot.home.reshape(-1, 3).copy()
+        self._margin, self._part = 0.0, 1.0
         self._step(_STILL, self._pose, self.period)
 
     def _strides(self, gait: str) -> Stride:
@@ -238,11 +216,31 @@ class Walker:
         if target.shape != (6,):
             raise WrongSizeError("pose", target.shape, (6,))
         time = _positive("duration", duration)
+        if self._way is not None and np.array_equal(target, self._way[1]):
+            # It is on its way there already.
+            return PoseAnswer(Code.NONE)
         answer = self._stride.possible(self.robot, self._offset, target)
         if answer.status == Code.NONE:
             self._way = (self._offset.copy(), target.copy(), -time)
             self._passed = 0.0
         return answer
+
+    def moment(self) -> Walker:
+        """Keep this moment of the walk, to go on from it later by ``resume``."""
+        return copy(self)
+
+    def resume(self, moment: Walker) -> None:
+        """Go back to a moment of this walk, from where it goes on without a command.
+
+        Raises
+        ------
+        BadValueError
+            It is not one of this robot.
+        """
+        if not isinstance(moment, Walker) or moment.robot is not self.robot:
+            raise BadValueError("moment", moment, "what `moment` of this walker gave")
+        self.__dict__.update(moment.__dict__)
+        self._command = np.zeros(3)
 
     def update(self) -> WalkUpdate:
         """Go on by one period."""
@@ -255,7 +253,7 @@ class Walker:
         self._velocity = self._velocity + change
         moves = bool(self._velocity.any())
         if moves and not self._walking:
-            self._walking = True
+            self._walking, self._body = True, self._body.copy()
             self._body[3], self._body[10] = self._stride.start(self._body[3]), -1.0
         geometry, settings = self._stride.geometry, self._stride.settings
         self._part = (

@@ -27,6 +27,7 @@ NODES = {
     "servo_node",
     "trajectory_planner_node",
     "trajectory_publisher_node",
+    "walker_node",
 }
 NOT_SOURCE = shutil.ignore_patterns(
     ".git", ".venv*", "build", "install", "log", "output", "__pycache__", ".*_cache", "*.egg-info"

@@ -387,6 +387,7 @@ def test_a_node_that_cannot_start_says_why_in_one_line(suite, arguments, words):
         "servo_node",
         "trajectory_planner_node",
         "trajectory_publisher_node",
+        "walker_node",
     ],
 )
 def test_every_node_takes_what_launch_appends_and_ends_with_0_on_a_signal(
@@ -394,7 +395,8 @@ def test_every_node_takes_what_launch_appends_and_ends_with_0_on_a_signal(
 ):
     # As launch_ros's Node makes it of name, namespace, parameters and remappings.
     file = tmp_path / "launch_params_0"
-    parameters = {"robot_description": "puma560", "frame_prefix": "left/"}
+    robot = {"mobile_base_node": "mecanum", "walker_node": "phantomx"}.get(node, "puma560")
+    parameters = {"robot_description": robot, "frame_prefix": "left/"}
     parameters |= {"port": 0} if node == "rvs_node" else {}
     file.write_text(yaml.safe_dump({"/**": {"ros__parameters": parameters}}))
     given = ["-r", "__node:=named", "-r", "__ns:=/left", "--params-file", str(file)]

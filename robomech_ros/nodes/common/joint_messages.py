@@ -4,18 +4,21 @@ import math
 from collections.abc import Iterable, Sequence
 
 import numpy as np
+from builtin_interfaces.msg import Time
 from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_ros.errors import NonFiniteError, UnknownJointError, WrongSizeError
-from robomech_ros.nodes.common.message_fields import NANO, floats
+from robomech_ros.nodes.common.message_fields import NANO, duration_from_seconds, floats
+from robomech_ros.servo.motion import Samples
 
 __all__ = [
     "TrajectoryPoints",
     "joint_state",
     "joint_trajectory",
     "positions_by_name",
+    "stream_message",
 ]
 
 Array = NDArray[np.float64]
@@ -162,3 +165,32 @@ def joint_trajectory(
     """
     filled = (points or TrajectoryPoints()).filled(times, positions, velocities, accelerations)
     return JointTrajectory(joint_names=list(joint_names), points=filled)
+
+
+def stream_message(
+    names: Sequence[str], samples: Samples, ahead: float, stamp: Time
+) -> JointTrajectory:
+    """Make the message: positions and velocities only, between which a cubic is exact.
+
+    Parameters
+    ----------
+    names : sequence of str
+        The n joints.
+    samples : Samples
+        From a knot to rest.
+    ahead : float
+        How long after the stamp the knot is (s).
+    stamp : Time
+        When the message was made, in ROS time.
+    """
+    q, v, end, n = floats(samples.positions), floats(samples.velocities), 0, len(names)
+    points = []
+    for time in samples.times.tolist():
+        begin, end = end, end + n
+        point = JointTrajectoryPoint(time_from_start=duration_from_seconds(ahead + time))
+        # A part of Python's array is taken without conversion.
+        point.positions, point.velocities = q[begin:end], v[begin:end]
+        points.append(point)
+    message = JointTrajectory(joint_names=list(names), points=points)
+    message.header.stamp = stamp
+    return message

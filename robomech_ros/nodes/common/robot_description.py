@@ -29,6 +29,7 @@ from robomech_ros.trajectory.limits import JointLimits, Limits
 
 if TYPE_CHECKING:
     from robomech_ros.parallel import Mechanism, ParallelRobot
+    from robomech_ros.walking import LeggedRobot
 
 __all__ = [
     "LATCHED",
@@ -98,7 +99,7 @@ class FrameSettings(RobotSettings):
 
 
 class RobotModel:
-    """A robot and the chain in it that a node works with, or the loops of a parallel robot.
+    """A robot and what of it a node works with: a chain, loops of a parallel robot, or legs.
 
     Parameters
     ----------
@@ -114,6 +115,8 @@ class RobotModel:
         The group whose chain is meant, see :func:`main_chain`.
     robot : ParallelRobot or Mechanism, optional
         The parallel robot whose tree the description is.
+    legged : LeggedRobot, optional
+        The walking machine whose tree it is.
 
     Attributes
     ----------
@@ -121,18 +124,20 @@ class RobotModel:
     robot : ParallelRobot, Mechanism or None
     mechanism : Mechanism or None
         The loops of that.
+    legged : LeggedRobot or None
     chain : SerialChain
-        From base to tip; of a parallel robot the first limb, which carries the platform.
+        From base to tip; of a parallel robot the first limb, which carries the platform, of a
+        walking machine the first leg.
     commanded : SerialChain or Limits
-        Names and limits of the joints that trajectories move: those of the chain, or the drives of
-        a parallel robot.
+        Names and limits of the joints that trajectories move: those of the chain, the drives of
+        a parallel robot, or the joints of all legs.
 
     Raises
     ------
     ParameterError
         The prefix begins with a slash, which tf does not allow.
     BadValueError
-        Ends or a group that a parallel robot does not have.
+        Ends or a group that a parallel robot or a walking machine does not have.
     """
 
     def __init__(
@@ -144,6 +149,7 @@ class RobotModel:
         semantic: SemanticDescription | None = None,
         group: str = "",
         robot: "ParallelRobot | Mechanism | None" = None,
+        legged: "LeggedRobot | None" = None,
     ) -> None:
         if frame_prefix.startswith("/"):
             expected = "a text without a slash in front, such as left/: tf has no such frames"
@@ -154,13 +160,18 @@ class RobotModel:
         self.semantic = known
         self.robot = robot
         self.mechanism = mechanism = None if robot is None else robot.mechanism
+        self.legged = legged
         self.chain: SerialChain
         self.commanded: JointLimits
-        if mechanism is None:
+        if legged is not None:
+            _check_ends(legged.name, (legged.trunk, ""), (base_link, tip_link, group), "legs")
+            self.chain, self.commanded = legged.legs[0], Limits.of(legged)
+        elif mechanism is None:
             self.chain = main_chain(description, self.semantic, base_link, tip_link, group)
             self.commanded = self.chain
         else:
-            _check_ends(mechanism, base_link, tip_link, group)
+            ends = mechanism.base_link, mechanism.platform_link
+            _check_ends(mechanism.name, ends, (base_link, tip_link, group), "limbs")
             self.chain = mechanism.limbs[0].chain
             self.commanded = Limits.of(mechanism).only(mechanism.drive_index.tolist())
         self._group_chains: dict[tuple[str, str], SerialChain] = {}
@@ -303,16 +314,13 @@ class RobotModel:
         self._group_chains = {}
 
 
-def _check_ends(mechanism: "Mechanism", base_link: str, tip_link: str, group: str) -> None:
-    """Refuse ends of a chain where all limbs are meant."""
-    for what, given, there in (
-        ("base_link", base_link, mechanism.base_link),
-        ("tip_link", tip_link, mechanism.platform_link),
-        ("group", group, ""),
-    ):
-        if given not in ("", there):
+def _check_ends(robot: str, ends: tuple[str, str], given: tuple[str, str, str], parts: str) -> None:
+    """Refuse other ends of a chain, and a group, where all parts of a robot are meant."""
+    whats = ("base_link", "tip_link", "group")
+    for what, value, there in zip(whats, given, (*ends, ""), strict=True):
+        if value not in ("", there):
             expected = f"'{there}' or empty" if there else "empty"
-            raise BadValueError(what, given, f"{expected}: all limbs of '{mechanism.name}' move")
+            raise BadValueError(what, value, f"{expected}: all {parts} of '{robot}' move")
 
 
 def _at_home(description: RobotDescription, semantic: SemanticDescription) -> RobotDescription:

@@ -12,6 +12,7 @@ from robomech_ros.nodes.common.semantic_source import SEMANTIC_TOPIC, SemanticSo
 from robomech_ros.nodes.common.sparing_log import PERIOD, SparingLog
 from robomech_ros.parallel.described import load_described
 from robomech_ros.robots import RobotDescription
+from robomech_ros.robots.kinds import kind_of
 from robomech_ros.robots.library import is_document
 
 __all__ = ["when_robot_known"]
@@ -27,6 +28,7 @@ def when_robot_known(
     supplemented: Callable[[RobotDescription], RobotDescription] | None = None,
     *,
     parallel: bool = False,
+    legged: bool = False,
 ) -> None:
     """Call back with the robot: at once if the parameter names it, otherwise when the topic has it.
 
@@ -44,6 +46,8 @@ def when_robot_known(
         Gives the robot what its description lacks.
     parallel : bool, optional
         Whether the node serves parallel robots, too; it refuses them otherwise.
+    legged : bool, optional
+        The same of walking machines.
 
     Raises
     ------
@@ -56,6 +60,9 @@ def when_robot_known(
     )
 
     def begin(robot: str) -> None:
+        if kind_of(robot) == "walking":
+            begin_to_walk(robot)
+            return
         loaded = load_described(robot)
         described = loaded.description
         if loaded.robot is not None and not (parallel and supplemented is None):
@@ -65,6 +72,20 @@ def when_robot_known(
         ends = settings.base_link, settings.tip_link
         known = source.semantic(described), settings.group
         model = RobotModel(described, *ends, settings.frame_prefix, *known, loaded.robot)
+        on_robot(model)
+        source.teach(model)
+
+    def begin_to_walk(robot: str) -> None:
+        # What is compiled for legs is loaded only where there are some.
+        from robomech_ros.walking import load_legged
+
+        legs = load_legged(robot)
+        if not legged or supplemented is not None:
+            expected = f"no walking machine, which the node '{node.get_name()}' does not serve"
+            raise BadValueError("robot_description", legs.name, expected)
+        ends = settings.base_link, settings.tip_link
+        known = source.semantic(legs.description), settings.group
+        model = RobotModel(legs.description, *ends, settings.frame_prefix, *known, legged=legs)
         on_robot(model)
         source.teach(model)
 

@@ -26,7 +26,11 @@ from robomech_ros.nodes.joint_trajectory_controller.goal_server import GoalServe
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper, gripper_of
 from robomech_ros.nodes.joint_trajectory_controller.gripper.interfaces import serve_gripper
 from robomech_ros.nodes.joint_trajectory_controller.kept_place import KeptPlace
-from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot, serial_robot
+from robomech_ros.nodes.joint_trajectory_controller.robot import (
+    SimulatedRobot,
+    legged_robot,
+    serial_robot,
+)
 from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
     ControllerSettings,
@@ -51,7 +55,7 @@ class JointTrajectoryControllerNode(Node):
         self._settings = NodeParameters(
             self, ControllerSettings, self._change, self._check
         ).settings
-        when_robot_known(self, self._settings, self._serve, parallel=True)
+        when_robot_known(self, self._settings, self._serve, parallel=True, legged=True)
 
     def _serve(self, model: RobotModel) -> None:
         clock, settings = MotionClock(self), self._settings
@@ -153,7 +157,9 @@ class JointTrajectoryControllerNode(Node):
 
 
 def _robot(model: RobotModel, settings: ControllerSettings, clock: MotionClock) -> SimulatedRobot:
-    """Make the simulated robot: an arm, or all limbs of a parallel robot."""
+    """Make the simulated robot: an arm, all limbs of a parallel robot, or all legs."""
+    if model.legged is not None:
+        return legged_robot(model.legged, settings, clock)
     if model.mechanism is None:
         return serial_robot(model.chain, settings, clock)
     # What is compiled for loops is loaded only where there are some.

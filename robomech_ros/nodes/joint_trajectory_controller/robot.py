@@ -10,20 +10,23 @@ from robomech_ros.execution.controller.saturation import saturation_text
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.joints import Joints
 from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
     DYNAMIC,
+    KINEMATIC,
     ControllerSettings,
     check_simulation,
     initial_position,
 )
 from robomech_ros.robots import SerialChain
-from robomech_ros.trajectory.limits import JointLimits
+from robomech_ros.trajectory.limits import JointLimits, Limits
 
 if TYPE_CHECKING:
     from robomech_ros.nodes.joint_trajectory_controller.dynamic_plant import DynamicPlant
+    from robomech_ros.walking import LeggedRobot
 
-__all__ = ["SimulatedRobot", "serial_robot"]
+__all__ = ["SimulatedRobot", "legged_robot", "serial_robot"]
 
 
 class SimulatedRobot(CommandedJoints):
@@ -95,9 +98,28 @@ def serial_robot(
         The robot is to be simulated with its dynamics, and its bodies are not known or impossible.
     """
     check_simulation(settings)
-    initial = initial_position(settings, chain)
+    initial = initial_position(settings, Limits.of(chain), chain.home())
     plant = _dynamic_plant(chain, settings, initial)
     return SimulatedRobot(chain.name, chain, initial, settings, clock, plant)
+
+
+def legged_robot(
+    legs: "LeggedRobot", settings: ControllerSettings, clock: MotionClock
+) -> SimulatedRobot:
+    """Make the simulated joints of all legs.
+
+    Raises
+    ------
+    ParameterError
+        The initial position does not fit the robot, or its forces are to be simulated.
+    """
+    check_simulation(settings)
+    if settings.simulation != KINEMATIC:
+        allowed = f"{KINEMATIC}: '{legs.name}' is a walking machine"
+        raise ParameterError("simulation", settings.simulation, allowed)
+    limits = Limits.of(legs)
+    initial = initial_position(settings, limits, legs.home)
+    return SimulatedRobot(legs.name, limits, initial, settings, clock)
 
 
 def _dynamic_plant(

@@ -10,7 +10,7 @@ from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
 from robomech_ros.nodes.joint_trajectory_controller.gripper_settings import GripperSettings
-from robomech_ros.robots import SerialChain
+from robomech_ros.trajectory.limits import Limits
 
 __all__ = [
     "DYNAMIC",
@@ -281,8 +281,10 @@ def default_tolerances(settings: ControllerSettings, joints: int) -> Tolerances:
     return Tolerances(path, goal, velocity, settings.goal_time or np.inf)
 
 
-def initial_position(settings: ControllerSettings, chain: SerialChain) -> NDArray[np.float64]:
-    """Give the initial position (rad or m), shape (n,).
+def initial_position(
+    settings: ControllerSettings, limits: Limits, home: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Give the initial position (rad or m), shape (n,): that of the parameter, else home.
 
     Raises
     ------
@@ -291,13 +293,13 @@ def initial_position(settings: ControllerSettings, chain: SerialChain) -> NDArra
     """
     given = settings.initial_positions
     if not given:
-        return chain.home()
-    position = np.array(given)
-    if len(position) != chain.n:
-        allowed = f"a list of {chain.n} numbers, for {', '.join(chain.joint_names)}, or empty"
+        return home
+    position, names = np.array(given), limits.joint_names
+    if len(position) != len(names):
+        allowed = f"a list of {len(names)} numbers, for {', '.join(names)}, or empty"
         raise ParameterError("initial_positions", list(given), allowed)
     for joint, value, low, high, unit in zip(
-        chain.joint_names, given, chain.lower, chain.upper, chain.units, strict=True
+        names, given, limits.lower, limits.upper, limits.units, strict=True
     ):
         if not low <= value <= high:
             allowed = f"from {low:.6g} to {high:.6g} {unit} for joint '{joint}'"

@@ -11,8 +11,8 @@ from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.status_report import NodeCondition, StatusReport
+from robomech_ros.nodes.common.twist_intake import TwistIntake
 from robomech_ros.nodes.middleware.deep_queues import serve
-from robomech_ros.nodes.mobile_base.command_intake import CommandIntake
 from robomech_ros.nodes.mobile_base.drives import INTERFACES, chosen_robot
 from robomech_ros.nodes.mobile_base.mobile_base import BaseOptions, MobileBase
 from robomech_ros.nodes.mobile_base.publication import BasePublication
@@ -60,7 +60,7 @@ class MobileBaseNode(Node):
         )
         self._motion_clock = MotionClock(self)
         self._base.time = self._motion_clock.now()
-        self._intake = CommandIntake(self, self._base, self._motion_clock)
+        self._intake = TwistIntake(self, interface.command, self._base.take, self._motion_clock)
         self._publication = BasePublication(self, self._base, joints, settings)
         self._updates_per_state = max(round(settings.update_rate / settings.publish_rate), 1)
         self._updates = 0

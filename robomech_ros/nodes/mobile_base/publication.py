@@ -14,6 +14,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 from robomech_ros.nodes.common.message_fields import NANO, floats
+from robomech_ros.nodes.common.odometry_frame import odometry_frame
 from robomech_ros.nodes.mobile_base.drives import DriveJoints
 from robomech_ros.nodes.mobile_base.mobile_base import MobileBase
 from robomech_ros.nodes.mobile_base.settings import MobileBaseSettings
@@ -68,7 +69,9 @@ class BasePublication:
         self._limited = None
         if settings.publish_limited_velocity:
             self._limited = node.create_publisher(TwistStamped, "~/cmd_vel_out", _DEPTH)
-        self._frames, self._message = _frames_out(node, base, settings)
+        self._frames = None
+        if settings.enable_odom_tf:
+            self._frames = odometry_frame(node, base.interface.frames)
 
     def publish_commands(self, stamp: int) -> None:
         """Publish what the wheels are commanded, at a ROS time (ns)."""
@@ -114,19 +117,7 @@ class BasePublication:
         place = frame.transform
         _put_pose(place.translation, place.rotation, self._base.odometry.pose)
         assert self._frames is not None
-        self._frames.publish(self._message(transforms=[frame]))
-
-
-def _frames_out(node: Node, base: MobileBase, settings: MobileBaseSettings) -> tuple[Any, Any]:
-    """Make the publisher of frames, and the type of its messages, where they are wanted."""
-    if not settings.enable_odom_tf:
-        return None, None
-    try:
-        from tf2_msgs.msg import TFMessage
-    except ImportError as error:
-        node.get_logger().warning(f"no frames are published: {error}")
-        return None, None
-    return node.create_publisher(TFMessage, base.interface.frames, 100), TFMessage
+        self._frames.publish(self._frames.msg_type(transforms=[frame]))
 
 
 def _constant_covariances(

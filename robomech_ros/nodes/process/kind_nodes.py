@@ -50,6 +50,14 @@ class KindNodes:
 # What only arms have.
 _OF_ARMS = ("joint_limits", "srdf", "group", "base_link", "tip_link", "calibration")
 
+
+def _legged(robot: str) -> object:
+    # What is compiled for legs is loaded only where there are some.
+    from robomech_ros.walking import load_legged
+
+    return load_legged(robot)
+
+
 KIND_NODES = {
     "rolling": KindNodes(
         called="rolling robot",
@@ -64,5 +72,12 @@ KIND_NODES = {
         nodes=("grasping",),
         load=load_hand,
         refused=(*_OF_ARMS, "rate", "dynamic", "view"),
+    ),
+    "walking": KindNodes(
+        called="walking machine",
+        nodes=("joint_trajectory_controller", "walker"),
+        simulator="joint_trajectory_controller",
+        load=_legged,
+        refused=(*_OF_ARMS, "dynamic", "view"),
     ),
 }

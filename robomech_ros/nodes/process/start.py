@@ -29,6 +29,7 @@ __all__ = [
     "servo_node",
     "trajectory_planner_node",
     "trajectory_publisher_node",
+    "walker_node",
 ]
 
 # Node name to module, in the order in which they are started.
@@ -43,6 +44,7 @@ NODE_MODULES = {
     "rvs": "robomech_ros.nodes.rvs.node",
     "mobile_base": "robomech_ros.nodes.mobile_base.node",
     "grasping": "robomech_ros.nodes.grasping.node",
+    "walker": "robomech_ros.nodes.walker.node",
 }
 
 EXIT_CANNOT_START = 2
@@ -102,6 +104,11 @@ def mobile_base_node() -> NoReturn:
 def grasping_node() -> NoReturn:
     """Run the node grasping, and end the process."""
     _run("grasping", sys.argv)
+
+
+def walker_node() -> NoReturn:
+    """Run the node walker, and end the process."""
+    _run("walker", sys.argv)
 
 
 def _run(node: str, argv: Sequence[str]) -> NoReturn:

@@ -7,12 +7,12 @@ import numpy as np
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.joint_watch import Fault, JointWatch
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.servo.command_intake import CommandIntake
 from robomech_ros.nodes.servo.command_reader import CommandReader
-from robomech_ros.nodes.servo.joint_watch import Fault, JointWatch
 from robomech_ros.nodes.servo.settings import ServoNodeSettings
 from robomech_ros.nodes.servo.status import REPEATED, StatusPublisher
 from robomech_ros.nodes.servo.stream import StreamPublisher
@@ -83,7 +83,10 @@ class Driver:
         self._status = StatusPublisher(node, self._intake.refusal)
         if (moveit := _moveit_interface(node, self._choose)) is not None:
             self._status.also = moveit.publish
-        self._joints = JointWatch(model.chain, monitor, settings)
+        given = settings()
+        self._joints = JointWatch(
+            model.chain, monitor, given.tracking_tolerance, given.tracking_delay
+        )
         self._timer = node.create_timer(self._stream.period, self._tick, clock=clock.clock)
         self._timer.cancel()
         self._idle_timer = node.create_timer(REPEATED, self._tell_at_rest)

@@ -1,17 +1,12 @@
-"""The messages that the servo publishes: its stream of joint positions, and its status."""
+"""The message of the servo's status."""
 
 from collections.abc import Sequence
 from typing import Any
 
-from builtin_interfaces.msg import Time
-from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
-
 from robomech_interfaces.msg import ServoStatus
-from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
-from robomech_ros.servo.motion import Samples
 from robomech_ros.servo.report import ServoCondition, ServoReport
 
-__all__ = ["status_message", "stream_message"]
+__all__ = ["status_message"]
 
 _CODES = {
     ServoCondition.NO_WARNING: ServoStatus.NO_WARNING,
@@ -24,35 +19,6 @@ _CODES = {
     ServoCondition.STALE_COMMAND: ServoStatus.STALE_COMMAND,
     ServoCondition.PAUSED: ServoStatus.PAUSED,
 }
-
-
-def stream_message(
-    names: Sequence[str], samples: Samples, ahead: float, stamp: Time
-) -> JointTrajectory:
-    """Make the message: positions and velocities only, between which a cubic is exact.
-
-    Parameters
-    ----------
-    names : sequence of str
-        The n joints.
-    samples : Samples
-        From a knot to rest.
-    ahead : float
-        How long after the stamp the knot is (s).
-    stamp : Time
-        When the message was made, in ROS time.
-    """
-    q, v, end, n = floats(samples.positions), floats(samples.velocities), 0, len(names)
-    points = []
-    for time in samples.times.tolist():
-        begin, end = end, end + n
-        point = JointTrajectoryPoint(time_from_start=duration_from_seconds(ahead + time))
-        # A part of Python's array is taken without conversion.
-        point.positions, point.velocities = q[begin:end], v[begin:end]
-        points.append(point)
-    message = JointTrajectory(joint_names=list(names), points=points)
-    message.header.stamp = stamp
-    return message
 
 
 def status_message(

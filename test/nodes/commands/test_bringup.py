@@ -234,6 +234,18 @@ def test_a_hand_has_the_node_grasping_alone():
             bringup.run(parsed("--robot", "three_fingered", option))
 
 
+def test_a_walking_machine_has_the_walker_and_its_controller():
+    every = commands("--robot", "phantomx", "--rate", "50", "--namespace", "left")
+    assert list(every) == ["joint_trajectory_controller", "walker"]
+    for words in every.values():
+        assert {'robot_description:="phantomx"', 'frame_prefix:="left/"'} <= set(words)
+    assert "publish_rate:=50.0" in every["joint_trajectory_controller"]
+    assert "publish_rate:=50.0" not in every["walker"]
+    for option in (["--group", "arm"], ["--dynamic"], ["--view"]):
+        with pytest.raises(BadValueError, match="expected nothing: 'phantomx' is a walking"):
+            bringup.run(parsed("--robot", "phantomx", *option))
+
+
 @pytest.mark.parametrize("node", NODE_MODULES)
 def test_file_of_each_node_gives_the_defaults_of_its_table(node):
     values = yaml.safe_load((CONFIG / f"{node}.yaml").read_text(encoding="utf-8"))
@@ -249,7 +261,8 @@ def documented(node):
     page = (CONFIG.parent / "doc" / "interfaces.md").read_text(encoding="utf-8")
     parts = re.split(r"^(Of all nodes|`\w+`)(?=[: ])", page, flags=re.MULTILINE)
     tables = dict(zip(parts[1::2], parts[2::2], strict=True))
-    of_all = "" if node in ("mobile_base", "grasping") else tables["Of all nodes"]
+    alone = ("mobile_base", "grasping", "walker")
+    of_all = "" if node in alone else tables["Of all nodes"]
     listed = of_all + tables[f"`{node}`"].split("## ")[0]
     rows = re.findall(r"^\| `([\w.]+)`( \*)? \| (.*?) \|", listed, re.MULTILINE)
     return {name: (default.strip("`"), bool(star)) for name, star, default in rows}
@@ -270,7 +283,7 @@ def test_every_parameter_is_documented_with_its_default(node):
 @pytest.mark.parametrize("node", NODE_MODULES)
 def test_every_node_is_found_and_has_its_name(node, graph):
     more = {"port": 0} if node == "rvs" else {}
-    robots = {"mobile_base": "mecanum", "grasping": "three_fingered"}
+    robots = {"mobile_base": "mecanum", "grasping": "three_fingered", "walker": "phantomx"}
     robot = robots.get(node, "scara")
     started = graph.start(bringup.node_class(node), robot_description=robot, **more)
     assert started.get_name() == node

@@ -1,7 +1,6 @@
 """Watches the joints: where a stream can begin, and whether they follow it."""
 
 from collections import deque
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -9,9 +8,7 @@ from numpy.typing import NDArray
 
 from robomech_ros.nodes.common.error_codes import NoStateError
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.servo.settings import ServoNodeSettings
-from robomech_ros.robots import SerialChain
-from robomech_ros.servo.tracking import Tracking
+from robomech_ros.servo.tracking import TrackedJoints, Tracking
 
 __all__ = ["Fault", "JointWatch"]
 
@@ -37,23 +34,22 @@ class JointWatch:
 
     Parameters
     ----------
-    chain : SerialChain
-        The robot.
+    joints : TrackedJoints
+        Those of the robot.
     monitor : JointStateMonitor
-        Hears its joint states.
-    settings : callable
-        Gives the parameters as they are now.
+        Hears their states.
+    tolerance : float
+        How far a joint may be off its commands (rad or m); 0 = any distance.
+    delay : float
+        How far they may lag behind these (s).
     """
 
     def __init__(
-        self,
-        chain: SerialChain,
-        monitor: JointStateMonitor,
-        settings: Callable[[], ServoNodeSettings],
+        self, joints: TrackedJoints, monitor: JointStateMonitor, tolerance: float, delay: float
     ) -> None:
-        self._names, self._monitor, self._settings = chain.joint_names, monitor, settings
-        given = settings()
-        self._tracking = Tracking(chain, given.tracking_tolerance, given.tracking_delay)
+        self._names, self._monitor = joints.joint_names, monitor
+        self._tolerance, self._delay = tolerance, delay
+        self._tracking = Tracking(joints, tolerance, delay)
         # How many looks have heard of the joints, and when that became more (s).
         self._heard, self._heard_at = 0, 0.0
         self._waits_from: float | None = None
@@ -117,14 +113,13 @@ class JointWatch:
 
     def fault(self, now: float) -> Fault | None:
         """Say which joints do not follow their commands, or that their state is unknown."""
-        settings = self._settings()
-        if not settings.tracking_tolerance:
+        if not self._tolerance:
             return None
         position = self.position()
         heard = self._monitor.heard(self._names)
         if position is None or heard <= self._heard:
             silent = now - self._heard_at
-            lost = silent > settings.tracking_delay + _STATE_LOST
+            lost = silent > self._delay + _STATE_LOST
             return Fault(f"no state of the joints for {silent:.3g} s", ()) if lost else None
         self._heard, self._heard_at = heard, now
         found = self._tracking.deviation(now, position)

@@ -1,8 +1,8 @@
-"""Takes commands from the topics of a mobile base, and says which it does not follow."""
+"""Takes commands of twists from topics, and says which are not followed."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from builtin_interfaces.msg import Time
@@ -12,24 +12,29 @@ from rclpy.node import Node
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
-from robomech_ros.nodes.mobile_base.mobile_base import MobileBase
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["CommandIntake"]
+__all__ = ["TwistIntake"]
 
 _DEPTH = 10
 # What is said again and again is logged this often at the most (s).
 _SELDOM = 5.0
 
 
-class CommandIntake:
-    """Gives the commands that have come to a base.
+class TwistIntake:
+    """Gives the commands that have come to what follows them.
+
+    Stamped ones come on a topic, those without a stamp on the one with ``_unstamped`` behind it.
 
     Parameters
     ----------
     node : Node
         Owner of the subscriptions.
-    base : MobileBase
+    topic : str
+        Of stamped commands.
+    follow : callable
+        Takes ``[omega, v_x, v_y]`` (rad/s, m/s) and the age of the command (s), or refuses it by a
+        RobomechError.
     clock : MotionClock
 
     Attributes
@@ -40,10 +45,15 @@ class CommandIntake:
         How many were not.
     """
 
-    def __init__(self, node: Node, base: MobileBase, clock: MotionClock) -> None:
-        self._logger, self._base, self._clock = node.get_logger(), base, clock
+    def __init__(
+        self,
+        node: Node,
+        topic: str,
+        follow: Callable[[Sequence[float], float], None],
+        clock: MotionClock,
+    ) -> None:
+        self._logger, self._follow, self._clock = node.get_logger(), follow, clock
         self.refusal, self.refused = "", 0
-        topic = base.interface.command
         readers: list[tuple[type, str, Callable[[Any], tuple[Twist, Time | None]]]] = [
             (TwistStamped, topic, lambda message: (message.twist, message.header.stamp)),
             (Twist, f"{topic}_unstamped", lambda message: (message, None)),
@@ -83,4 +93,4 @@ class CommandIntake:
         linear, angular = twist.linear, twist.angular
         # A message with one number that is none is spoilt, whichever it is.
         as_finite("command", [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z], (6,))
-        self._base.take([angular.z, linear.x, linear.y], age)
+        self._follow([angular.z, linear.x, linear.y], age)

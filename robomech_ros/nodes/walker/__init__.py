@@ -1,0 +1,1 @@
+"""The node `walker`: a walking machine that follows commands of its twist."""

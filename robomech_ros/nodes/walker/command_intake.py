@@ -1,0 +1,104 @@
+"""Takes commands of a walker from their topics, and says which it does not follow, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from geometry_msgs.msg import Pose
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.twist_intake import TwistIntake
+from robomech_ros.nodes.middleware.polled_subscription import Inbox
+from robomech_ros.outcomes import Code, name_of
+from robomech_ros.spatial import euler_angles_from_matrix
+from robomech_ros.walking import Walker
+
+__all__ = ["CommandIntake"]
+
+_DEPTH = 10
+
+
+class CommandIntake:
+    """Gives the commands that have come to a walker.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscriptions.
+    walker : Walker
+    clock : MotionClock
+    duration : float
+        In which the trunk goes to a new pose (s).
+
+    Attributes
+    ----------
+    commanded : bool
+        Whether a twist has come with the last look.
+    refusal : str
+        Why the last pose or gait was not taken; empty if it was.
+    refused : int
+        How many were not.
+    """
+
+    def __init__(self, node: Node, walker: Walker, clock: MotionClock, duration: float) -> None:
+        self._logger, self._walker, self._duration = node.get_logger(), walker, duration
+        self.commanded, self.refusal, self.refused = False, "", 0
+        self.twists = TwistIntake(node, "cmd_vel", self._follow, clock)
+        readers: list[tuple[type, str, Callable[[Any], None]]] = [
+            (Pose, "body_pose", self._pose),
+            (String, "~/gait", self._gait),
+        ]
+        self._readers = [
+            (Inbox(node, kind, name, _DEPTH, lambda: None), read) for kind, name, read in readers
+        ]
+        for inbox, _ in self._readers:
+            inbox.attend(False)
+
+    def take(self, stands: bool) -> None:
+        """Give what has come since the last look; one that does not stand takes twists only."""
+        self.commanded = False
+        self.twists.take()
+        for inbox, read in self._readers:
+            for message in inbox.take():
+                try:
+                    if not stands:
+                        raise BadValueError("the robot", "not up", "one that stands: send a twist")
+                    read(message)
+                except RobomechError as error:
+                    self._refuse(f"command on '{inbox.topic}' refused: {error}")
+                else:
+                    self.refusal = ""
+
+    def _follow(self, twist: Any, age: float) -> None:
+        timeout = self._walker.timeout
+        if age > timeout:
+            raise BadValueError("age of the stamp", age, f"up to {timeout:g} s, the time-out")
+        self._walker.command(twist)
+        self.commanded = True
+
+    def _pose(self, message: Pose) -> None:
+        T = matrix_from_pose(message, "body_pose")
+        yaw, pitch, roll = euler_angles_from_matrix(T[:3, :3], "ZYX")
+        answer = self._walker.command_pose([*T[:3, 3], roll, pitch, yaw], self._duration)
+        if answer.status != Code.NONE:
+            raise PoseRefusedError(answer.status, answer.reason)
+
+    def _gait(self, message: String) -> None:
+        self._walker.command_gait(message.data)
+
+    def _refuse(self, text: str) -> None:
+        self.refusal = text
+        self.refused += 1
+        self._logger.warning(text)
+
+
+class PoseRefusedError(RobomechError):
+    """A pose of the trunk would tip the robot, or overstretch a leg."""
+
+    def __init__(self, code: Code, reason: str) -> None:
+        super().__init__(f"{code.value} {name_of(code)}: {reason}")

@@ -1,0 +1,100 @@
+"""What a walker says of itself: odometry, frames, contacts, margin and polygon."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import Point, Point32, PolygonStamped, TransformStamped
+from nav_msgs.msg import Odometry
+from numpy.typing import NDArray
+from rclpy.node import Node
+from std_msgs.msg import Float64
+
+from robomech_interfaces.msg import FootContacts
+from robomech_ros.nodes.common.message_fields import NANO
+from robomech_ros.nodes.common.odometry_frame import odometry_frame
+from robomech_ros.nodes.common.pose_messages import fill_pose
+from robomech_ros.nodes.walker.settings import WalkerSettings
+from robomech_ros.spatial import pose_logarithm
+from robomech_ros.spatial.plain_poses import plain_pose
+from robomech_ros.spatial.poses import rigid_inverse
+from robomech_ros.walking import LeggedRobot, WalkUpdate, support_polygon
+
+__all__ = ["WalkPublication"]
+
+Array = NDArray[np.float64]
+
+_DEPTH = 10
+
+
+class WalkPublication:
+    """Publishes where a walking machine is.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the publishers.
+    robot : LeggedRobot
+    settings : WalkerSettings
+    """
+
+    def __init__(self, node: Node, robot: LeggedRobot, settings: WalkerSettings) -> None:
+        prefix = settings.frame_prefix
+        self._odom, self._trunk = prefix + settings.odom_frame_id, prefix + robot.trunk
+        self._names = list(robot.leg_names)
+        self._odometry = node.create_publisher(Odometry, "odom", _DEPTH)
+        self._contacts = node.create_publisher(FootContacts, "foot_contacts", _DEPTH)
+        self._margin = node.create_publisher(Float64, "~/stability_margin", _DEPTH)
+        self._polygon = node.create_publisher(PolygonStamped, "~/support_polygon", _DEPTH)
+        self._frames = odometry_frame(node, "/tf") if settings.enable_odom_tf else None
+        self._before: tuple[int, Array] | None = None
+
+    def publish(self, update: WalkUpdate, stamp: int) -> None:
+        """Publish a moment of the walk, at a ROS time (ns)."""
+        message = Odometry(child_frame_id=self._trunk)
+        self._put(message.header, stamp)
+        fill_pose(message.pose.pose, update.trunk)
+        twist = self._twist(update.trunk, stamp).tolist()
+        angular, linear = message.twist.twist.angular, message.twist.twist.linear
+        angular.x, angular.y, angular.z, linear.x, linear.y, linear.z = twist
+        self._odometry.publish(message)
+        if self._frames is not None:
+            frames = [self._frame_of(update.trunk, stamp)]
+            self._frames.publish(self._frames.msg_type(transforms=frames))
+        standing = [bool(one) for one in update.contacts]
+        feet = [Point(x=x, y=y, z=z) for x, y, z in update.feet.tolist()]
+        contacts = FootContacts(names=self._names, contacts=standing, feet=feet)
+        self._put(contacts.header, stamp)
+        self._contacts.publish(contacts)
+        self._margin.publish(Float64(data=update.margin))
+        polygon = PolygonStamped()
+        self._put(polygon.header, stamp)
+        corners = support_polygon(update.feet[update.contacts, :2])
+        polygon.polygon.points = [Point32(x=x, y=y) for x, y in corners.tolist()]
+        self._polygon.publish(polygon)
+
+    def forget(self) -> None:
+        """Forget where the trunk was: it begins anew."""
+        self._before = None
+
+    def _twist(self, trunk: Array, stamp: int) -> Array:
+        """Give the mean twist [w; v] of the trunk, in its own axes, since it was published last."""
+        before, self._before = self._before, (stamp, trunk)
+        if before is None or stamp <= before[0]:
+            return np.zeros(6)
+        moved = rigid_inverse(before[1]) @ trunk
+        return np.asarray(pose_logarithm(moved)) * (NANO / (stamp - before[0]))
+
+    def _frame_of(self, trunk: Array, stamp: int) -> TransformStamped:
+        frame = TransformStamped(child_frame_id=self._trunk)
+        self._put(frame.header, stamp)
+        (x, y, z), (qx, qy, qz, qw) = plain_pose(trunk)
+        place, turn = frame.transform.translation, frame.transform.rotation
+        place.x, place.y, place.z = x, y, z
+        turn.x, turn.y, turn.z, turn.w = qx, qy, qz, qw
+        return frame
+
+    def _put(self, header: Any, stamp: int) -> None:
+        header.frame_id = self._odom
+        header.stamp.sec, header.stamp.nanosec = divmod(stamp, NANO)

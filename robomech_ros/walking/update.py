@@ -1,0 +1,50 @@
+"""What one period of walking gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["WalkUpdate"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WalkUpdate:
+    """What one period of walking gives.
+
+    Attributes
+    ----------
+    q, rates : ndarray, shape (3 k,)
+        All joints, and their mean rates over the period (rad or m, and s).
+    contacts : ndarray of bool, shape (k,)
+        Which feet stand.
+    feet : ndarray, shape (k, 3)
+        Over the ground (m).
+    base : ndarray, shape (3,)
+        x, y (m) and yaw (rad) over the ground of the frame that moves with the command.
+    trunk : ndarray, shape (4, 4)
+        Pose of the trunk over the ground (m).
+    twist : ndarray, shape (3,)
+        [w, vx, vy] of that frame in its own axes (rad/s, m/s).
+    margin : float
+        Static stability margin (m).
+    part : float
+        Part of the commanded twist that feet and joints allow, 1 where nothing limits it.
+    walking : bool
+        Whether feet move; if not, all are down.
+    """
+
+    q: Array
+    rates: Array
+    contacts: NDArray[np.bool_]
+    feet: Array
+    base: Array
+    trunk: Array
+    twist: Array
+    margin: float
+    part: float
+    walking: bool

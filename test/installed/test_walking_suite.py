@@ -1,0 +1,58 @@
+"""A walking machine that is brought up, walked and watched across processes."""
+
+import threading
+
+from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry
+
+from robomech_interfaces.msg import FootContacts
+from robomech_ros.walking import load_legged
+
+PATIENCE = 120.0
+
+
+def test_a_hexapod_is_brought_up_walks_and_stops_with_all_feet_down(bringup, outsider):
+    node, news, walks = outsider.node, threading.Condition(), [True]
+    publisher = node.create_publisher(TwistStamped, "cmd_vel", 10)
+    heard = {Odometry: [], FootContacts: []}
+
+    def send():
+        if walks[0]:
+            message = TwistStamped()
+            message.twist.linear.x = 0.03
+            publisher.publish(message)
+
+    def take(message):
+        with news:
+            heard[type(message)].append(message)
+            news.notify_all()
+
+    node.create_subscription(Odometry, "odom", take, 100)
+    node.create_subscription(FootContacts, "foot_contacts", take, 100)
+    robot = load_legged("phantomx")
+    with bringup("--robot", "phantomx"):
+        node.create_timer(0.05, send)
+        state = outsider.wait_for_joints(lambda q: abs(q["LF_coxa"]) > 0.02)
+        assert tuple(state.name) == robot.joint_names
+        with news:
+            places = heard[Odometry]
+            assert news.wait_for(
+                lambda: places and places[-1].pose.pose.position.x > 0.03, PATIENCE
+            )
+            walks[0] = False
+            known = len(places)
+            still = places[-1].twist.twist
+            assert news.wait_for(
+                lambda: (
+                    len(places) > known
+                    and places[-1].twist.twist.linear.x == 0.0
+                    and all(heard[FootContacts][-1].contacts)
+                ),
+                PATIENCE,
+            )
+    assert still.linear.x > 0.0
+    contacts = heard[FootContacts]
+    assert tuple(contacts[-1].names) == robot.leg_names
+    # Tripod: three feet or more stand at any time.
+    assert min(sum(one.contacts) for one in contacts) == 3
+    assert abs(places[-1].pose.pose.position.y) < 1e-9

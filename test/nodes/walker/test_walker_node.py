@@ -1,0 +1,248 @@
+"""Walking machines over real DDS: they walk as commanded, stop, and refuse by leg and joint."""
+
+import math
+import threading
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PolygonStamped, Pose
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64, String
+from tf2_msgs.msg import TFMessage
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from twist_driver import Driver
+
+from robomech_interfaces.msg import FootContacts
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
+from robomech_ros.nodes.walker.node import WalkerNode
+from robomech_ros.walking import GAITS, load_legged, stability_margin
+
+ROBOTS = {
+    "wave": "phantomx",
+    "ripple": "phantomx",
+    "tripod": "phantomx",
+    "crawl": "go1",
+    "trot": "go1",
+}
+BOUNDS = {"trot": -0.04}
+CONTROLLER = "joint_trajectory_controller/joint_trajectory"
+
+
+class Listener:
+    """Keeps all messages of some topics by their stamps (ns)."""
+
+    def __init__(self, graph):
+        self.contacts, self.states = {}, []
+        self.margins = []
+        client = graph.client
+        client.create_subscription(FootContacts, "foot_contacts", self._contacts, 1000)
+        client.create_subscription(JointState, "joint_states", self.states.append, 1000)
+        client.create_subscription(Float64, "walker/stability_margin", self.margins.append, 1000)
+
+    def _contacts(self, message):
+        self.contacts[stamp(message)] = message
+
+
+def stamp(message):
+    return message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+
+
+def start(graph, robot, positions=(), **parameters):
+    """Start the walker and its controller; on a busy machine messages may come late."""
+    more = {"initial_positions": list(positions)} if len(positions) else {}
+    graph.start(JointTrajectoryControllerNode, robot_description=robot, **more)
+    graph.start(WalkerNode, robot_description=robot, lead=0.6, **parameters)
+
+
+def at_rest(graph):
+    """Wait until all feet stand and the trunk does not move."""
+    graph.receive(
+        Odometry,
+        "odom",
+        10,
+        lambda m: not m.twist.twist.linear.x and not m.twist.twist.angular.z,
+    )
+    return graph.receive(FootContacts, "foot_contacts", 10, lambda m: all(m.contacts))
+
+
+def refused(graph, text):
+    """Wait for diagnostics that say what was refused."""
+
+    def says(message):
+        values = {one.key: one.value for one in message.status[0].values}
+        return text in values.get("last ignored", "") and message.status[0].level == b"\x01"
+
+    return graph.receive(DiagnosticArray, "/diagnostics", 10, says).status[0].message
+
+
+@pytest.mark.parametrize("gait", ROBOTS)
+def test_every_gait_follows_twists_and_stops_with_all_feet_down(graph, gait):
+    name = ROBOTS[gait]
+    robot, heard = load_legged(name), Listener(graph)
+    start(graph, name, gait=gait)
+    at_rest(graph)
+    driver = Driver(graph, "cmd_vel", old=0)
+    driver.command(0.015, 0.004, 0.03)
+    lifted = set()
+
+    def walked(message):
+        names = zip(message.names, message.contacts, strict=True)
+        lifted.update(leg for leg, down in names if not down)
+        return lifted == set(robot.leg_names)
+
+    graph.receive(FootContacts, "foot_contacts", 1000, walked)
+    graph.receive(Odometry, "odom", 10, lambda m: m.pose.pose.position.x > 0.02)
+    driver.silent()
+    at_rest(graph)
+    fewest = 3 if GAITS[gait].static else 2
+    for contacts in [*heard.contacts.values()]:
+        assert sum(contacts.contacts) >= fewest
+    assert min(one.data for one in heard.margins) >= BOUNDS.get(gait, 0.01) - 1e-9
+    for state in [*heard.states]:
+        q, rates = np.array(state.position), np.array(state.velocity)
+        assert (q >= robot.lower - 1e-9).all() and (q <= robot.upper + 1e-9).all()
+        assert (np.abs(rates) <= robot.velocity * (1.0 + 1e-9)).all()
+
+
+def test_the_trunk_moves_as_commanded(graph):
+    start(graph, "phantomx", gait="tripod", cycle=2.4)
+    driver = Driver(graph, "cmd_vel_unstamped", stamped=False)
+    driver.command(0.004, 0.002, 0.02)
+
+    def there(message):
+        linear, angular = message.twist.twist.linear, message.twist.twist.angular
+        found = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
+        return np.abs(np.array(found) - [0.004, 0.002, 0.0, 0.0, 0.0, 0.02]).max() <= 1e-9
+
+    message = graph.receive(Odometry, "odom", 10, there)
+    assert (message.header.frame_id, message.child_frame_id) == ("odom", "base_link")
+
+
+def test_margin_polygon_and_frame_of_a_robot_that_stands(graph):
+    start(graph, "phantomx", frame_prefix="left/")
+    robot = load_legged("phantomx")
+    margin = graph.receive(Float64, "walker/stability_margin", 10, lambda m: True).data
+    polygon = graph.receive(PolygonStamped, "walker/support_polygon", 10, lambda m: True)
+    corners = np.array([[one.x, one.y] for one in polygon.polygon.points])
+    assert polygon.header.frame_id == "left/odom" and len(corners) >= 3
+    assert stability_margin([0.0, 0.0], corners) == pytest.approx(margin, abs=1e-6)
+    odometry = graph.receive(Odometry, "odom", 10, lambda m: True)
+    assert odometry.pose.pose.position.z == pytest.approx(-robot.feet(robot.home)[0, 2])
+    graph.receive(
+        TFMessage,
+        "/tf",
+        100,
+        lambda m: (
+            m.transforms[0].header.frame_id == "left/odom"
+            and m.transforms[0].child_frame_id == "left/base_link"
+        ),
+    )
+
+
+def test_body_poses_move_the_trunk_over_planted_feet_or_are_refused_by_leg_and_joint(graph):
+    heard = Listener(graph)
+    start(graph, "phantomx")
+    at_rest(graph)
+    publisher = graph.client.create_publisher(Pose, "body_pose", 10)
+
+    def send(z, y=0.0):
+        pose = Pose()
+        pose.position.z, pose.position.y, pose.orientation.w = z, y, 1.0
+        publisher.publish(pose)
+
+    timer = graph.client.create_timer(0.2, lambda: send(0.5))
+    high = refused(graph, "too short")
+    assert "201 OUT_OF_REACH" in high and "leg '" in high and "joint '" in high
+    graph.client.destroy_timer(timer)
+    timer = graph.client.create_timer(0.2, lambda: send(0.0, 0.3))
+    assert "mass centre" in refused(graph, "mass centre")
+    graph.client.destroy_timer(timer)
+    level = graph.receive(Odometry, "odom", 10, lambda m: True).pose.pose.position.z
+    timer = graph.client.create_timer(0.2, lambda: send(0.01))
+    graph.receive(Odometry, "odom", 10, lambda m: abs(m.pose.pose.position.z - level - 0.01) < 1e-9)
+    graph.client.destroy_timer(timer)
+    feet = [[(one.x, one.y, one.z) for one in m.feet] for m in [*heard.contacts.values()]]
+    assert np.ptp(np.array(feet), axis=0).max() == 0.0
+
+
+def test_gaits_are_changed_and_those_for_other_robots_refused(graph):
+    start(graph, "phantomx")
+    at_rest(graph)
+    publisher = graph.client.create_publisher(String, "walker/gait", 10)
+
+    def gait(name):
+        return graph.client.create_timer(0.2, lambda: publisher.publish(String(data=name)))
+
+    timer = gait("trot")
+    assert "number of legs for the gait 'trot'" in refused(graph, "trot")
+    graph.client.destroy_timer(timer)
+    timer = gait("wave")
+
+    def waves(message):
+        return {one.key: one.value for one in message.status[0].values}.get("gait") == "wave"
+
+    graph.receive(DiagnosticArray, "/diagnostics", 10, waves)
+    graph.client.destroy_timer(timer)
+
+
+@pytest.mark.parametrize(
+    ("old", "value", "text"),
+    [(1, 0.02, "age of the stamp"), (None, math.nan, "command"), (None, math.inf, "command")],
+)
+def test_what_is_ignored_is_said_and_moves_nothing(graph, old, value, text):
+    heard = Listener(graph)
+    start(graph, "phantomx")
+    at_rest(graph)
+    Driver(graph, "cmd_vel", old=old).command(value)
+    refused(graph, text)
+    assert all(all(message.contacts) for message in [*heard.contacts.values()])
+
+
+def test_a_robot_that_lies_rises_at_the_first_command_and_again_after_others_moved_it(graph):
+    robot = load_legged("phantomx")
+    lying = (robot.home + np.tile([0.0, 0.5, 0.0], 6)).tolist()
+    start(graph, "phantomx", lying, rising_speed=0.5)
+
+    def says(text):
+        return graph.receive(
+            DiagnosticArray, "/diagnostics", 10, lambda m: text in m.status[0].message
+        )
+
+    says("it rises at the first command")
+    driver = Driver(graph, "cmd_vel", old=0)
+    driver.command(0.0)
+    at_rest(graph)
+    driver.silent()
+    publisher = graph.client.create_publisher(JointTrajectory, CONTROLLER, 10)
+    point = JointTrajectoryPoint(positions=lying)
+    point.time_from_start.sec = 1
+    moved = threading.Event()
+
+    def send():
+        if not moved.is_set():
+            names = list(robot.joint_names)
+            publisher.publish(JointTrajectory(joint_names=names, points=[point]))
+
+    timer = graph.client.create_timer(2.0, send)
+    says("was moved by")
+    moved.set()
+    graph.client.destroy_timer(timer)
+    driver.command(0.02)
+    graph.receive(Odometry, "odom", 10, lambda m: m.pose.pose.position.x > 0.005)
+
+
+@pytest.mark.parametrize(
+    ("given", "text"),
+    [
+        ({"robot_description": "puma560"}, "phantomx"),
+        ({"robot_description": "go1", "gait": "tripod"}, "number of legs for the gait 'tripod'"),
+        ({"robot_description": "go1", "stability_bound": 1.0}, "margin of the gait 'crawl'"),
+        ({"robot_description": "go1", "gait": "gallop"}, "gallop"),
+    ],
+)
+def test_what_cannot_walk_is_refused_at_the_start(graph, given, text):
+    with pytest.raises(RobomechError, match=text):
+        graph.start(WalkerNode, **given)
