@@ -80,20 +80,23 @@ def test_a_plain_build_finds_both_packages(workspace):
 def test_what_is_imported_is_what_was_built(workspace, output_of, tmp_path):
     code = (
         "import robomech_ros, robomech_interfaces.srv\n"
+        "from robomech_ros.hands import list_hands\n"
         "from robomech_ros.parallel import list_parallel\n"
         "from robomech_ros.rolling import list_rolling\n"
         "from robomech_ros.robots import list_robots, robot_folders\n"
+        "from robomech_ros.walking import list_legged\n"
         "from ament_index_python.packages import get_package_share_directory as share\n"
         "print(robomech_ros.__file__, robomech_interfaces.__file__, share('robomech_ros'))\n"
-        "print('robots', *list_robots(), *list_parallel(), *list_rolling())"
+        "print('robots', *list_robots(), *list_parallel(), *list_rolling())\n"
+        "print(*list_hands(), *list_legged())"
     )
     env = workspace.environment
-    places, robots = output_of("python", "-c", code, env=env, cwd=tmp_path).splitlines()
+    places, *robots = output_of("python", "-c", code, env=env, cwd=tmp_path).splitlines()
     assert all(Path(place).is_relative_to(workspace.install) for place in places.split()), places
     folder = workspace.source / "config" / "robots"
     in_source = {path.stem for path in folder.rglob("*") if path.is_file()}
     assert "hexapod" in in_source
-    assert in_source <= set(robots.split())
+    assert in_source <= set(" ".join(robots).split())
 
 
 def test_executables_are_where_ros2_run_looks(workspace):

@@ -34,6 +34,8 @@ ROSDEP = {
 INDEX = {"llvmlite": "numba", "yaml": "pyyaml", "urdf_parser_py": "urdf-parser-py"}
 # Imported only where it is installed, or without a rosdep key (README.md says how it is installed).
 OPTIONAL = {"control_msgs", "distributed", "moveit_msgs", "sympy", "tf2_msgs", "tf2_ros"}
+# The conic solver of hands.
+OPTIONAL |= {"clarabel"}
 # The browser view, which brings the others.
 OPTIONAL |= {"viser", "msgspec", "trimesh", "websockets"}
 NO_ROSDEP_KEY = {"ruckig"}
@@ -100,7 +102,7 @@ def test_versions_agree():
 def test_entry_points_lead_to_functions():
     points = importlib.metadata.entry_points(group="console_scripts")
     ours = [point for point in points if point.value.startswith("robomech_ros.")]
-    assert len(ours) == 9
+    assert len(ours) == 12
     for point in ours:
         assert callable(point.load()), point
         for folder in ("bin", "lib/robomech_ros"):
