@@ -17,8 +17,10 @@ from robomech_ros.dynamics.inverse import inverse_dynamics
 from robomech_ros.dynamics.matrices import coriolis_matrix, mass_matrix
 from robomech_ros.dynamics.model import GRAVITY, dynamic_model, surroundings
 from robomech_ros.dynamics.payload import with_payload
+from robomech_ros.dynamics.servo import CompiledServo, ServoLaw, chain_servo
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, check_chain, raise_not_finite
+from robomech_ros.kinematics.posture_samples import sample_postures
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.chain import SerialChain
@@ -101,6 +103,11 @@ class ChainDynamics:
         return self.chain.effort
 
     @property
+    def velocity(self) -> Array:
+        """Limits of the joint rates (rad/s or m/s), shape (n,)."""
+        return self.chain.velocity
+
+    @property
     def friction_rows(self) -> Array:
         """Viscous, Coulomb, excess at rest and one over its rate, shape (4, n)."""
         return friction_model(self.chain)
@@ -174,6 +181,14 @@ class ChainDynamics:
             return int(_forward_one(model, q, rates, efforts, around, out))
 
         return forward
+
+    def compiled_servo(self, plant: ChainDynamics, law: ServoLaw) -> CompiledServo:
+        """Have a controller that knows this chain drive another."""
+        return chain_servo(self.chain, plant.chain, law)
+
+    def sampled_postures(self, count: int) -> Array:
+        """Spread postures (count, n) over what the joints can take."""
+        return sample_postures(self.chain, count)
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """Compute :func:`mass_matrix`."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.dynamics.chain_dynamics import ChainDynamics
+from robomech_ros.dynamics.servo import CompiledServo, ServoLaw
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.chain import SerialChain
@@ -65,6 +66,11 @@ class DynamicSystem(Protocol):
     @property
     def effort(self) -> Array:
         """Limits of the drives (N m or N), shape (m,); NaN where there is none."""
+        ...
+
+    @property
+    def velocity(self) -> Array:
+        """Limits of the rates of the drives (rad/s or m/s), shape (m,); NaN where there is none."""
         ...
 
     @property
@@ -129,6 +135,14 @@ class DynamicSystem(Protocol):
 
     def compiled_forward(self, gravity: ArrayLike, tip_wrench: ArrayLike | None) -> CompiledForward:
         """Give :meth:`forward` of single states without checks."""
+        ...
+
+    def compiled_servo(self, plant: Any, law: ServoLaw) -> CompiledServo:
+        """Have a controller that knows this system drive another of its kind."""
+        ...
+
+    def sampled_postures(self, count: int) -> Array:
+        """Spread postures (k, n), at most count, over what the drives can take."""
         ...
 
     def mass_matrix(self, q: ArrayLike) -> Array:

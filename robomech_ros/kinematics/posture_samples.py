@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["low_discrepancy_strides", "reach_bound", "sample_postures"]
+__all__ = ["low_discrepancy_strides", "reach_bound", "sample_postures", "spread_values"]
 
 Array = NDArray[np.float64]
 
@@ -36,10 +36,7 @@ def low_discrepancy_strides(n: int) -> Array:
 
 
 def sample_postures(chain: SerialChain, count: int) -> Array:
-    """Spread postures evenly over what the joints can take, the one in its middle first.
-
-    Joints that can turn around are spread over a whole turn, slides with an open end over 2 m at
-    least.
+    """Spread postures evenly over what the joints can take: :func:`spread_values`.
 
     Parameters
     ----------
@@ -52,12 +49,34 @@ def sample_postures(chain: SerialChain, count: int) -> Array:
     ndarray, shape (count, n)
         Joint values (rad or m).
     """
-    whole = (chain.types != PRISMATIC) & ~(chain.upper - chain.lower < 2.0 * np.pi)
-    open_below = np.minimum(-1.0, chain.upper - 2.0)
-    lower = np.where(whole, -np.pi, np.where(np.isfinite(chain.lower), chain.lower, open_below))
-    upper = np.where(whole, np.pi, np.where(np.isfinite(chain.upper), chain.upper, lower + 2.0))
-    share = (0.5 + np.arange(count)[:, None] * low_discrepancy_strides(chain.n)) % 1.0
-    q: Array = lower + share * (upper - lower)
+    return spread_values(chain.types, chain.lower, chain.upper, count)
+
+
+def spread_values(types: NDArray[np.int64], lower: Array, upper: Array, count: int) -> Array:
+    """Spread values evenly over what joints can take, the one in the middle first.
+
+    Joints that can turn around are spread over a whole turn, slides with an open end over 2 m at
+    least.
+
+    Parameters
+    ----------
+    types : ndarray of int, shape (n,)
+        PRISMATIC, or another type.
+    lower, upper : ndarray, shape (n,)
+        Limits (rad or m), infinite where there is none.
+    count : int
+
+    Returns
+    -------
+    ndarray, shape (count, n)
+        Joint values (rad or m).
+    """
+    whole = (types != PRISMATIC) & ~(upper - lower < 2.0 * np.pi)
+    open_below = np.minimum(-1.0, upper - 2.0)
+    least = np.where(whole, -np.pi, np.where(np.isfinite(lower), lower, open_below))
+    most = np.where(whole, np.pi, np.where(np.isfinite(upper), upper, least + 2.0))
+    share = (0.5 + np.arange(count)[:, None] * low_discrepancy_strides(len(types))) % 1.0
+    q: Array = least + share * (most - least)
     return q
 
 

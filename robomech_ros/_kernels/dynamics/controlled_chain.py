@@ -1,12 +1,7 @@
 """A chain under a torque controller, in fixed steps of time.
 
-Each step gives the joints the rates v at its end that minimise ``v . A v / 2 - b . v`` and ``h c
-|v|`` of each joint between the stops, with the mass matrix and viscous friction in A and the
-momentum and impulses in b: then dry friction c lets a joint stick and break away, and a stop hold
-it, however long the step h.  Values follow from the new rates, so that the motion neither gains
-energy nor chatters.  Source: Stewart, Trinkle, An implicit time-stepping scheme for rigid
-body dynamics with inelastic collisions and Coulomb friction, Int. J. Numerical Methods in
-Engineering 39, 1996.
+Values follow from the new rates of each step, which dry friction and stops settle (see
+:mod:`.sticking`), so that the motion neither gains energy nor chatters.
 
 The controller may observe disturbances: torques that its model, with its friction, does not explain
 by what the joints did in a period, and that it adds to its own from then on.  Sources: Ohnishi,
@@ -17,7 +12,6 @@ Measurement, and Control 112(1), 1990.
 
 import math
 
-from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.chain.serial import OK
 from robomech_ros._kernels.compiling.jit import (
     IN1,
@@ -33,7 +27,12 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.dynamics.inverse import gravity_body, inverse_body
 from robomech_ros._kernels.dynamics.mass import mass_body
-from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
+from robomech_ros._kernels.dynamics.sticking import (
+    AT_STOP,
+    MOST_SERVO_JOINTS,
+    dry_friction,
+    settled_rates,
+)
 
 __all__ = [
     "COMPUTED_TORQUE",
@@ -56,22 +55,6 @@ STOPS = 4
 GAINS = 4
 EFFORT = 6
 
-# Matrices of their numbers stand on the stack.
-MOST_SERVO_JOINTS = 32
-
-# Rounds of which each looks which joints stick.  One or two are the rule.
-_ROUNDS = 40
-
-# How near to a stop a joint is at it, rad or m.
-_AT_STOP = 1e-9
-
-
-@lean
-def _dry_friction(friction, i, rate):
-    """Give the Coulomb friction of joint i with what is left of its static friction."""
-    x = abs(rate) * friction[3, i]
-    return friction[1, i] + friction[2, i] * math.exp(-min(x * x, 700.0))
-
 
 @lean
 def _command(model, friction, gains, mode, around, q, qd, wanted, tau):
@@ -92,7 +75,7 @@ def _command(model, friction, gains, mode, around, q, qd, wanted, tau):
         rate = wanted[1, i]
         tau[i] += friction[0, i] * rate
         if rate != 0.0:
-            tau[i] += math.copysign(_dry_friction(friction, i, rate), rate)
+            tau[i] += math.copysign(dry_friction(friction, i, rate), rate)
     return status
 
 
@@ -111,81 +94,15 @@ def _observe(model, friction, stops, around, tau, limit, share, period, before, 
     status = inverse_body(model, before[0], before[1], rates[:count], around, explained)
     for i in range(count):
         rate = state[1, i]
-        if state[0, i] - stops[0, i] <= _AT_STOP or stops[1, i] - state[0, i] <= _AT_STOP:
+        if state[0, i] - stops[0, i] <= AT_STOP or stops[1, i] - state[0, i] <= AT_STOP:
             seen[i] = 0.0
         elif rate != 0.0 or friction[1, i] + friction[2, i] == 0.0:
             rest = tau[i] - explained[i] - friction[0, i] * rate
             if rate != 0.0:
-                rest -= math.copysign(_dry_friction(friction, i, before[1, i]), rate)
+                rest -= math.copysign(dry_friction(friction, i, before[1, i]), rate)
             value = seen[i] + share * (rest - seen[i])
             seen[i] = min(max(value, -limit[i]), limit[i])
     return status
-
-
-@lean
-def _sweep(A, b, dry, low, high, v, count):
-    """Improve the rates one after the other, each the best with the others as they are."""
-    for i in range(count):
-        value = b[i]
-        for j in range(count):
-            if j != i:
-                value -= A[i, j] * v[j]
-        if value > dry[i]:
-            value -= dry[i]
-        elif value < -dry[i]:
-            value += dry[i]
-        else:
-            value = 0.0
-        v[i] = min(max(value / A[i, i], low[i]), high[i])
-
-
-@lean
-def _is_held(dry, low, high, v, i):
-    """Tell whether joint i sticks, or stands at a bound of its rate."""
-    return (v[i] == 0.0 and dry[i] > 0.0) or v[i] <= low[i] or v[i] >= high[i]
-
-
-@lean
-def _settle(A, b, dry, low, high, v, count):
-    """Solve for the rates with those held that are; tell whether these are the ones to hold."""
-    F = scratch(MOST_SERVO_JOINTS, MOST_SERVO_JOINTS)
-    x = scratch(MOST_SERVO_JOINTS)
-    for i in range(count):
-        for j in range(count):
-            F[i, j] = 0.0
-        if _is_held(dry, low, high, v, i):
-            x[i] = v[i]
-            F[i, i] = 1.0
-            continue
-        x[i] = b[i] - math.copysign(dry[i], v[i])
-        for j in range(count):
-            if _is_held(dry, low, high, v, j):
-                x[i] -= A[i, j] * v[j]
-            else:
-                F[i, j] = A[i, j]
-    if not cholesky_solve(F, x, count):
-        return False
-    for i in range(count):
-        if not _is_held(dry, low, high, v, i):
-            # Through rest, or beyond a stop: another joint is held than was thought.
-            if (dry[i] > 0.0 and x[i] * v[i] < 0.0) or x[i] < low[i] or x[i] > high[i]:
-                return False
-            continue
-        pull = b[i]
-        for j in range(count):
-            pull -= A[i, j] * x[j]
-        slack = 1e-9 * (dry[i] + abs(b[i]))
-        # At a bound the joint must be pulled against it, by more than the friction where it moves.
-        least, most = -dry[i], dry[i]
-        if v[i] >= high[i]:
-            least, most = (dry[i] if v[i] > 0.0 else least), math.inf
-        if v[i] <= low[i]:
-            least, most = -math.inf, (-dry[i] if v[i] < 0.0 else most)
-        if pull < least - slack or pull > most + slack:
-            return False
-    for i in range(count):
-        v[i] = x[i]
-    return True
 
 
 @lean
@@ -212,18 +129,13 @@ def _plant_step(model, friction, stops, around, tau, step, q, qd):
         for j in range(count):
             value += A[i, j] * qd[j]
         b[i] = value
-        dry[i] = step * _dry_friction(friction, i, qd[i])
+        dry[i] = step * dry_friction(friction, i, qd[i])
         low[i] = (stops[0, i] - q[i]) / step
         high[i] = (stops[1, i] - q[i]) / step
     for i in range(count):
         A[i, i] += step * friction[0, i]
-    for _ in range(_ROUNDS):
-        _sweep(A, b, dry, low, high, v, count)
-        if _settle(A, b, dry, low, high, v, count):
-            break
-    for i in range(count):
-        if not abs(v[i]) <= LARGEST_SERVO_RATE:
-            return RUNS_AWAY
+    if not settled_rates(A, b, dry, low, high, v, count):
+        return RUNS_AWAY
     for i in range(count):
         qd[i] = v[i]
         q[i] += step * v[i]

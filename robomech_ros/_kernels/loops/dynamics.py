@@ -24,7 +24,21 @@ from robomech_ros._kernels.dynamics.layout import SURROUNDINGS, TIP_WRENCH
 from robomech_ros._kernels.dynamics.mass import mass_body
 from robomech_ros._kernels.loops.factors import NOT_FINITE, REGULAR, factors, loop_errors, solve
 
-__all__ = ["NO_MASS", "OPEN", "complements", "forward", "inertias", "inverse"]
+__all__ = [
+    "NO_MASS",
+    "OPEN",
+    "complements",
+    "forward",
+    "inertias",
+    "inverse",
+    "room_for",
+    "write_complement",
+    "write_efforts",
+    "write_inertia",
+    "write_joints",
+    "write_rates",
+    "write_turning",
+]
 
 # Nothing resists some motion; loops are open by more than this (rad, m over the size).
 NO_MASS, OPEN = 4, 5
@@ -37,7 +51,7 @@ Room = namedtuple(
 
 
 @inline
-def _room(starts, dof):
+def room_for(starts, dof):
     limbs, widest = starts.size - 1, 1
     for i in range(limbs):
         widest = max(widest, starts[i + 1] - starts[i])
@@ -59,14 +73,14 @@ def _room(starts, dof):
 
 
 @lean
-def _joints(starts, drives, scale, given, room, twists, out):
+def write_joints(starts, drives, scale, given, room, twists, out):
     """Solve the loops for all joints (n, c) from the drives (m, c), and from D in the room."""
     J, R, Q, D = room.J, room.R, room.Q, room.D
     return solve(starts, drives, scale, J, R, Q, given, D, room.A, room.B, out, twists)
 
 
 @lean
-def _complement(model, starts, drives, scale, q, room):
+def write_complement(model, starts, drives, scale, q, room):
     """Write the complement N (n, m) of the loops to the room; return a status."""
     status = factors(model, starts, drives, q, scale, room.J, room.T, room.R, room.Q)
     if status != REGULAR:
@@ -77,11 +91,11 @@ def _complement(model, starts, drives, scale, q, room):
         for r in range(6):
             for c in range(room.D.shape[2]):
                 room.D[i, r, c] = 0.0
-    return _joints(starts, drives, scale, room.unit, room, room.t, room.N)
+    return write_joints(starts, drives, scale, room.unit, room, room.t, room.N)
 
 
 @lean
-def _rates(N, rates, qd):
+def write_rates(N, rates, qd):
     """Write the rates of all joints (n,) for those of the drives (m,)."""
     for j in range(N.shape[0]):
         total = 0.0
@@ -91,7 +105,7 @@ def _rates(N, rates, qd):
 
 
 @lean
-def _turning(starts, scale, qd, V, room):
+def write_turning(starts, scale, qd, V, room):
     """Write what the turning of the axes does to columns V (n, c): ``d(J)/dt V`` of each chain."""
     for i in range(starts.size - 1):
         s, e = starts[i], starts[i + 1]
@@ -108,7 +122,7 @@ def _turning(starts, scale, qd, V, room):
 
 
 @lean
-def _efforts(model, starts, q, qd, qdd, around, free, N, tau, out):
+def write_efforts(model, starts, q, qd, qdd, around, free, N, tau, out):
     """Write the efforts of the drives (m,); return a status."""
     for j in range(TIP_WRENCH):
         free[j] = around[j]
@@ -127,7 +141,7 @@ def _efforts(model, starts, q, qd, qdd, around, free, N, tau, out):
 
 
 @lean
-def _inertia(model, starts, q, N, M, P, out):
+def write_inertia(model, starts, q, N, M, P, out):
     """Write the generalised inertia (m, m); M and P are working space."""
     dof = out.shape[0]
     for a in range(dof):
@@ -182,16 +196,16 @@ def _solved(G, x):
 @kernel(i8(IN2, IIN1, IIN1, f8, IN2, IN2, OUT3, OUT3, OUT2))
 def complements(model, starts, drives, scale, q, rates, N, N_dot, qd):
     """Write N and its rate (b, n, m), and the rates of all joints (b, n)."""
-    room = _room(starts, rates.shape[1])
+    room = room_for(starts, rates.shape[1])
     still = np.zeros((rates.shape[1], rates.shape[1]))
     for b in range(q.shape[0]):
-        status = _complement(model, starts, drives, scale, q[b], room)
+        status = write_complement(model, starts, drives, scale, q[b], room)
         if status != REGULAR:
             return status
-        _rates(room.N, rates[b], qd[b])
-        _turning(starts, scale, qd[b], room.N, room)
+        write_rates(room.N, rates[b], qd[b])
+        write_turning(starts, scale, qd[b], room.N, room)
         N[b] = room.N
-        status = _joints(starts, drives, scale, still, room, room.t, N_dot[b])
+        status = write_joints(starts, drives, scale, still, room, room.t, N_dot[b])
         if status != REGULAR:
             return status
     return REGULAR
@@ -201,22 +215,22 @@ def complements(model, starts, drives, scale, q, rates, N, N_dot, qd):
 def inverse(model, starts, drives, scale, q, rates, accelerations, around, out):
     """Write the efforts of the drives (b, m) for their rates and accelerations (b, m)."""
     dof, last = rates.shape[1], around.shape[0] - 1
-    room = _room(starts, dof)
+    room = room_for(starts, dof)
     qd, qdd, tau = np.empty(q.shape[1]), np.empty(q.shape[1]), np.empty(q.shape[1])
     given, free = np.empty((dof, 1)), np.zeros(SURROUNDINGS)
     status = REGULAR
     for b in range(q.shape[0]):
-        status = _complement(model, starts, drives, scale, q[b], room)
+        status = write_complement(model, starts, drives, scale, q[b], room)
         if status != REGULAR:
             return status
-        _rates(room.N, rates[b], qd)
-        _turning(starts, scale, qd, qd.reshape(-1, 1), room)
+        write_rates(room.N, rates[b], qd)
+        write_turning(starts, scale, qd, qd.reshape(-1, 1), room)
         for a in range(dof):
             given[a, 0] = accelerations[b, a]
-        status = _joints(starts, drives, scale, given, room, room.t_one, qdd.reshape(-1, 1))
+        status = write_joints(starts, drives, scale, given, room, room.t_one, qdd.reshape(-1, 1))
         if status == REGULAR:
-            surrounded = around[min(b, last)]
-            status = _efforts(model, starts, q[b], qd, qdd, surrounded, free, room.N, tau, out[b])
+            surrounded, N = around[min(b, last)], room.N
+            status = write_efforts(model, starts, q[b], qd, qdd, surrounded, free, N, tau, out[b])
         if status != REGULAR:
             return status
     return REGULAR
@@ -226,24 +240,24 @@ def inverse(model, starts, drives, scale, q, rates, accelerations, around, out):
 def forward(model, starts, drives, scale, q, rates, efforts, around, out):
     """Write the accelerations of the drives (b, m) for their rates and efforts (b, m)."""
     dof, last = rates.shape[1], around.shape[0] - 1
-    room = _room(starts, dof)
+    room = room_for(starts, dof)
     qd, qdd, tau = np.empty(q.shape[1]), np.empty(q.shape[1]), np.empty(q.shape[1])
     still, free = np.zeros((dof, 1)), np.zeros(SURROUNDINGS)
     widest = room.own.size
     M, P, G = np.empty((widest, widest)), np.empty((widest, dof)), np.empty((dof, dof))
     status = REGULAR
     for b in range(q.shape[0]):
-        status = _complement(model, starts, drives, scale, q[b], room)
+        status = write_complement(model, starts, drives, scale, q[b], room)
         if status != REGULAR:
             return status
-        _rates(room.N, rates[b], qd)
-        _turning(starts, scale, qd, qd.reshape(-1, 1), room)
-        status = _joints(starts, drives, scale, still, room, room.t_one, qdd.reshape(-1, 1))
+        write_rates(room.N, rates[b], qd)
+        write_turning(starts, scale, qd, qd.reshape(-1, 1), room)
+        status = write_joints(starts, drives, scale, still, room, room.t_one, qdd.reshape(-1, 1))
         if status == REGULAR:
-            surrounded = around[min(b, last)]
-            status = _efforts(model, starts, q[b], qd, qdd, surrounded, free, room.N, tau, out[b])
+            surrounded, N = around[min(b, last)], room.N
+            status = write_efforts(model, starts, q[b], qd, qdd, surrounded, free, N, tau, out[b])
         if status == REGULAR:
-            status = _inertia(model, starts, q[b], room.N, M, P, G)
+            status = write_inertia(model, starts, q[b], room.N, M, P, G)
         if status == REGULAR:
             for a in range(dof):
                 out[b, a] = efforts[b, a] - out[b, a]
@@ -257,13 +271,13 @@ def forward(model, starts, drives, scale, q, rates, efforts, around, out):
 def inertias(model, starts, drives, scale, q, out):
     """Write the generalised inertia (b, m, m)."""
     dof = out.shape[1]
-    room = _room(starts, dof)
+    room = room_for(starts, dof)
     widest = room.own.size
     M, P = np.empty((widest, widest)), np.empty((widest, dof))
     for b in range(q.shape[0]):
-        status = _complement(model, starts, drives, scale, q[b], room)
+        status = write_complement(model, starts, drives, scale, q[b], room)
         if status == REGULAR:
-            status = _inertia(model, starts, q[b], room.N, M, P, out[b])
+            status = write_inertia(model, starts, q[b], room.N, M, P, out[b])
         if status != REGULAR:
             return status
     return REGULAR

@@ -5,10 +5,8 @@ import sys
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.dynamics.matrices import mass_matrix
+from robomech_ros.dynamics.systems import DynamicSystem
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.posture_samples import sample_postures
-from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["felt_inertias"]
 
@@ -30,8 +28,8 @@ _QUIET = 1.6
 _LARGEST_TURN = 2.0
 
 
-def felt_inertias(chain: SerialChain, turn: float, damping: float) -> tuple[Array, Array]:
-    """Give the inertias (n,) with which joints of fixed gains are to be stiff, and to be damped.
+def felt_inertias(system: DynamicSystem, turn: float, damping: float) -> tuple[Array, Array]:
+    """Give the inertias (m,) with which drives of fixed gains are to be stiff, and to be damped.
 
     Joints that are nearly parallel feel much less inertia with the others free than with them at
     rest: stiff for the one and damped for the other, they neither chatter nor swing.  Where an arm
@@ -43,8 +41,8 @@ def felt_inertias(chain: SerialChain, turn: float, damping: float) -> tuple[Arra
 
     Parameters
     ----------
-    chain : SerialChain
-        Of n joints.
+    system : DynamicSystem
+        With m drives.
     turn : float
         Bandwidth times period (rad).
     damping : float
@@ -52,7 +50,7 @@ def felt_inertias(chain: SerialChain, turn: float, damping: float) -> tuple[Arra
 
     Returns
     -------
-    stiff, damped : ndarray, shape (n,)
+    stiff, damped : ndarray, shape (m,)
         In kg m^2 or kg.
 
     Raises
@@ -60,16 +58,17 @@ def felt_inertias(chain: SerialChain, turn: float, damping: float) -> tuple[Arra
     BadValueError
         There is a motion that nothing resists.
     """
-    count = min(_POSTURES, _MOST_ENTRIES // chain.n**2)
-    inertia = mass_matrix(chain, sample_postures(chain, count))
-    if np.linalg.matrix_rank(inertia, hermitian=True).min() < chain.n:
+    m = len(system.drive_names)
+    count = min(_POSTURES, _MOST_ENTRIES // m**2)
+    inertia = system.mass_matrix(system.sampled_postures(count))
+    if np.linalg.matrix_rank(inertia, hermitian=True).min() < m:
         expected = "bodies or rotors that resist every motion"
         raise BadValueError("least inertia of the chain", 0.0, expected)
     inverse = np.linalg.inv(inertia)
     mobility = np.diagonal(inverse, axis1=1, axis2=2)
     stiff = np.median(1.0 / mobility, axis=0)
     damped = np.sqrt(stiff * np.median(np.diagonal(inertia, axis1=1, axis2=2), axis=0))
-    worst = np.unique(np.argsort(mobility, axis=0)[-max(_WORST // chain.n, 1) :])
+    worst = np.unique(np.argsort(mobility, axis=0)[-max(_WORST // m, 1) :])
     share = _quiet_shares(np.asarray(inverse[worst], np.float64), stiff, damped, turn, damping)
     return stiff * share**2, damped * share
 

@@ -116,6 +116,10 @@ class CommandedJoints:
         """Give where the joints of `shown_names` are; the lock is held."""
         return self.follower.actual
 
+    def shown_efforts(self) -> FloatArray | None:
+        """Give what their drives exert (N m or N); None where no forces are simulated."""
+        return self.simulated_joints.effort
+
     def kept(self) -> FloatArray:
         """Give what a process that comes after a crash needs to `resume` (rad or m)."""
         return self.simulated_joints.position

@@ -5,11 +5,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.dynamics import ControlledArm, gravity_torque, with_payload
+from robomech_ros.dynamics import ControlledArm, DynamicSystem
+from robomech_ros.dynamics.systems import LostPostureError, dynamic_system
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.simulated_joints import DrivenMotion
 from robomech_ros.execution.joints import State, at_rest
+from robomech_ros.nodes.common.error_codes import OutcomeError
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
+from robomech_ros.outcomes import Code
 from robomech_ros.robots import Body, SerialChain
 
 __all__ = ["DynamicPlant", "MotionRanAwayError"]
@@ -34,12 +37,12 @@ class DynamicPlant:
 
     Parameters
     ----------
-    chain : SerialChain
-        Of n joints, with the bodies that they move: what the controller of the drives knows.
+    robot : SerialChain or DynamicSystem
+        Of n joints, with the bodies that they move: what the controller of its m drives knows.
     settings : ControllerSettings
         Which controller, how fast, and the payload that it does not know of.
-    position : ndarray, shape (n,)
-        Where the joints are at first, rad or m.
+    posture : ndarray, shape (n,)
+        Where all joints are at first, rad or m.
 
     Raises
     ------
@@ -49,33 +52,58 @@ class DynamicPlant:
         No body can have the mass and inertia of one, or the joints are too many.
     """
 
-    def __init__(self, chain: SerialChain, settings: ControllerSettings, position: Array) -> None:
-        self._model = chain
+    def __init__(
+        self, robot: SerialChain | DynamicSystem, settings: ControllerSettings, posture: Array
+    ) -> None:
+        self._model = dynamic_system(robot)
+        self._at = self._model.drives_at
         self._settings = settings
-        self._servo = self._servo_with(settings)
+        self._plant, self._servo = self._servo_with(settings)
         # The kernels are compiled or loaded now, not in the first cycle.
-        self.put(position)
-        self.drive(at_rest(position), at_rest(position), _PERIOD, None)
-        self.put(position)
+        self.assume(posture)
+        start = posture[self._at]
+        self.put(start)
+        self.drive(at_rest(start), at_rest(start), _PERIOD, None)
+        self.assume(posture)
+        self.put(start)
+
+    @property
+    def effort(self) -> Array:
+        """Limits of the drives (N m or N), shape (m,); not finite where there is none."""
+        return self._model.effort
 
     def carry(self, settings: ControllerSettings) -> None:
         """Have the robot carry the payload of these settings from now on."""
         if _load(settings) != _load(self._settings):
-            self._servo = self._servo_with(settings)
+            self._plant, self._servo = self._servo_with(settings)
         self._settings = settings
 
+    def assume(self, posture: Array) -> None:
+        """Have all joints (n,) stand somewhere (rad or m), which tells the assembly mode."""
+        self._q = np.array(posture, dtype=np.float64)
+        self._rates, self._observed = np.zeros((2, len(self._at)))
+
     def put(self, position: Array) -> DrivenMotion:
-        """Have the joints stand somewhere (rad or m), held against gravity."""
-        self._q = np.array(position, dtype=np.float64)
-        self._qd, self._observed = np.zeros(len(position)), np.zeros(len(position))
-        holding = gravity_torque(self._servo.plant or self._model, self._q, gravity=self._gravity)
-        return DrivenMotion(at_rest(self._q), holding, np.zeros(len(position)))
+        """Have the drives (m,) stand somewhere (rad or m), held against gravity.
+
+        Raises
+        ------
+        OutcomeError
+            The assembly mode of a parallel robot ends before; they stand where they were.
+        """
+        still = np.zeros(len(position))
+        try:
+            self.assume(self._plant.posture(np.array(position, dtype=np.float64), self._q))
+        except LostPostureError as error:
+            raise OutcomeError(Code.SINGULAR, str(error)) from None
+        holding = self._plant.inverse(self._q, still, still, gravity=self._settings.gravity)
+        return DrivenMotion(at_rest(self._q[self._at]), holding, still)
 
     def drive(
         self, before: State, command: State, span: float, held: NDArray[np.bool_] | None
     ) -> DrivenMotion:
         """Let time pass; see :class:`Plant`."""
-        started = self._qd.copy()
+        started = self._rates.copy()
         simulated = min(span, _LONGEST)
         periods = max(math.ceil(simulated / _PERIOD - _ROUNDING), 1)
         period = simulated / periods
@@ -85,22 +113,26 @@ class DynamicPlant:
             self._limit(wanted[first : first + _AT_ONCE])
             motion = self._servo.run(
                 self._q,
-                self._qd,
+                self._rates,
                 wanted[first : first + _AT_ONCE],
                 period=period,
                 held=held,
                 observed=self._observed,
             )
             if motion.reason:
-                self._qd[:], self._observed[:] = 0.0, 0.0
-                raise MotionRanAwayError(f"{motion.reason}; the robot stands where it was before")
+                self._rates[:], self._observed[:] = 0.0, 0.0
+                text = f"{motion.reason}; the robot stands where it was before"
+                if motion.singular:
+                    raise OutcomeError(Code.SINGULAR, text)
+                raise MotionRanAwayError(text)
             at_limit += period * motion.saturated.sum(axis=0)
             effort = motion.effort[-1]
-        acceleration = (self._qd - started) / simulated
-        return DrivenMotion(State(self._q.copy(), self._qd.copy(), acceleration), effort, at_limit)
+        acceleration = (self._rates - started) / simulated
+        state = State(self._q[self._at], self._rates.copy(), acceleration)
+        return DrivenMotion(state, effort, at_limit)
 
     def _limit(self, wanted: Array) -> None:
-        """Keep what is wanted, shape (m, 3, n), so near that no joint is asked to be too fast.
+        """Keep what is wanted, shape (k, 3, m), so near that no drive is asked to be too fast.
 
         Errors are corrected at the rate of ``bandwidth / (2 damping)`` times them: where that is
         beyond the limit of the velocity, after a step or a brake that is released, the drives would
@@ -108,22 +140,21 @@ class DynamicPlant:
         """
         fastest = np.where(np.isfinite(self._model.velocity), self._model.velocity, np.inf)
         near = fastest * 2.0 * self._settings.dynamic_damping / self._settings.dynamic_bandwidth
-        far = np.abs(wanted[:, 0] - self._q) > near
-        wanted[:, 0] = np.clip(wanted[:, 0], self._q - near, self._q + near)
+        place = self._q[self._at]
+        far = np.abs(wanted[:, 0] - place) > near
+        wanted[:, 0] = np.clip(wanted[:, 0], place - near, place + near)
         wanted[:, 1] = np.clip(wanted[:, 1], -fastest, fastest)
         # A joint that has to catch up should not follow the rates of where it should be.
         wanted[:, 1:][np.broadcast_to(far[:, None], (len(wanted), 2, far.shape[1]))] = 0.0
 
-    @property
-    def _gravity(self) -> Array:
-        return np.array(self._settings.gravity)
-
-    def _servo_with(self, settings: ControllerSettings) -> ControlledArm:
+    def _servo_with(self, settings: ControllerSettings) -> tuple[DynamicSystem, ControlledArm]:
+        """Give what moves, and its controller."""
         mass, com = _load(settings)
         load = Body(mass, np.array(com), np.zeros((3, 3)))
-        return ControlledArm(
+        plant = self._model.with_payload(load) if mass else self._model
+        return plant, ControlledArm(
             self._model,
-            with_payload(self._model, load) if mass else self._model,
+            plant,
             control=settings.dynamic_control,
             bandwidth=settings.dynamic_bandwidth,
             damping=settings.dynamic_damping,
@@ -138,7 +169,7 @@ def _load(settings: ControllerSettings) -> tuple[float, tuple[float, ...]]:
 
 
 def _between(before: State, command: State, span: float, periods: int) -> Array:
-    """Give what is wanted at the beginning of each period, shape (periods, 3, n).
+    """Give what is wanted at the beginning of each period, shape (periods, 3, m).
 
     Positions follow cubics with the velocities of both ends, and velocities cubics with their
     accelerations, so that what a jump of the position adds to the velocity is left out.

@@ -1,5 +1,8 @@
 """A simulated parallel robot: trajectories command its drives, and all joints close the loops."""
 
+from functools import partial
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
@@ -7,13 +10,13 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.execution.joints import State
+from robomech_ros.nodes.common.error_codes import OutcomeError
 from robomech_ros.nodes.common.loop_positions import LoopPositions
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.joint_trajectory_controller.loop_checks import checked_drives
-from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
+from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot, dynamic_plant
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
-    KINEMATIC,
     ControllerSettings,
     check_simulation,
 )
@@ -21,6 +24,9 @@ from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Mechanism
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.waypoints import Waypoints
+
+if TYPE_CHECKING:
+    from robomech_ros.parallel import ParallelDynamics
 
 __all__ = ["ParallelRobot"]
 
@@ -42,22 +48,22 @@ class ParallelRobot(SimulatedRobot):
     Raises
     ------
     ParameterError
-        The initial position does not fit the robot, or its forces are to be simulated.
+        The initial position does not fit the robot, or parameters do not go together.
+    MissingInertiaError
+        The robot is to be simulated with its dynamics, and nothing is known of its platform.
     """
 
     def __init__(
         self, mechanism: Mechanism, settings: ControllerSettings, clock: MotionClock
     ) -> None:
         check_simulation(settings)
-        if settings.simulation != KINEMATIC:
-            allowed = f"{KINEMATIC}: '{mechanism.name}' is a parallel robot"
-            raise ParameterError("simulation", settings.simulation, allowed)
         self.mechanism = mechanism
         self._start = self._posture = _initial_posture(settings, mechanism)
         self._rates = np.zeros(mechanism.n)
         drives = mechanism.drive_index
         limits = Limits.of(mechanism).only(drives.tolist())
-        super().__init__(mechanism.name, limits, self._start[drives], settings, clock)
+        plant = dynamic_plant(partial(_with_bodies, mechanism), settings, self._start)
+        super().__init__(mechanism.name, limits, self._start[drives], settings, clock, plant)
 
     @property
     def shown_names(self) -> tuple[str, ...]:
@@ -67,6 +73,15 @@ class ParallelRobot(SimulatedRobot):
     def shown(self) -> State:
         """Give where all joints are; accelerations are not known."""
         return State(self._posture, self._rates, np.full(self.mechanism.n, np.nan))
+
+    def shown_efforts(self) -> Array | None:
+        """Give what drives exert (N m or N), NaN of passive joints; None without forces."""
+        efforts = self.simulated_joints.effort
+        if efforts is None:
+            return None
+        shown = np.full(self.mechanism.n, np.nan)
+        shown[self.mechanism.drive_index] = efforts
+        return shown
 
     def kept(self) -> Array:
         """Give all joints (n,), which tell the assembly mode, without the faults of sensors."""
@@ -86,20 +101,26 @@ class ParallelRobot(SimulatedRobot):
         closed = self.mechanism.close(drives, kept)
         if closed.status is Code.NONE:
             self._stand(closed.q)
-            self.follower.reset(drives, "")
+            super().resume(drives)
 
     def reset(self, text: str) -> None:
         """Put all joints back to where they were at start, at once."""
-        super().reset(text)
         self._stand(self._start)
+        super().reset(text)
 
     def advance_to(self, time: float) -> None:
         """Move on to a time (s), and have the passive joints follow."""
-        super().advance_to(time)
+        try:
+            super().advance_to(time)
+        except OutcomeError as error:
+            self._stop_before(str(error))
+            return
         self._close_loops()
 
     def _stand(self, q: Array) -> None:
         self._posture, self._rates = q, np.zeros(self.mechanism.n)
+        if self._plant is not None:
+            self._plant.assume(q)
 
     def _close_loops(self) -> None:
         """Find all joints for where the drives are; stop before a singular posture."""
@@ -113,10 +134,14 @@ class ParallelRobot(SimulatedRobot):
                 return
             except BadValueError as error:
                 reason = str(error)
+        self._stop_before(reason)
+
+    def _stop_before(self, reason: str) -> None:
+        """Have it stand where it was last, and end its motion."""
         text = f"stopped before a singular posture: {reason}"
+        self._stand(self._posture)
         self.follower.halt(Code.SINGULAR, text)
         self.follower.motion.put(self._posture[self.mechanism.drive_index])
-        self._stand(self._posture)
 
     def _read(self, trajectory: JointTrajectory) -> Waypoints:
         """Check a trajectory of the drives, on which the robot must keep its assembly mode."""
@@ -142,3 +167,9 @@ def _initial_posture(settings: ControllerSettings, mechanism: Mechanism) -> Arra
             allowed = f"from {low:.6g} to {high:.6g} {unit} for joint '{name}', not {value:.6g}"
             raise ParameterError("initial_positions", list(given), allowed)
     return q
+
+
+def _with_bodies(mechanism: Mechanism) -> "ParallelDynamics":
+    from robomech_ros.parallel import ParallelDynamics
+
+    return ParallelDynamics(mechanism)

@@ -23,10 +23,13 @@ from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory.limits import JointLimits, Limits
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from robomech_ros.dynamics import DynamicSystem
     from robomech_ros.nodes.joint_trajectory_controller.dynamic_plant import DynamicPlant
     from robomech_ros.walking import LeggedRobot
 
-__all__ = ["SimulatedRobot", "legged_robot", "serial_robot"]
+__all__ = ["SimulatedRobot", "dynamic_plant", "legged_robot", "serial_robot"]
 
 
 class SimulatedRobot(CommandedJoints):
@@ -58,7 +61,6 @@ class SimulatedRobot(CommandedJoints):
         plant: "DynamicPlant | None" = None,
     ) -> None:
         self.name = name
-        self._effort = getattr(limits, "effort", None)
         self._plant = plant
         simulated = SimulatedJoints(initial, settings.tracking_lag, plant)
         super().__init__("~", Joints.of(limits), simulated, settings, clock, threading.RLock())
@@ -70,9 +72,9 @@ class SimulatedRobot(CommandedJoints):
 
     def unlimited_joints(self) -> list[str]:
         """Name the joints that forces without a limit move."""
-        if not self.dynamic or self._effort is None:
+        if self._plant is None:
             return []
-        unlimited = np.flatnonzero(~np.isfinite(self._effort))
+        unlimited = np.flatnonzero(~np.isfinite(self._plant.effort))
         return [self.joint_names[int(joint)] for joint in unlimited]
 
     def saturation(self) -> str:
@@ -99,7 +101,7 @@ def serial_robot(
     """
     check_simulation(settings)
     initial = initial_position(settings, Limits.of(chain), chain.home())
-    plant = _dynamic_plant(chain, settings, initial)
+    plant = dynamic_plant(lambda: chain, settings, initial)
     return SimulatedRobot(chain.name, chain, initial, settings, clock, plant)
 
 
@@ -122,8 +124,10 @@ def legged_robot(
     return SimulatedRobot(legs.name, limits, initial, settings, clock)
 
 
-def _dynamic_plant(
-    chain: SerialChain, settings: ControllerSettings, position: NDArray[np.float64]
+def dynamic_plant(
+    robot: "Callable[[], SerialChain | DynamicSystem]",
+    settings: ControllerSettings,
+    posture: NDArray[np.float64],
 ) -> "DynamicPlant | None":
     """Make the drives and what they move; None where no forces are simulated."""
     if settings.simulation != DYNAMIC:
@@ -131,4 +135,4 @@ def _dynamic_plant(
     # Compiled code is loaded only where it is needed.
     from robomech_ros.nodes.joint_trajectory_controller.dynamic_plant import DynamicPlant
 
-    return DynamicPlant(chain, settings, position)
+    return DynamicPlant(robot(), settings, posture)

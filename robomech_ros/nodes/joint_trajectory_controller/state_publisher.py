@@ -75,7 +75,7 @@ class StatePublisher:
     def publish(self, stamp: tuple[int, int]) -> None:
         """Publish where the joints are, at a ROS time (s and ns); their lock is to be held."""
         for joints, places in self._commanded:
-            state, effort = joints.shown(), joints.simulated_joints.effort
+            state, effort = joints.shown(), joints.shown_efforts()
             self._position[places] = state.position
             self._velocity[places] = state.velocity
             if self._effort is not None and effort is not None:

@@ -8,15 +8,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.loops import dynamics as kernels
-from robomech_ros._kernels.loops.factors import NOT_FINITE, REGULAR
 from robomech_ros.dynamics import ConstrainedBodies
 from robomech_ros.dynamics.friction import friction_model, friction_of_rates
 from robomech_ros.dynamics.model import GRAVITY, surroundings
+from robomech_ros.dynamics.servo import CompiledServo, ServoLaw
 from robomech_ros.dynamics.systems import CompiledForward, LostPostureError
-from robomech_ros.errors import BadValueError, RobomechError, WrongSizeError
+from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.dynamics.calls import (
     as_rows,
+    compiled_forward,
     complements,
     finite,
     loop_arguments,
@@ -28,6 +29,7 @@ from robomech_ros.parallel.dynamics.complement import (
     joint_reactions,
 )
 from robomech_ros.parallel.dynamics.model import limb_totals, platform_body, refuse
+from robomech_ros.parallel.dynamics.servo import loop_servo, mode_postures
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combined
 from robomech_ros.spatial.arrays import as_finite
@@ -74,8 +76,8 @@ class ParallelDynamics:
         Where these are among the joints.
     lower, upper : ndarray, shape (n,)
         Position limits (rad or m).
-    effort : ndarray, shape (m,)
-        Limits of the drives (N m or N), NaN where there is none.
+    effort, velocity : ndarray, shape (m,)
+        Limits of the drives (N m or N; rad/s or m/s), NaN where there is none.
     friction_rows : ndarray, shape (4, n)
         Viscous, Coulomb, excess at rest and one over its rate.
 
@@ -112,6 +114,7 @@ class ParallelDynamics:
     lower: Array = field(init=False, repr=False)
     upper: Array = field(init=False, repr=False)
     effort: Array = field(init=False, repr=False)
+    velocity: Array = field(init=False, repr=False)
     friction_rows: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -127,6 +130,7 @@ class ParallelDynamics:
             ("lower", robot.lower),
             ("upper", robot.upper),
             ("effort", robot.effort[robot.drive_index]),
+            ("velocity", robot.velocity[robot.drive_index]),
             ("friction_rows", np.concatenate(friction, axis=1)),
         ):
             object.__setattr__(self, name, value)
@@ -262,20 +266,15 @@ class ParallelDynamics:
 
     def compiled_forward(self, gravity: ArrayLike, tip_wrench: ArrayLike | None) -> CompiledForward:
         """Give :meth:`forward` of single states without checks: accelerations into the last."""
-        around = surroundings((self.mechanism.n,), gravity, tip_wrench)
-        loops = loop_arguments(self.mechanism)
+        return compiled_forward(self.mechanism, gravity, tip_wrench)
 
-        def forward(q: Array, rates: Array, efforts: Array, out: Array) -> int:
-            given = q[None], rates[None], efforts[None]
-            status = int(kernels.forward(*loops, *given, around, out[None]))
-            if status not in (REGULAR, NOT_FINITE):
-                try:
-                    self._check(status, q)
-                except RobomechError as error:
-                    raise LostPostureError(str(error)) from None
-            return status
+    def compiled_servo(self, plant: ParallelDynamics, law: ServoLaw) -> CompiledServo:
+        """Have a controller that knows this robot drive it, or the same with a load."""
+        return loop_servo(self.mechanism, plant.mechanism, law)
 
-        return forward
+    def sampled_postures(self, count: int) -> Array:
+        """Spread postures (k, n), at most count, over the assembly mode of home."""
+        return mode_postures(self.mechanism, count)
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """Compute the generalised inertia ``N^T M N``, shape (..., m, m), with the rotors."""

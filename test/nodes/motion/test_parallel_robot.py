@@ -155,7 +155,6 @@ def test_initial_positions_of_drives_or_of_all_joints(platform):
 @pytest.mark.parametrize(
     ("parameters", "text"),
     [
-        ({"simulation": "dynamic"}, "is a parallel robot"),
         ({"initial_positions": [0.7, 0.7]}, "6, of the drives, or 36, of all joints"),
         ({"initial_positions": [2.0] * 6}, "0.6 to 0.95 m, the stroke"),
         ({"initial_positions": [0.01, 3.0, 0.01, 0.01, 0.01, 0.01]}, "initial_positions"),

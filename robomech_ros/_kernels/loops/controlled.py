@@ -1,0 +1,337 @@
+"""Chains that carry one platform under a controller of their drives, in fixed steps of time.
+
+As :mod:`..dynamics.controlled_chain`, over the drives: with the complement N of the loops, new
+rates v of the drives come from the generalised inertia ``N' M N`` and the efforts of gravity and
+motion, with dry friction and stops of the drives settled for each step.  Friction of passive joints
+is taken at the new rates, too, where dry friction c at a rate r brakes as if it were viscous with
+``c / |r|``: it takes what it should while they move, and lets them creep at rest.  Loops are closed
+after each step from the posture before, so that the assembly mode is never left: a step that would
+is not done.
+"""
+
+import math
+from collections import namedtuple
+
+import numpy as np
+
+from robomech_ros._kernels.compiling.jit import (
+    IIN1,
+    IN1,
+    IN2,
+    IN3,
+    IOUT1,
+    OUT1,
+    OUT2,
+    i8,
+    inline,
+    kernel,
+    lean,
+    linked,
+)
+from robomech_ros._kernels.dynamics.controlled_chain import COMPUTED_TORQUE, RUNS_AWAY
+from robomech_ros._kernels.dynamics.layout import SURROUNDINGS
+from robomech_ros._kernels.dynamics.sticking import AT_STOP, dry_friction, settled_rates
+from robomech_ros._kernels.loops.closing import close
+from robomech_ros._kernels.loops.dynamics import (
+    room_for,
+    write_complement,
+    write_efforts,
+    write_inertia,
+    write_joints,
+    write_rates,
+    write_turning,
+)
+from robomech_ros._kernels.loops.factors import REGULAR
+
+__all__ = ["servo_steps"]
+
+_call_close = linked(close)
+
+# Rate of a passive joint below which its dry friction no longer grows (rad/s, m/s).
+_CREEP = 1e-4
+
+# Of all joints: rates, accelerations without those of the drives and with them, torques, a posture,
+# zeros.  Of the drives: inertia, what settles their rates, torques asked and explained, and more.
+Work = namedtuple(
+    "Work",
+    (
+        "qd",
+        "drift",
+        "qdd",
+        "tau",
+        "trial",
+        "none",
+        "M",
+        "P",
+        "A",
+        "b",
+        "dry",
+        "low",
+        "high",
+        "v",
+        "asked",
+        "effort",
+        "explained",
+        "before",
+        "target",
+        "free",
+        "report",
+    ),
+)
+
+
+@inline
+def _work_for(n, m, widest):
+    return Work(
+        np.empty(n),
+        np.empty(n),
+        np.empty(n),
+        np.empty(n),
+        np.empty(n),
+        np.zeros(n),
+        np.empty((widest, widest)),
+        np.empty((widest, m)),
+        np.empty((m, m)),
+        np.empty(m),
+        np.empty(m),
+        np.empty(m),
+        np.empty(m),
+        np.empty(m),
+        np.empty(m),
+        np.empty(m),
+        np.empty(m),
+        np.empty(m),
+        np.empty(m),
+        np.zeros(SURROUNDINGS),
+        np.empty(2),
+    )
+
+
+@lean
+def _shape(model, starts, drives, scale, q, rates, room, work):
+    """Write the complement N, the rates of all joints, and their accelerations ``dN/dt u``."""
+    status = write_complement(model, starts, drives, scale, q, room)
+    if status != REGULAR:
+        return status
+    write_rates(room.N, rates, work.qd)
+    write_turning(starts, scale, work.qd, work.qd.reshape(-1, 1), room)
+    still, drift = work.none[: rates.size].reshape(-1, 1), work.drift.reshape(-1, 1)
+    return write_joints(starts, drives, scale, still, room, room.t_one, drift)
+
+
+@lean
+def _explained(model, starts, q, gains, around, room, work, out):
+    """Write the efforts (m,) that accelerations of the drives (m,) take; return a status."""
+    for j in range(q.size):
+        total = work.drift[j]
+        for a in range(gains.size):
+            total += room.N[j, a] * gains[a]
+        work.qdd[j] = total
+    return write_efforts(
+        model, starts, q, work.qd, work.qdd, around, work.free, room.N, work.tau, out
+    )
+
+
+@lean
+def _add_friction(friction, N, rates, before, sign, out):
+    """Add the friction of all joints at rates of the drives (m,), times a sign, to out (m,).
+
+    Dry friction is that of the rates before.
+    """
+    for j in range(N.shape[0]):
+        rate, was = 0.0, 0.0
+        for a in range(rates.size):
+            rate += N[j, a] * rates[a]
+            was += N[j, a] * before[a]
+        if rate == 0.0:
+            continue
+        lost = friction[0, j] * rate + math.copysign(dry_friction(friction, j, was), rate)
+        for a in range(rates.size):
+            out[a] += sign * N[j, a] * lost
+
+
+@lean
+def _command(model, tables, starts, drives, mode, around, q, rates, wanted, room, work):
+    """Write the efforts (m,) that the controller asks for; wanted is (3, m)."""
+    for j in range(q.size):
+        a = drives[j]
+        if a >= 0:
+            error = tables[4, j] * (wanted[0, a] - q[j])
+            work.asked[a] = error + tables[5, j] * (wanted[1, a] - rates[a])
+            if mode == COMPUTED_TORQUE:
+                work.asked[a] += wanted[2, a]
+    if mode == COMPUTED_TORQUE:
+        status = _explained(model, starts, q, work.asked, around, room, work, work.effort)
+    else:
+        status = write_efforts(
+            model,
+            starts,
+            q,
+            work.none,
+            work.none,
+            around,
+            work.free,
+            room.N,
+            work.tau,
+            work.effort,
+        )
+        for a in range(rates.size):
+            work.effort[a] += work.asked[a]
+    _add_friction(tables[:4], room.N, wanted[1], wanted[1], 1.0, work.effort)
+    return status
+
+
+@lean
+def _set_up(model, tables, starts, drives, around, step, q, rates, room, work):
+    """Write what settles the rates at the end of a step; return a status."""
+    m = rates.size
+    status = _explained(model, starts, q, work.none[:m], around, room, work, work.explained)
+    status |= write_inertia(model, starts, q, room.N, work.M, work.P, work.A)
+    for a in range(m):
+        value = step * (work.effort[a] - work.explained[a])
+        for c in range(m):
+            value += work.A[a, c] * rates[c]
+        work.b[a], work.v[a] = value, rates[a]
+    for j in range(q.size):
+        viscous, a = step * tables[0, j], drives[j]
+        dry = step * dry_friction(tables, j, work.qd[j])
+        if a >= 0:
+            work.A[a, a] += viscous
+            work.dry[a] = dry
+            work.low[a] = (tables[4, j] - q[j]) / step
+            work.high[a] = (tables[5, j] - q[j]) / step
+            continue
+        viscous += dry / max(abs(work.qd[j]), _CREEP)
+        if viscous > 0.0:
+            for a in range(m):
+                for c in range(m):
+                    work.A[a, c] += viscous * room.N[j, a] * room.N[j, c]
+    return status
+
+
+@lean
+def _observe(model, tables, starts, drives, around, share, period, state, room, work):
+    """Learn a share of the efforts that the model does not explain, of the period from `before`.
+
+    ``state`` has the rates at its end and what has been learned (2, m); the room and the posture
+    (`trial`) are those at its beginning.
+    """
+    rates, seen = state[0], state[1]
+    for a in range(rates.size):
+        work.asked[a] = (rates[a] - work.before[a]) / period
+    status = _explained(model, starts, work.trial, work.asked, around, room, work, work.explained)
+    _add_friction(tables[:4], room.N, rates, work.before, 1.0, work.explained)
+    for j in range(drives.size):
+        a = drives[j]
+        if a >= 0:
+            if work.low[a] >= -AT_STOP or work.high[a] <= AT_STOP:
+                seen[a] = 0.0
+            elif rates[a] != 0.0 or tables[1, j] + tables[2, j] == 0.0:
+                value = seen[a] + share * (work.effort[a] - work.explained[a] - seen[a])
+                seen[a] = min(max(value, -tables[6, j]), tables[6, j])
+    return status
+
+
+@inline
+def _move(packed, starts, drives, weights, scale, step, q, rates, work):
+    """Settle the rates and move by one step; return a status, where it is not 0, unmoved."""
+    if not settled_rates(work.A, work.b, work.dry, work.low, work.high, work.v, rates.size):
+        return RUNS_AWAY
+    work.trial[:] = q
+    for j in range(drives.size):
+        a = drives[j]
+        if a >= 0:
+            work.target[a] = q[j] + step * work.v[a]
+    target, trial, report = work.target, work.trial, work.report
+    status = _call_close(packed, starts, drives, scale, weights, target, trial, report)
+    if status == REGULAR:
+        q[:], rates[:] = work.trial, work.v
+    return status
+
+
+@lean
+def _slack(tables, drives, q, work):
+    """Write how far drives may still move to both sides."""
+    for j in range(drives.size):
+        a = drives[j]
+        if a >= 0:
+            work.low[a], work.high[a] = tables[4, j] - q[j], tables[5, j] - q[j]
+
+
+@kernel(i8(IN2, IIN1, IIN1, IN1, IN3, IN3, IN1, IN1, IN3, OUT1, OUT2, IOUT1))
+def servo_steps(
+    packed, starts, drives, weights, models, tables, how, around, wanted, state, out, report
+):
+    """Let a controller of the m drives move chains along what is wanted; return a status.
+
+    Parameters
+    ----------
+    packed, starts, drives, weights
+        As for :func:`.closing.close`.
+    models : (2, n + limbs, 24)
+        The chains that move, and those that the controller knows, as for :mod:`.dynamics`.
+    tables : (2, 7, n)
+        Of the chains that move, and of the controller, the friction of all joints in the first four
+        rows, as for ``controlled_chain``.  Then least and largest values of the joints that move;
+        gains of errors and of rates, and the largest efforts, of those with drives.
+    how : (5,)
+        The scale of :mod:`.factors`, the mode and the share of ``controlled_chain``, the period (s)
+        and the number of steps of it.
+    around : (15,)
+        As ``dynamics.layout`` says.
+    wanted : (k, 3, m)
+        Values, rates and accelerations of the drives at the beginning of each period.
+    state : (n + 2 m,)
+        Values of all joints, rates of the drives, and efforts that have been learned, brought to
+        the end; where the status is not 0, to the last good state.
+    out : (k, n + 2 m)
+        Values and rates at the end of each period, and the efforts in it.
+    report : (1,)
+        How many periods were done.
+    """
+    n, m, scale, share, period = drives.size, wanted.shape[2], how[0], how[2], how[3]
+    mode, substeps = int(how[1]), int(how[4])
+    step = period / substeps
+    room = room_for(starts, m)
+    work = _work_for(n, m, room.own.size)
+    q, rates, both = state[:n], state[n : n + m], state[n:].reshape(2, m)
+    plant, model, joints, known = models[0], models[1], tables[0], tables[1]
+    began = np.empty(n)
+    for k in range(wanted.shape[0]):
+        report[0] = k
+        status = _shape(plant, starts, drives, scale, q, rates, room, work)
+        if status == REGULAR:
+            status = _command(
+                model, known, starts, drives, mode, around, q, rates, wanted[k], room, work
+            )
+        if status != REGULAR:
+            return status
+        began[:] = q
+        for j in range(n):
+            a = drives[j]
+            if a >= 0:
+                work.before[a], limit = rates[a], known[6, j]
+                work.effort[a] = min(max(work.effort[a] + both[1, a], -limit), limit)
+        for substep in range(substeps):
+            if substep > 0:
+                status = _shape(plant, starts, drives, scale, q, rates, room, work)
+            if status == REGULAR:
+                status = _set_up(plant, joints, starts, drives, around, step, q, rates, room, work)
+            if status == REGULAR:
+                status = _move(packed, starts, drives, weights, scale, step, q, rates, work)
+            if status != REGULAR:
+                return status
+        if share > 0.0:
+            _slack(joints, drives, q, work)
+            if substeps > 1:
+                status = _shape(plant, starts, drives, scale, began, work.before, room, work)
+            work.trial[:] = began
+            if status == REGULAR:
+                status = _observe(
+                    model, known, starts, drives, around, share, period, both, room, work
+                )
+            if status != REGULAR:
+                return status
+        out[k, :n], out[k, n : n + m], out[k, n + m :] = q, rates, work.effort
+        report[0] = k + 1
+    return REGULAR

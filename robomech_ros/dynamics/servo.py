@@ -1,0 +1,129 @@
+"""What a controller of drives asks of a system, and a chain that moves as it says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.dynamics import controlled_chain as kernels
+from robomech_ros.dynamics.friction import friction_model
+from robomech_ros.dynamics.model import dynamic_model, surroundings
+from robomech_ros.errors import BadValueError
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["CompiledServo", "DrivenState", "ServoLaw", "ServoRun", "Timing", "chain_servo"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ServoLaw:
+    """A controller of m drives.
+
+    Attributes
+    ----------
+    mode : int
+        COMPUTED_TORQUE or PD_WITH_GRAVITY of the kernels.
+    gains : ndarray, shape (2, m)
+        Of errors and of their rates.
+    effort : ndarray, shape (m,)
+        Limits of the drives (N m or N), infinite where there is none.
+    gravity : ndarray, shape (3,)
+        In the axes of the base (m/s^2).
+    """
+
+    mode: int
+    gains: Array
+    effort: Array
+    gravity: Array
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenState:
+    """Where n joints and their m drives are; a run overwrites the arrays.
+
+    Attributes
+    ----------
+    q : ndarray, shape (n,)
+        All joints (rad or m).
+    rates, learned : ndarray, shape (m,)
+        Of the drives: their rates, and the efforts that the observer has learned (N m or N).
+    """
+
+    q: Array
+    rates: Array
+    learned: Array
+
+
+@dataclass(frozen=True)
+class Timing:
+    """How time passes.
+
+    Attributes
+    ----------
+    period : float
+        Of the controller (s).
+    substeps : int
+        Steps of the motion in each period.
+    share : float
+        Of the efforts that the model does not explain, that is learned in a period, 0 to 1.
+    """
+
+    period: float
+    substeps: int
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
+class ServoRun:
+    """What became of it, in the periods that were done.
+
+    Attributes
+    ----------
+    q : ndarray, shape (k, n)
+        All joints at the end of each.
+    rates, effort : ndarray, shape (k, m)
+        Of the drives.
+    lost : str
+        Why no posture of the assembly mode follows; empty if one does, or the motion ran away.
+    """
+
+    q: Array
+    rates: Array
+    effort: Array
+    lost: str = ""
+
+
+# Drives a state along what is wanted (k, 3, m), between least and largest values (2, m).
+CompiledServo = Callable[[DrivenState, Array, Array, Timing], ServoRun]
+
+
+def chain_servo(model: SerialChain, plant: SerialChain, law: ServoLaw) -> CompiledServo:
+    """Have a controller that knows one chain drive another.
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError
+        Of some links nothing is known, no body can have the numbers of one, or the joints are too
+        many.
+    """
+    if model.n > kernels.MOST_SERVO_JOINTS:
+        raise BadValueError("number of joints", model.n, f"at most {kernels.MOST_SERVO_JOINTS}")
+    moved, known = dynamic_model(plant), dynamic_model(model)
+    friction = friction_model(plant)
+    controller = np.vstack([friction_model(model), law.gains, law.effort])
+    around = surroundings((model.n,), law.gravity)[0].copy()
+
+    def servo(state: DrivenState, wanted: Array, stops: Array, timing: Timing) -> ServoRun:
+        out = np.empty((len(wanted), 3, model.n))
+        rows = np.array([state.q, state.rates, state.learned])
+        joints = np.vstack([friction, stops])
+        constants = (moved, joints, known, controller, law.mode, timing.share, around)
+        done = kernels.servo_steps(*constants, wanted, timing.period, timing.substeps, rows, out)
+        state.q[:], state.rates[:], state.learned[:] = rows
+        return ServoRun(out[:done, 0], out[:done, 1], out[:done, 2])
+
+    return servo
