@@ -451,10 +451,13 @@ def test_demo_of_a_robot_from_a_path(suite, tmp_path, repository):
     assert sorted(path.suffix for path in (tmp_path / "out").iterdir()) == [".html", ".png"]
 
 
-@pytest.mark.parametrize(("robot", "driven"), [("hexapod", "6 of them"), ("delta", "3 of them")])
-def test_demo_of_a_parallel_robot(suite, tmp_path, robot, driven):
+@pytest.mark.parametrize(
+    ("robot", "driven", "forces"),
+    [("hexapod", "6 of them", ["--dynamic", "--payload", "2"]), ("delta", "3 of them", [])],
+)
+def test_demo_of_a_parallel_robot(suite, tmp_path, robot, driven, forces):
     """Picked, lifted over and placed, and a circle; arrival is checked after every motion."""
-    options = ["--robot", robot, "--output", str(tmp_path / "out")]
+    options = ["--robot", robot, *forces, "--output", str(tmp_path / "out")]
     done = suite.run("robomech", "demo", *options, timeout=180)
     assert done.returncode == 0, done.stderr
     assert f"{driven} driven" in done.stdout
@@ -464,7 +467,9 @@ def test_demo_of_a_parallel_robot(suite, tmp_path, robot, driven):
     assert "everything worked" in done.stdout
     written = sorted(path.name for path in (tmp_path / "out").iterdir())
     assert written == [f"{robot}.html", f"{robot}.png"]
-    refused = suite.run("robomech", "demo", *options, "--dynamic")
+    tracked = "every joint stayed within 0.02 rad or m of its path"
+    assert (tracked in done.stdout) == bool(forces)
+    refused = suite.run("robomech", "demo", *options, "--group", "legs")
     assert refused.returncode == 1
     assert f"'{robot}' is a parallel robot" in refused.stderr
 

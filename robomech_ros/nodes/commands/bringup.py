@@ -167,7 +167,7 @@ def refuse_of_arms(args: argparse.Namespace, kind: KindNodes) -> None:
 
 def _leave_out(args: argparse.Namespace) -> None:
     """Leave out what does not serve parallel robots, and say so."""
-    for option in ("joint_limits", "srdf", "group", "dynamic"):
+    for option in ("joint_limits", "srdf", "group"):
         if given := getattr(args, option):
             expected = f"nothing: '{args.robot}' is a parallel robot"
             raise BadValueError(f"--{option.replace('_', '-')}", given, expected)

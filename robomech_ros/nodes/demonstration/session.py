@@ -17,7 +17,7 @@ from robomech_ros.nodes.demonstration.pick_and_place import PickAndPlace
 from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.suite import running_suite
 from robomech_ros.nodes.process.launch_options import LaunchOptions
-from robomech_ros.parallel import Mechanism, load_described
+from robomech_ros.parallel import Mechanism, ParallelDynamics, load_described
 from robomech_ros.plotting.joint_motions import plot_motion
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs import Motion, ViewUnavailableError, write_motion
@@ -58,9 +58,11 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
     if mechanism is not None:
         from robomech_ros.nodes.demonstration.platform_to_show import PlatformToShow
 
-        _check_options(which, payload)
+        _check_options(which)
+        if payload is not None:
+            ParallelDynamics(mechanism).mass_matrix(mechanism.home())
         platform = PlatformToShow(mechanism)
-        written = _session(which, platform, mechanism, output, reporter, None)
+        written = _session(which, platform, mechanism, output, reporter, payload)
     else:
         with robot_with_limits(which) as (used, chain, notice):
             if notice:
@@ -74,9 +76,9 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
     reporter.say(f"everything worked, in {time.perf_counter() - start:.1f} s")
 
 
-def _check_options(which: Which, payload: float | None) -> None:
+def _check_options(which: Which) -> None:
     """Refuse what is for arms only."""
-    given = {"--srdf": which.srdf, "--group": which.group, "--dynamic": payload is not None}
+    given = {"--srdf": which.srdf, "--group": which.group}
     for option, value in given.items():
         if value:
             raise BadValueError(option, value, f"none: '{which.robot}' is a parallel robot")
