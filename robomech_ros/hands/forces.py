@@ -25,6 +25,8 @@ SMALLEST = ("largest", "total")
 # Of loads of size 1, and the equilibrium that is left after one correction.
 _PRECISION = 1e-9
 _BALANCED = 1e-9
+# Cones are narrower by this part for the solver, so that what it leaves open lies within them.
+_NARROWER = 2e-8
 _MOST_LOAD = 1e12
 
 
@@ -179,6 +181,7 @@ def _program(
         own = own[own >= 0]
         block = np.zeros((len(own), m + 1))
         block[np.arange(len(own)), own] = -1.0
+        block[0, own[0]] = _NARROWER - 1.0
         rows.append(block)
         kinds.append(library.SecondOrderConeT(len(own)))
         if smallest == "largest":
