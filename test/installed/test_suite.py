@@ -395,7 +395,12 @@ def test_every_node_takes_what_launch_appends_and_ends_with_0_on_a_signal(
 ):
     # As launch_ros's Node makes it of name, namespace, parameters and remappings.
     file = tmp_path / "launch_params_0"
-    robot = {"mobile_base_node": "mecanum", "walker_node": "phantomx"}.get(node, "puma560")
+    others = {
+        "grasping_node": "three_fingered",
+        "mobile_base_node": "mecanum",
+        "walker_node": "phantomx",
+    }
+    robot = others.get(node, "puma560")
     parameters = {"robot_description": robot, "frame_prefix": "left/"}
     parameters |= {"port": 0} if node == "rvs_node" else {}
     file.write_text(yaml.safe_dump({"/**": {"ros__parameters": parameters}}))

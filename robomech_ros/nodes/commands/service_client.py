@@ -53,17 +53,20 @@ def call_service(service: str, kind: str, values: Mapping[str, Any], timeout: fl
     """
     deadline = time.monotonic() + timeout
     rclpy.init(args=[])
-    node = Node("robomech_call", enable_rosout=False, start_parameter_services=False)
     try:
-        with bounded_memory():
-            return _answer(node, f"/{service.removeprefix('/')}", kind, values, deadline, timeout)
+        node = Node("robomech_call", enable_rosout=False, start_parameter_services=False)
+        try:
+            with bounded_memory():
+                name = f"/{service.removeprefix('/')}"
+                return _answer(node, name, kind, values, deadline, timeout)
+        finally:
+            node.destroy_node()
     except Exception:
         # Each of rclpy's functions has an exception of its own for a context that is gone.
         if rclpy.ok():
             raise
         raise NoAnswerError("ROS was shut down before the answer came") from None
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
 
 
