@@ -256,9 +256,10 @@ class Walker:
             self._walking, self._body = True, self._body.copy()
             self._body[3], self._body[10] = self._stride.start(self._body[3]), -1.0
         geometry, settings = self._stride.geometry, self._stride.settings
-        self._part = (
-            _POSSIBLE(geometry, settings, self._body, self._feet, self._velocity) if moves else 1.0
-        )
+        self._part = 1.0
+        if moves:
+            state = self._body, self._feet, self._velocity
+            self._part = _POSSIBLE(geometry, settings, *state, self.period)
         used = self._go(self._velocity * self._part)
         self._part *= used
         if self._walking and not moves and self._at_rest():

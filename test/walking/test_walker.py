@@ -87,6 +87,48 @@ def test_the_trunk_moves_as_commanded_and_legs_stand_as_long_as_the_gait_says(ga
     assert np.abs(np.sum(contacts, axis=0) - duty * steps).max() <= 1.0
 
 
+def settled_walk(gait, cycle, speed):
+    """Give the updates of a walk straight ahead, but for its first 3 s."""
+    walker = walker_of(gait, timeout=100.0, cycle=cycle)
+    walker.command([0.0, speed, 0.0])
+    for _ in range(600):
+        walker.update()
+    return [walker.update() for _ in range(1300)], walker.period
+
+
+# The last one is no whole number of periods; rounding decides in which period the others land.
+CYCLES = [1.2, 1.17, 0.93, 1.177]
+
+
+@pytest.mark.parametrize("cycle", CYCLES)
+@pytest.mark.parametrize("gait", ROBOTS)
+def test_joint_rates_stay_continuous_when_feet_land(gait, cycle):
+    updates, period = settled_walk(gait, cycle, 0.1)
+    change = np.abs(np.diff([update.rates for update in updates], axis=0)) / period
+    assert change.max() < 2.0 * np.percentile(change, 99.0)
+
+
+@pytest.mark.parametrize("cycle", CYCLES)
+@pytest.mark.parametrize("gait", ROBOTS)
+def test_feet_land_where_their_swing_ends(gait, cycle):
+    speed = 0.02
+    updates, period = settled_walk(gait, cycle, speed)
+    feet = np.array([update.feet for update in updates])
+    contacts = np.array([update.contacts for update in updates])
+    moved = np.hypot(*np.diff(feet[:, :, :2], axis=0).transpose(2, 0, 1))
+    landing = contacts[1:] & ~contacts[:-1]
+    # A swing of fifth order is at most 15/8 times as fast as its mean, and goes no further in its
+    # last part e than 10 e^3 of its way.
+    swing = (1.0 - float(GAITS[gait].duty)) * cycle
+    way = speed * cycle
+    assert moved.max() <= 15.0 / 8.0 * way / swing * period * 1.001
+    assert moved[landing].max() <= 10.0 * (period / swing) ** 3 * way
+    for k in range(feet.shape[1]):
+        places = feet[1:, k][landing[:, k]]
+        assert len(places) >= 3
+        assert np.diff(places[:, 0]) == pytest.approx(way, abs=1e-9)
+
+
 @pytest.mark.parametrize("gait", ROBOTS)
 def test_a_time_out_ends_with_all_feet_down(gait):
     walker = walker_of(gait)

@@ -68,9 +68,12 @@ def _along(x, y, yaw, w, vx, vy, time):
     return x + c * dx - s * dy, y + s * dx + c * dy, yaw + turn
 
 
-@kernel(f8(IN2, IN1, IN1, IN2, IN1))
-def possible_part(geometry, settings, body, feet, twist):
-    """Give the part of a twist with which no foot leaves its circle before it is lifted."""
+@kernel(f8(IN2, IN1, IN1, IN2, IN1, f8))
+def possible_part(geometry, settings, body, feet, twist, period):
+    """Give the part of a twist with which no foot leaves its circle before it is lifted.
+
+    Those count that stand and those that land in the coming period.
+    """
     cycle, duty, radius = settings[0], settings[1], settings[3]
     w, vx, vy = twist[0], twist[1], twist[2]
     part = 1.0
@@ -80,12 +83,17 @@ def possible_part(geometry, settings, body, feet, twist):
         if stride > _LANDING * radius:
             part = min(part, _LANDING * radius / stride)
     for k in range(geometry.shape[0]):
-        if feet[k, 7] != 0.0:
-            continue
-        x, y = _in_frame(body, feet[k, 0], feet[k, 1])
-        dx, dy = x - geometry[k, 0], y - geometry[k, 1]
         phase = body[3] + geometry[k, 2]
-        time = (duty - phase - math.floor(duty - phase)) * cycle
+        if feet[k, 7] == 0.0:
+            x, y = _in_frame(body, feet[k, 0], feet[k, 1])
+            dx, dy = x - geometry[k, 0], y - geometry[k, 1]
+            time = (duty - phase - math.floor(duty - phase)) * cycle
+        elif math.floor(phase + period / cycle) > math.floor(phase):
+            dx, dy = feet[k, 5], feet[k, 6]
+            x, y = geometry[k, 0] + dx, geometry[k, 1] + dy
+            time = duty * cycle
+        else:
+            continue
         ux, uy = (w * y - vx) * time, -(w * x + vy) * time
         a, b = ux * ux + uy * uy, dx * ux + dy * uy
         c = dx * dx + dy * dy - radius * radius
@@ -128,17 +136,25 @@ def _at_place(geometry, body, feet, k):
 
 
 @lean
-def _swing(geometry, settings, body, time, feet, k, phase):
-    """Move a foot in the air, its landing place told by the twist until it becomes fixed."""
-    cycle, duty, radius = settings[0], settings[1], settings[3]
-    w, vx, vy = body[12], body[13], body[14]
-    nx, ny = geometry[k, 0], geometry[k, 1]
-    part = min(1.0, max(0.0, (phase - math.floor(phase) - duty) / (1.0 - duty)))
-    ox = 0.5 * duty * cycle * (vx - w * ny)
-    oy = 0.5 * duty * cycle * (vy + w * nx)
+def _landing(geometry, settings, body, k):
+    """Give where a foot should land beside its place: half of its way on the ground ahead."""
+    radius, half = settings[3], 0.5 * settings[1] * settings[0]
+    ox = half * (body[13] - body[12] * geometry[k, 1])
+    oy = half * (body[14] + body[12] * geometry[k, 0])
     far = math.hypot(ox, oy)
     if far > _LANDING * radius:
         ox, oy = ox * _LANDING * radius / far, oy * _LANDING * radius / far
+    return ox, oy
+
+
+@lean
+def _swing(geometry, settings, body, time, feet, k, phase):
+    """Move a foot in the air, its landing place told by the twist until it becomes fixed."""
+    cycle, duty = settings[0], settings[1]
+    w, vx, vy = body[12], body[13], body[14]
+    nx, ny = geometry[k, 0], geometry[k, 1]
+    part = min(1.0, max(0.0, (phase - math.floor(phase) - duty) / (1.0 - duty)))
+    ox, oy = _landing(geometry, settings, body, k)
     weight = 1.0 - _smooth(min(1.0, max(0.0, (part - _FREE) / (_FIXED - _FREE))))
     weight *= min(1.0, time / _FOLLOWING)
     feet[k, 5] += weight * (ox - feet[k, 5])
@@ -154,23 +170,27 @@ def _swing(geometry, settings, body, time, feet, k, phase):
 
 
 @lean
-def _land(geometry, body, feet, k):
-    c, s = math.cos(body[2]), math.sin(body[2])
+def _land(geometry, body, twist, passed, feet, k):
+    """Set a foot down where its swing ended, a time before the end of the period."""
+    x, y, yaw = _along(body[0], body[1], body[2], twist[0], twist[1], twist[2], -passed)
+    c, s = math.cos(yaw), math.sin(yaw)
     px, py = geometry[k, 0] + feet[k, 5], geometry[k, 1] + feet[k, 6]
-    feet[k, 0] = body[0] + c * px - s * py
-    feet[k, 1] = body[1] + s * px + c * py
+    feet[k, 0] = x + c * px - s * py
+    feet[k, 1] = y + s * px + c * py
     feet[k, 2] = 0.0
     feet[k, 7] = 0.0
 
 
 @lean
-def _feet_on(geometry, settings, old, body, time, feet, wants):
+def _feet_on(geometry, settings, old, body, twist, time, feet):
     """Lift, move and set down feet."""
-    duty = settings[1]
+    cycle, duty = settings[0], settings[1]
+    wants = twist[0] != 0.0 or twist[1] != 0.0 or twist[2] != 0.0
     for k in range(geometry.shape[0]):
         before, after = old[3] + geometry[k, 2], body[3] + geometry[k, 2]
         if feet[k, 7] != 0.0 and math.floor(after) > math.floor(before):
-            _land(geometry, body, feet, k)
+            passed = min(time, (after - math.floor(after)) * cycle)
+            _land(geometry, body, twist, passed, feet, k)
         elif feet[k, 7] == 0.0 and math.floor(after - duty) > math.floor(before - duty):
             allowed = wants or not _at_place(geometry, body, feet, k)
             if settings[4] > 0.0:
@@ -178,7 +198,7 @@ def _feet_on(geometry, settings, old, body, time, feet, wants):
             if allowed:
                 feet[k, 7] = 1.0
                 feet[k, 3], feet[k, 4] = feet[k, 0], feet[k, 1]
-                feet[k, 5], feet[k, 6] = 0.0, 0.0
+                feet[k, 5], feet[k, 6] = _landing(geometry, settings, body, k)
         if feet[k, 7] != 0.0:
             _swing(geometry, settings, body, time, feet, k, after)
 
@@ -211,7 +231,7 @@ def advance(
         body[3] = old[3] + time / settings[0]
         if settings[4] > 0.0:
             _sway(geometry, settings, body, feet, wants)
-        _feet_on(geometry, settings, old, body, time, feet, wants)
+        _feet_on(geometry, settings, old, body, twist, time, feet)
     px, py, pz = pose[9] + body[4], pose[10] + body[5], pose[11]
     J, T, standing = scratch(6, 3), scratch(4, 4), scratch(MOST_LEGS, 2)
     down = 0
