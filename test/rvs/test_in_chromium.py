@@ -115,10 +115,18 @@ def dragged(tab, steps, by):
 
 
 def release(tab, page, x, y):
-    """Let the gizmo go: a page that is drawing may miss it, as it may miss a click."""
+    """Let the gizmo go.
+
+    A page that is drawing may lose the capture of the mouse, and with it the release, however
+    often that comes: the gizmo is taken again then, as people do, and let go there.
+    """
     deadline = time.monotonic() + PATIENCE
+    tab.frames(3)
+    tab.mouse("mouseReleased", x, y)
+    tab.frames(10)
     while page._panel._held:
         assert time.monotonic() < deadline, "the gizmo is still held"
+        x, y = dragged(tab, 0, (0, 0))
         tab.frames(3)
         tab.mouse("mouseReleased", x, y)
         tab.frames(10)
