@@ -33,7 +33,7 @@ from robomech_ros.errors import (
 )
 from robomech_ros.hands.contacts import Contact, as_contacts
 from robomech_ros.robots import SerialChain
-from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
+from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_choices, check_keys, parse_yaml
 from robomech_ros.robots.kinds import documents_of
 from robomech_ros.robots.robot_yaml import description_from_yaml
 from robomech_ros.robots.source_files import document_source
@@ -200,9 +200,7 @@ def load_hand(name_or_path: str | os.PathLike[str]) -> Hand:
 def _from_yaml(text: str | bytes, where: str) -> Hand:
     keys = ("kind", "name", "source", "fingers")
     document = check_keys(parse_yaml(text, where), where, keys, ("notes",))
-    if document["kind"] != "hand":
-        why = f"{str(document['kind'])[:80]!r}, expected hand"
-        raise RobotDescriptionError(f"{where}: kind", why)
+    check_choices(document, where, kind=("hand",))
     source = read_text(document["source"], f"{where}: source", longest=None)
     if not isinstance(document["fingers"], list) or not document["fingers"]:
         raise RobotDescriptionError(f"{where}: fingers", "expected a list of fingers")

@@ -36,7 +36,7 @@ from robomech_ros.parallel.mechanism.parts import Parts
 from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
 from robomech_ros.parallel.spherical import Spherical3RRR
 from robomech_ros.parallel.stewart_gough import StewartGough
-from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
+from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_choices, check_keys, parse_yaml
 from robomech_ros.robots.source_files import document_source
 from robomech_ros.robots.yaml_bodies import body_from_yaml, drive_from_yaml
 
@@ -118,10 +118,7 @@ def parallel_from_yaml(text: str | bytes, where: str) -> ParallelRobot | Mechani
         It cannot be used: the message says where and why.
     """
     document = check_keys(parse_yaml(text, where), where, _HEAD, ("notes", *_PARTS, *_KEYS))
-    for key, known in (("kind", ("parallel",)), ("type", tuple(TYPES))):
-        if document[key] not in known:
-            why = f"{str(document[key])[:80]!r}, expected {' or '.join(known)}"
-            raise RobotDescriptionError(f"{where}: {key}", why)
+    check_choices(document, where, kind=("parallel",), type=TYPES)
     for key in ("name", "source"):
         if not isinstance(document[key], str) or not document[key].strip():
             raise RobotDescriptionError(f"{where}: {key}", "expected a text")

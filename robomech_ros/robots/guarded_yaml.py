@@ -11,7 +11,7 @@ import yaml
 
 from robomech_ros.errors import RobotDescriptionError
 
-__all__ = ["LARGEST_YAML", "UniqueKeyLoader", "check_keys", "parse_yaml", "shown"]
+__all__ = ["LARGEST_YAML", "UniqueKeyLoader", "check_choices", "check_keys", "parse_yaml", "shown"]
 
 # Bytes; a robot's file takes a few thousand.
 LARGEST_YAML = 256 * 1024
@@ -148,3 +148,18 @@ def check_keys(
         names = ", ".join(f"'{key}'" for key in missing)
         raise RobotDescriptionError(where, f"missing key {names}; allowed: {allowed}")
     return mapping
+
+
+def check_choices(mapping: Mapping[str, Any], where: str, **choices: Iterable[str]) -> None:
+    """Check that values of a mapping are among those known, such as ``kind=("hand",)``.
+
+    Raises
+    ------
+    RobotDescriptionError
+        Naming the key, its value and the values known.
+    """
+    for key, known in choices.items():
+        values = tuple(known)
+        if mapping[key] not in values:
+            why = f"{str(mapping[key])[:80]!r}, expected {' or '.join(values)}"
+            raise RobotDescriptionError(f"{where}: {key}", why)

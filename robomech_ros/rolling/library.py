@@ -27,7 +27,7 @@ from robomech_ros.errors import (
     RobomechError,
     RobotDescriptionError,
 )
-from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
+from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_choices, check_keys, parse_yaml
 from robomech_ros.robots.kinds import documents_of
 from robomech_ros.robots.source_files import document_source
 from robomech_ros.rolling.base import RollingBase
@@ -156,10 +156,7 @@ def _files() -> dict[str, Path]:
 
 def _from_text(text: str | bytes, where: str) -> RollingRobot:
     document = check_keys(parse_yaml(text, where), where, _NEEDED, _MORE)
-    for key, known in (("kind", ("rolling",)), ("drive", DRIVES)):
-        if document[key] not in known:
-            why = f"{str(document[key])[:80]!r}, expected {' or '.join(known)}"
-            raise RobotDescriptionError(f"{where}: {key}", why)
+    check_choices(document, where, kind=("rolling",), drive=DRIVES)
     for key in ("name", "source"):
         if not isinstance(document[key], str) or not document[key].strip():
             raise RobotDescriptionError(f"{where}: {key}", "expected a text")

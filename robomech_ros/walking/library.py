@@ -36,7 +36,7 @@ from numpy.typing import NDArray
 from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.parallel.mechanism.limb import Axis, chain_of_axes
 from robomech_ros.robots import RobotDescription, SerialChain, load_description
-from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
+from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_choices, check_keys, parse_yaml
 from robomech_ros.robots.kinds import documents_of
 from robomech_ros.robots.source_files import document_source
 from robomech_ros.robots.yaml_rows import read_number, read_positive, read_range, read_text
@@ -99,9 +99,7 @@ def load_legged(name_or_path: str | os.PathLike[str]) -> LeggedRobot:
     needed = ("kind", "name", "source", "legs")
     optional = ("notes", "trunk", "mass_centre", "urdf")
     document = check_keys(parse_yaml(text, where), where, needed, optional)
-    if document["kind"] != "walking":
-        why = f"{str(document['kind'])[:80]!r}, expected walking"
-        raise RobotDescriptionError(f"{where}: kind", why)
+    check_choices(document, where, kind=("walking",))
     rows = document["legs"]
     if not isinstance(rows, list) or not rows:
         raise RobotDescriptionError(f"{where}: legs", "expected a list of legs")

@@ -202,8 +202,10 @@ class LeggedRobot:
         Raises
         ------
         BadValueError
-            Not names of legs, or too few to stand on.
+            Not names of legs, too few to stand on, or ``least`` is no whole number.
         """
+        if not isinstance(least, int):
+            raise BadValueError("least", least, "a number of legs")
         if stance is None:
             return tuple(range(len(self.legs)))
         names = listed("stance", stance, "names of legs")

@@ -212,3 +212,9 @@ def test_documents_that_cannot_be_used(document, text):
     with pytest.raises(RobotDescriptionError) as caught:
         load_legged(document)
     assert text in str(caught.value)
+
+
+@pytest.mark.parametrize("least", ["x", None, [1, 2], 2.5])
+def test_how_many_legs_have_to_stand_is_a_whole_number(least):
+    with pytest.raises(RobomechError, match="least"):
+        load_legged("phantomx").standing([], least)
