@@ -18,9 +18,6 @@ class ConicSolverUnavailableError(RobomechError):
             "pip install 'robomech_ros[hands]'"
         )
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), ()
-
 
 def conic_solver() -> ModuleType:
     """Import the solver.

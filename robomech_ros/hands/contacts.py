@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -116,14 +117,14 @@ class Contact:
     @cached_property
     def tangents(self) -> Array:
         """Unit vectors at right angles to the normal and each other, shape (2, 3) or (1, 2)."""
-        n = self.normal
+        n = self.normal.tolist()
         if self.planar:
             return np.array([[-n[1], n[0]]])
-        first = np.zeros(3)
-        k = int(np.argmin(np.abs(n)))
-        first[k] = 1.0
-        first -= n[k] * n
-        first /= np.linalg.norm(first)
+        k = min(range(3), key=lambda i: abs(n[i]))
+        first = [-n[k] * x for x in n]
+        first[k] += 1.0
+        size = math.hypot(*first)
+        first = [x / size for x in first]
         second = [
             n[1] * first[2] - n[2] * first[1],
             n[2] * first[0] - n[0] * first[2],
@@ -137,8 +138,9 @@ class Contact:
         flat = 0 if self.model == "frictionless" else self.friction
         torsional = self.torsional if self.model == "soft" else 0.0
         if not self.planar:
-            vectors = (self.position, self.normal, *self.tangents)
-            return (*(float(x) for v in vectors for x in v), flat, flat, torsional)
+            along, across = self.tangents.tolist()
+            place = (*self.position.tolist(), *self.normal.tolist())
+            return (*place, *along, *across, flat, flat, torsional)
         (x, y), (nx, ny) = self.position.tolist(), self.normal.tolist()
         return (x, y, 0.0, nx, ny, 0.0, -ny, nx, 0.0, 0.0, 0.0, 0.0, flat, 0.0, 0.0)
 
@@ -187,7 +189,8 @@ def centre(contacts: Sequence[Contact]) -> Array:
 
 def span(contacts: Sequence[Contact], origin: Array) -> float:
     """Give the distance of the farthest contact from a point (m), 1 where all are in it."""
-    farthest = max(float(np.linalg.norm(one.position - origin)) for one in contacts)
+    middle = origin.tolist()
+    farthest = max(math.dist(one.position.tolist(), middle) for one in contacts)
     return farthest if farthest > 0.0 else 1.0
 
 
@@ -196,8 +199,17 @@ def rows_of(contacts: Sequence[Contact]) -> Array:
     return np.array([one.row for one in contacts])
 
 
-def cones_of(contacts: Sequence[Contact], origin: Array, length: float) -> Array:
+def cones_of(rows: Array, origin: Array, length: float) -> Array:
     """Give the wrenches of a unit normal force and of its friction and torsion.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (k, 15)
+        See :func:`rows_of`.
+    origin : ndarray, shape (3,), or (2,) of contacts in the plane
+        The point that moments are about (m).
+    length : float
+        Moments are in this unit (m).
 
     Returns
     -------
@@ -205,9 +217,9 @@ def cones_of(contacts: Sequence[Contact], origin: Array, length: float) -> Array
         Moments in units of the length first; d is 6, or 3 in the plane.  What contact i exerts is
         ``n cones[i, 0] + y @ cones[i, 1:]`` with ``|y| <= n``.
     """
-    planar = contacts[0].planar
-    cones = np.empty((len(contacts), 4, 3 if planar else 6))
+    planar = len(origin) == 2
+    cones = np.empty((len(rows), 4, 3 if planar else 6))
     point = np.zeros(3)
     point[: len(origin)] = origin
-    wrench_cones(rows_of(contacts), point, length, planar, cones)
+    wrench_cones(rows, point, length, planar, cones)
     return cones

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import csc_matrix
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.hands.conic_solver import conic_solver
-from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, cones_of, span
+from robomech_ros.hands.contacts import (
+    Contact,
+    as_contacts,
+    as_origin,
+    cones_of,
+    rows_of,
+    span,
+)
+from robomech_ros.hands.force_program import force_program
 from robomech_ros.spatial.arrays import as_choice, as_finite
 
 __all__ = ["SMALLEST", "ContactForces", "ForceStatus", "contact_forces"]
@@ -22,12 +28,16 @@ __all__ = ["SMALLEST", "ContactForces", "ForceStatus", "contact_forces"]
 Array = NDArray[np.float64]
 
 SMALLEST = ("largest", "total")
-# Of loads of size 1, and the equilibrium that is left after one correction.
-_PRECISION = 1e-9
+# What may be left of loads of size 1 after one correction.
 _BALANCED = 1e-9
-# Cones are narrower by this part for the solver, so that what it leaves open lies within them.
-_NARROWER = 2e-8
+_EPSILON = float(np.finfo(np.float64).eps)
 _MOST_LOAD = 1e12
+# Components of contacts among the normal force, the force along x, y, z, and the torsion.
+_EXERTED = {
+    "frictionless": (True, False, False, False, False),
+    "point": (False, True, True, True, False),
+    "soft": (False, True, True, True, True),
+}
 
 
 class ForceStatus(Enum):
@@ -128,111 +138,66 @@ def contact_forces(
     length = min(span(given, point), LARGEST_LENGTH)
     scaled = load.copy()
     scaled[: d // 2] /= length
-    weight = float(np.linalg.norm(scaled))
+    weight = math.hypot(*scaled)
+    rows = rows_of(given)
     if weight == 0.0:
-        zero = np.zeros((len(given), 4))
-        return _result(given, zero, ForceStatus.HELD, None)
-    cones = cones_of(given, point, length)
-    y, status, direction = _solved(given, cones, -scaled / weight, smallest)
+        return _result(given, rows, np.zeros((len(given), 4)), ForceStatus.HELD, None)
+    cones = cones_of(rows, point, length)
+    y, status, direction = _solved(rows, cones, -scaled / weight, smallest)
     if direction is not None:
-        direction = direction.copy()
         direction[: d // 2] /= length
-    return _result(given, y * weight, status, direction)
+    return _result(given, rows, y * weight, status, direction)
 
 
 def _solved(
-    contacts: Sequence[Contact], cones: Array, needed: Array, smallest: str
+    rows: Array, cones: Array, needed: Array, smallest: str
 ) -> tuple[Array, ForceStatus, Array | None]:
     """Solve for normal forces and bounded components y (k, 4) that exert the wrench needed."""
-    library = conic_solver()
-    columns, program = _program(library, contacts, cones, needed, smallest)
-    P, q, A, b, kinds = program
-    settings = library.DefaultSettings()
-    settings.verbose = False
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = _PRECISION
-    found = library.DefaultSolver(P, q, A, b, kinds, settings).solve()
-    y = np.full((len(contacts), 4), np.nan)
-    if found.status == library.SolverStatus.PrimalInfeasible:
-        direction = -np.array(found.z[: len(needed)])
-        return y, ForceStatus.NOT_HELD, direction / np.linalg.norm(direction)
-    W = cones.reshape(-1, len(needed)).T[:, columns]
-    x = np.array(found.x[: len(columns)])
-    x -= np.linalg.lstsq(W, W @ x - needed, rcond=None)[0]
+    d = len(needed)
+    used = np.ones((len(rows), 4), np.bool_)
+    used[:, 1:] = rows[:, 12:] > 0.0
+    program = force_program(used, d, smallest == "largest")
+    y = np.where(used, np.nan, 0.0)
+    W = cones[used].T
+    U, s, Vt = np.linalg.svd(W, full_matrices=False)
+    rank = int((s > _EPSILON * max(W.shape) * s[0]).sum())
+    U, s, Vt = U[:, :rank], s[:rank], Vt[:rank]
+    # A wrench that no forces exert at all, as a moment about the line through two contacts: the
+    # solver finds no proof of that.
+    rest = needed - U @ (U.T @ needed)
+    size = math.hypot(*rest)
+    if size > _BALANCED:
+        return y, ForceStatus.NOT_HELD, rest / size
+    found = program.solve(W, rows[:, 12:], needed)
+    if found.status == program.library.SolverStatus.PrimalInfeasible:
+        direction = -np.array(found.z[:d])
+        return y, ForceStatus.NOT_HELD, direction / math.hypot(*direction)
+    x = np.array(found.x[: W.shape[1]])
+    x -= Vt.T @ ((U.T @ (W @ x - needed)) / s)
     if not float(np.abs(W @ x - needed).max()) < _BALANCED:
         return y, ForceStatus.NOT_CONVERGED, None
-    y[:] = 0.0
-    y.ravel()[columns] = x
+    y[used] = x
     return y, ForceStatus.HELD, None
 
 
-def _program(
-    library: Any, contacts: Sequence[Contact], cones: Array, needed: Array, smallest: str
-) -> tuple[NDArray[np.intp], tuple[Any, ...]]:
-    """Write min q x with A x + s = b and s in cones; the last unknown bounds each force."""
-    k, d = len(contacts), len(needed)
-    used = np.array([_used(one) for one in contacts])
-    columns = np.flatnonzero(used.ravel())
-    place = np.full(4 * k, -1)
-    place[columns] = np.arange(len(columns))
-    m = len(columns)
-    rows, kinds = [], [library.ZeroConeT(d)]
-    for i, one in enumerate(contacts):
-        own = place[4 * i : 4 * i + 4]
-        own = own[own >= 0]
-        block = np.zeros((len(own), m + 1))
-        block[np.arange(len(own)), own] = -1.0
-        block[0, own[0]] = _NARROWER - 1.0
-        rows.append(block)
-        kinds.append(library.SecondOrderConeT(len(own)))
-        if smallest == "largest":
-            tangents = 0 if one.model == "frictionless" else len(one.tangents)
-            force = np.zeros((2 + tangents, m + 1))
-            force[0, m] = -1.0
-            force[1, own[0]] = -1.0
-            for j in range(tangents if one.friction > 0.0 else 0):
-                force[2 + j, own[1 + j]] = -one.friction
-            rows.append(force)
-            kinds.append(library.SecondOrderConeT(len(force)))
-    balance = np.zeros((d, m + 1))
-    balance[:, :m] = cones.reshape(4 * k, d).T[:, columns]
-    A = np.vstack([balance, *rows])
-    b = np.zeros(len(A))
-    b[:d] = needed
-    q = np.zeros(m + 1)
-    if smallest == "largest":
-        q[m] = 1.0
-    else:
-        q[place[4 * np.arange(k)]] = 1.0
-        A, q = A[:, :m], q[:m]
-    empty = csc_matrix((len(q), len(q)))
-    return columns, (empty, q, csc_matrix(A), b, kinds)
-
-
-def _used(contact: Contact) -> list[bool]:
-    """Say which of the normal force, two tangential components and the torsion a contact has."""
-    friction = contact.model != "frictionless" and contact.friction > 0.0
-    soft = contact.model == "soft" and contact.torsional > 0.0
-    return [True, friction, friction and not contact.planar, soft]
-
-
 def _result(
-    contacts: Sequence[Contact], y: Array, status: ForceStatus, direction: Array | None
+    contacts: Sequence[Contact],
+    rows: Array,
+    y: Array,
+    status: ForceStatus,
+    direction: Array | None,
 ) -> ContactForces:
     """Give forces (k, size) and components of normal forces and bounded parts y (k, 4)."""
-    forces, torsions, components = [], [], []
-    for one, (normal, *parts) in zip(contacts, y, strict=True):
-        tangential = np.array(parts[: len(one.tangents)])
-        force = normal * one.normal
-        if one.model != "frictionless":
-            force = force + one.friction * tangential @ one.tangents
-        torsion = one.torsional * parts[2] if one.model == "soft" else 0.0
-        forces.append(force)
-        torsions.append(torsion)
-        own = [normal] if one.model == "frictionless" else [*force]
-        components.extend([*own, torsion] if one.model == "soft" else own)
-    held = np.array(forces)
-    largest = float(np.linalg.norm(held, axis=1).max())
-    total = float(y[:, 0].sum())
+    size = len(contacts[0].position)
+    normal, scaled = y[:, 0], y[:, 1:] * rows[:, 12:]
+    parts = np.empty((len(rows), 5))
+    parts[:, 0], parts[:, 4] = normal, scaled[:, 2]
+    parts[:, 1:4] = normal[:, None] * rows[:, 3:6]
+    parts[:, 1:4] += scaled[:, :1] * rows[:, 6:9] + scaled[:, 1:2] * rows[:, 9:12]
+    exerted = np.array([_EXERTED[one.model] for one in contacts])
+    exerted[:, 1 + size : 4] = False
+    forces = parts[:, 1 : 1 + size].copy()
+    largest = math.sqrt((forces * forces).sum(axis=1).max())
     return ContactForces(
-        held, np.array(torsions), np.array(components), status, direction, largest, total
+        forces, scaled[:, 2], parts[exerted], status, direction, largest, float(normal.sum())
     )

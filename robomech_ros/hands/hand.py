@@ -20,7 +20,6 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import yaml
@@ -33,11 +32,10 @@ from robomech_ros.errors import (
 )
 from robomech_ros.hands.contacts import Contact, as_contacts
 from robomech_ros.robots import SerialChain
-from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_choices, check_keys, parse_yaml
-from robomech_ros.robots.kinds import documents_of
+from robomech_ros.robots.documents.guarded_yaml import check_keys
+from robomech_ros.robots.documents.yaml_rows import read_text
+from robomech_ros.robots.kinds import checked_document, names_of, source_of
 from robomech_ros.robots.robot_yaml import description_from_yaml
-from robomech_ros.robots.source_files import document_source
-from robomech_ros.robots.yaml_rows import read_text
 from robomech_ros.spatial.arrays import as_finite, listed
 
 __all__ = [
@@ -162,11 +160,7 @@ def list_hands() -> tuple[str, ...]:
     >>> "three_fingered" in list_hands()
     True
     """
-    return tuple(sorted(_files()))
-
-
-def _files() -> dict[str, Path]:
-    return documents_of("hand")
+    return names_of("hand")
 
 
 def load_hand(name_or_path: str | os.PathLike[str]) -> Hand:
@@ -194,14 +188,12 @@ def load_hand(name_or_path: str | os.PathLike[str]) -> Hand:
     >>> load_hand("three_fingered").n
     9
     """
-    return _from_yaml(*document_source(name_or_path, _files, LARGEST_YAML))
+    return _from_yaml(*source_of("hand", name_or_path))
 
 
 def _from_yaml(text: str | bytes, where: str) -> Hand:
-    keys = ("kind", "name", "source", "fingers")
-    document = check_keys(parse_yaml(text, where), where, keys, ("notes",))
-    check_choices(document, where, kind=("hand",))
-    source = read_text(document["source"], f"{where}: source", longest=None)
+    document = checked_document("hand", text, where, ("fingers",))
+    source = document["source"]
     if not isinstance(document["fingers"], list) or not document["fingers"]:
         raise RobotDescriptionError(f"{where}: fingers", "expected a list of fingers")
     chains, names = [], []
@@ -212,8 +204,6 @@ def _from_yaml(text: str | bytes, where: str) -> Hand:
         ends = {"source": source, "base_link": "palm", "tip_link": f"{names[-1]}_tip"}
         chains.append(description_from_yaml(yaml.safe_dump({**finger, **ends}), place).chain())
     try:
-        return Hand(
-            read_text(document["name"], f"{where}: name"), tuple(chains), tuple(names), source
-        )
+        return Hand(document["name"], tuple(chains), tuple(names), source)
     except (BadValueError, WrongSizeError) as error:
         raise RobotDescriptionError(f"{where}: fingers", str(error)) from None

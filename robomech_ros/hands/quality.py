@@ -8,25 +8,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros._kernels.hands.growing import CLOSE, grow
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.hands.closure import is_force_closed
-from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, cones_of
+from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, cones_of, rows_of
 from robomech_ros.spatial.arrays import real_number
 
 __all__ = ["GraspQuality", "grasp_quality"]
 
 Array = NDArray[np.float64]
 
-# Facets that are cut at once: more than one, since each call of the hull costs.
-_AT_ONCE = 4
-# Points of the hull, and points so near to one of them that they are the same.
 _MOST_POINTS = 100_000
-_SAME = 1e-9
-# Rounding of a hull of numbers about 1.
-_ROUNDING = 1e-10
-# Share of a wrench that is given up, so that the hull has no facets of more points than it needs.
-_SHRINKING = 1e-6
+# Facets at one time: in space more than any grasp of six contacts takes, in the plane twice as many
+# as points.
+_MOST_FACETS = 200_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +60,7 @@ def grasp_quality(
     length: float,
     origin: ArrayLike | None = None,
     tolerance: float = 1e-4,
-    most_points: int = 400,
+    most_points: int = 2000,
 ) -> GraspQuality:
     """Compute bounds of the quality of Ferrari and Canny, friction cones as they are, round.
 
@@ -84,7 +80,8 @@ def grasp_quality(
     tolerance : float, optional
         How close the bounds are to be.
     most_points : int, optional
-        Wrenches after which it ends with the bounds that it has.
+        Wrenches after which it ends with the bounds that it has; 200000 facets at one time end it,
+        too.
 
     Returns
     -------
@@ -99,7 +96,7 @@ def grasp_quality(
     ----------
     Ferrari and Canny, Planning Optimal Grasps, ICRA 1992, the criterion of the sum of the forces.
     Zheng, An Efficient Algorithm for a Grasp Quality Measure, IEEE Trans. Robotics 29, 2013, for
-    the growing hull.
+    the hull that grows where it is nearest.
 
     Examples
     --------
@@ -116,11 +113,11 @@ def grasp_quality(
     if real_number("most_points", most_points, expected) not in range(1, _MOST_POINTS + 1):
         raise BadValueError("most_points", most_points, expected)
     point = as_origin(origin, given)
-    cones = cones_of(given, point, size)
+    cones = cones_of(rows_of(given), point, size)
     if not is_force_closed(given):
         return GraspQuality(0.0, 0.0, np.zeros(cones.shape[2]), size, point, True)
-    lower, upper, weakest = _bounds(cones, close, int(most_points))
-    return GraspQuality(lower, upper, weakest, size, point, upper - lower <= close)
+    lower, upper, weakest, certified = _bounds(cones, close, int(most_points))
+    return GraspQuality(lower, upper, weakest, size, point, certified)
 
 
 def _positive(what: str, value: object, largest: float) -> float:
@@ -133,71 +130,19 @@ def _positive(what: str, value: object, largest: float) -> float:
     return number
 
 
-def _bounds(cones: Array, close: float, most: int) -> tuple[float, float, Array]:
-    """Let the hull grow until its nearest facet is close to where that would touch the cones."""
-    # Loaded here: it takes a good part of the start of a node.
-    from scipy.spatial import ConvexHull
-
-    rng = np.random.default_rng(0)
-    points = _shrunk(_first_points(cones), rng)
-    upper, weakest, lower = np.inf, np.zeros(cones.shape[2]), 0.0
-    hull = ConvexHull(points, incremental=True)
-    while True:
-        normals, distances = hull.equations[:, :-1], -hull.equations[:, -1]
-        lower = max(lower, float(distances.min()) - _ROUNDING)
-        near = np.flatnonzero(distances < upper - close)
-        near = near[np.argsort(distances[near], kind="stable")[:_AT_ONCE]]
-        if not len(near):
-            break
-        touching, heights = _touching(cones, normals[near])
-        greatest = heights.max(axis=1)
-        k = int(np.argmin(greatest))
-        if greatest[k] < upper:
-            upper, weakest = float(greatest[k]), normals[near[k]].copy()
-        room = most - len(hull.points)
-        new = _distinct(touching[heights > distances[near][:, None] + 0.25 * close], points)[:room]
-        if upper - lower <= close or not len(new):
-            break
-        points = np.concatenate([points, new])
-        hull.add_points(_shrunk(new, rng))
-    return max(0.0, min(lower, upper)), upper, weakest
-
-
-def _shrunk(points: Array, rng: np.random.Generator) -> Array:
-    """Move points a little towards the origin, which leaves no six of them in one facet more."""
-    return points * (1.0 - _SHRINKING * rng.random((len(points), 1)))
-
-
-def _first_points(cones: Array) -> Array:
-    """Give the wrench of the normal of each contact and some of the rim of its cone."""
-    normal = cones[:, :1]
-    rims = [normal + sign * cones[:, 1:] for sign in (1.0, -1.0)]
-    points = np.concatenate([normal, *rims], axis=1).reshape(-1, cones.shape[2])
-    return _distinct(points, np.empty((0, cones.shape[2])))
-
-
-def _touching(cones: Array, normals: Array) -> tuple[Array, Array]:
-    """Give the wrench of each contact that is farthest along each normal, and how far.
-
-    Returns
-    -------
-    touching : ndarray, shape (m, k, d)
-    heights : ndarray, shape (m, k)
-    """
-    along = np.einsum("kjd,md->mkj", cones, normals)
-    across = along[:, :, 1:]
-    size = np.sqrt((across * across).sum(axis=2))
-    y = across / np.where(size > 0.0, size, 1.0)[:, :, None]
-    return cones[:, 0] + np.einsum("mkj,kjd->mkd", y, cones[:, 1:]), along[:, :, 0] + size
-
-
-def _distinct(points: Array, known: Array) -> Array:
-    """Leave out points that are there already."""
-    seen = {row.tobytes() for row in np.round(known / _SAME) + 0.0}
-    keep = []
-    for k, row in enumerate(np.round(points / _SAME) + 0.0):
-        name = row.tobytes()
-        if name not in seen:
-            seen.add(name)
-            keep.append(k)
-    return points[keep]
+def _bounds(cones: Array, close: float, most: int) -> tuple[float, float, Array, bool]:
+    """Let a hull grow until its nearest facet is close to where that would touch the cones."""
+    d = cones.shape[2]
+    room = _MOST_FACETS if d > 3 else 2 * (most + d)
+    found = np.empty(d + 2)
+    status = grow(
+        cones,
+        close,
+        np.empty((most + d + 1, d)),
+        np.empty((room, 2 * d + 1), np.int64),
+        np.empty((room, d + 1)),
+        np.empty((room, 2)),
+        np.empty((3, room), np.int64),
+        found,
+    )
+    return float(found[0]), float(found[1]), found[2:].copy(), status == CLOSE

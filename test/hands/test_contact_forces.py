@@ -4,7 +4,7 @@ import sys
 
 import numpy as np
 import pytest
-from grasps import on_sphere, opposed, random_sphere
+from grasps import CUBE, TETRAHEDRON, on_sphere, opposed, random_sphere
 from scipy.optimize import linprog
 
 from robomech_ros.hands import (
@@ -18,18 +18,25 @@ from robomech_ros.hands import (
 DOWN = [0.0, 0.0, 0.0, 0.0, 0.0, -1.0]
 
 
+def reaches(one):
+    """How far friction along both tangents and torsion go for a unit of normal force."""
+    friction = 0.0 if one.model == "frictionless" else one.friction
+    return np.array([friction, friction, one.torsional if one.model == "soft" else 0.0])
+
+
 def excess(contacts, found):
     """How far forces are outside their cones."""
     worst = -np.inf
     for one, force, torsion in zip(contacts, found.forces, found.torsions, strict=True):
         normal = force @ one.normal
         across = np.linalg.norm(force - normal * one.normal)
-        if one.model == "frictionless":
-            worst = max(worst, across, -normal)
-        elif one.model == "soft":
-            worst = max(worst, np.hypot(across / one.friction, torsion / one.torsional) - normal)
-        else:
-            worst = max(worst, across - one.friction * normal)
+        share = 0.0
+        for size, reach in zip((across, abs(torsion)), reaches(one)[1:], strict=True):
+            if reach:
+                share = np.hypot(share, size / reach)
+            else:
+                worst = max(worst, size)
+        worst = max(worst, share - normal)
     return worst
 
 
@@ -49,6 +56,21 @@ def test_forces_balance_the_load_inside_their_cones(model, smallest):
         assert np.abs(grasp_matrix(contacts, o) @ found.components + load).max() < 1e-9 * weight
         assert excess(contacts, found) < 1e-7 * weight
     assert held >= 5
+
+
+def test_moments_about_the_line_through_two_contacts_are_held_by_no_forces():
+    """The solver finds neither forces nor a proof of that, as no force however large helps."""
+    rng = np.random.default_rng(14)
+    for _ in range(20):
+        contacts = random_sphere(rng, 2, 0.6, "point", 0.0)
+        load = rng.normal(size=6)
+        found = contact_forces(contacts, load)
+        assert found.status is ForceStatus.NOT_HELD
+        s = found.separating_wrench
+        assert s @ load < -1e-6
+        assert np.abs(s @ grasp_matrix(contacts, [0.0, 0.0, 0.0])).max() < 1e-9
+        along = contacts[1].position - contacts[0].position
+        np.testing.assert_allclose(np.cross(s[:3] + 0.0, along), np.zeros(3), atol=1e-9)
 
 
 def test_optima_that_can_be_computed_by_hand():
@@ -81,6 +103,57 @@ def test_the_total_is_between_those_of_pyramids():
     around, inside = (least_total(contacts, load, 200, wider) for wider in (True, False))
     assert around - 1e-7 <= total <= inside + 1e-7
     assert inside - around < 1e-2 * total
+
+
+def every_kind(rng):
+    """Contacts of all models, some without friction or torsion, that surround a sphere."""
+    points = np.vstack([CUBE, TETRAHEDRON]) + 0.1 * rng.normal(size=(10, 3))
+    kinds = [
+        ("frictionless", 0.0, 0.0), ("point", 0.6, 0.0), ("point", 0.0, 0.0),
+        ("soft", 0.4, 0.1), ("soft", 0.5, 0.0), ("soft", 0.0, 0.1),
+    ]  # fmt: skip
+    return [
+        Contact(p, -p, model, friction * rng.uniform(0.8, 1.2), torsional * rng.uniform(0.8, 1.2))
+        for p, (model, friction, torsional) in zip(points, [*kinds, *kinds[:4]], strict=True)
+    ]
+
+
+def least_largest(contacts, load, directions):
+    """No more than the least greatest force: planes around cones and balls, a linear program."""
+    count = 4 * len(contacts) + 1
+    equal, above = np.zeros((6, count)), []
+    bounds = [(None, None)] * count
+    for k, one in zip(range(0, count - 1, 4), contacts, strict=True):
+        axes, reach = np.vstack([one.normal, one.tangents]), reaches(one)
+        equal[:, k : k + 3] = np.hstack([np.cross(one.position, axes), axes]).T
+        equal[:3, k + 3] = one.normal
+        bounds[k + 1 : k + 4] = [(None, None) if far else (0.0, 0.0) for far in reach]
+        for u in directions:
+            ball, cone = np.zeros((2, count))
+            ball[k : k + 3], ball[-1] = u, -1.0
+            cone[k + 1 : k + 4] = np.divide(u, reach, out=np.zeros(3), where=reach > 0.0)
+            cone[k] = -np.linalg.norm(u[reach > 0.0])
+            above += [ball, cone]
+    cost = np.eye(count)[-1]
+    return linprog(cost, above, np.zeros(len(above)), equal, -load, bounds, method="highs").fun
+
+
+def test_the_greatest_force_of_contacts_of_every_kind_is_the_least():
+    """Grasps of the same kinds with other numbers, one after the other, each its own optimum."""
+    rng = np.random.default_rng(15)
+    directions = rng.normal(size=(300, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    for _ in range(3):
+        contacts, load = every_kind(rng), rng.normal(size=6)
+        least = least_largest(contacts, load, directions)
+        found = contact_forces(contacts, load)
+        balance = grasp_matrix(contacts, [0.0, 0.0, 0.0]) @ found.components + load
+        assert np.abs(balance).max() < 1e-9 * np.linalg.norm(load)
+        assert excess(contacts, found) < 1e-7
+        assert least - 1e-7 <= found.largest <= 1.05 * least
+        again = contact_forces(contacts, load, smallest="total")
+        assert again.total <= found.total + 1e-7
+        assert found.largest <= again.largest + 1e-7
 
 
 def test_an_impossible_load_is_answered_with_its_direction():

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
 
 from robomech_ros.errors import (
     BadValueError,
@@ -209,6 +211,65 @@ def test_accelerations_are_the_second_differences_of_postures():
     found, slip = finger_accelerations(HAND, q, rates, contacts, t, rate)
     assert slip < 1e-12
     assert found == pytest.approx((after - 2 * q + before) / h**2, abs=1e-4)
+
+
+@pytest.mark.parametrize("model", ["point", "soft"])
+def test_an_object_that_a_fingertip_carries_gives_back_how_the_finger_moves(model):
+    """Twist and its rate are differences of poses of the tip, on random motions."""
+    rng, h = np.random.default_rng(30), 1e-4
+    for k in (0, 1, 2) * 3:
+        q, speed, rate = rng.uniform(0.2, 0.8, 9), np.zeros(9), np.zeros(9)
+        own = slice(3 * k, 3 * k + 3)
+        speed[own], rate[own] = rng.normal(size=(2, 3))
+        chain = HAND.fingers[k]
+        start = forward_kinematics(chain, q[own])
+        after, before = (
+            forward_kinematics(chain, (q + s * h * speed + 0.5 * h * h * rate)[own])
+            @ np.linalg.inv(start)
+            for s in (1.0, -1.0)
+        )
+        ends = [Rotation.from_matrix(T[:3, :3]).as_rotvec() for T in (after, before)]
+        places = [T[:3, 3] for T in (after, before)]
+        t = np.concatenate([ends[0] - ends[1], places[0] - places[1]]) / (2.0 * h)
+        td = np.concatenate([ends[0] + ends[1], places[0] + places[1]]) / (h * h)
+        touched = [Contact(start[:3, 3], rng.normal(size=3), model, 0.5, 0.01)]
+        rates, slip = finger_rates(HAND, q, touched, t, fingers=[k])
+        assert rates == pytest.approx(speed, abs=1e-6)
+        assert slip < 1e-6
+        found, slip = finger_accelerations(HAND, q, rates, touched, t, td, fingers=[k])
+        assert found == pytest.approx(rate, abs=1e-4)
+        assert slip < 1e-4
+
+
+def branches_by_search(chain, point, rng):
+    """Postures of a finger at a point that a solver finds from random starts, modulo turns."""
+    found = []
+    for _ in range(60):
+        end = least_squares(
+            lambda q: forward_kinematics(chain, q)[:3, 3] - point,
+            rng.uniform(-np.pi, np.pi, chain.n),
+            xtol=1e-14,
+            ftol=1e-14,
+            gtol=1e-14,
+        )
+        if np.abs(end.fun).max() < 1e-9:
+            near = [np.abs((q - end.x + np.pi) % (2 * np.pi) - np.pi).max() < 1e-4 for q in found]
+            if not any(near):
+                found.append(end.x)
+    return found
+
+
+def test_branches_of_a_finger_are_those_that_an_independent_search_finds():
+    rng = np.random.default_rng(31)
+    for k, chain in enumerate(HAND.fingers):
+        for _ in range(3):
+            point = forward_kinematics(chain, rng.uniform(0.2, 0.8, chain.n))[:3, 3]
+            (found,) = tip_postures(HAND, point[None], fingers=[k], respect_limits=False)
+            searched = branches_by_search(chain, point, rng)
+            assert len(found.q) == len(searched)
+            for q in searched:
+                turned = np.abs((found.q - q + np.pi) % (2 * np.pi) - np.pi)
+                assert turned.max(axis=1).min() < 1e-4
 
 
 def test_soft_fingers_turn_with_the_object():

@@ -25,7 +25,7 @@ from robomech_ros._kernels.compiling.jit import (
     scratch,
 )
 
-__all__ = ["CLOSED", "OPEN", "ROW", "closed", "wrench_cones"]
+__all__ = ["CLOSED", "OPEN", "ROW", "barrier", "closed", "wrench_cones"]
 
 OPEN, CLOSED = 0, 1
 # Of a contact: position, normal, two tangents, how far each of three components may go for a unit
@@ -108,7 +108,7 @@ def _unopposed(cones, u):
 
 
 @lean
-def _barrier(cones, u, H, g, y):
+def barrier(cones, u, H, g, y):
     """Write the gradient and the lower triangle of the Hessian of the barrier of the polar body."""
     d = cones.shape[2]
     for c in range(d):
@@ -179,11 +179,11 @@ def closed(rows, origin, length, planar, cones, u):
     H, g, step, y = scratch(6, 6), scratch(6), scratch(6), scratch(10)
     for c in range(d):
         u[c] = 0.0
-    _barrier(cones, u, H, g, y)
+    barrier(cones, u, H, g, y)
     if not _spans(H, d):
         return OPEN
     for _ in range(_MOST_STEPS):
-        _barrier(cones, u, H, g, y)
+        barrier(cones, u, H, g, y)
         for c in range(d):
             step[c] = g[c]
         if not cholesky_solve(H, step, d):

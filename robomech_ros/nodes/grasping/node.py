@@ -63,7 +63,7 @@ class GraspingNode(Node):
         described = settings.robot_description
         hand = load_hand(described) if described else None
         self._hand = GivenHand(hand, settings.frame_prefix)
-        # The quality of many contacts takes a second, in which others are served.
+        # A quality may take half a second, in which others are served.
         self._worker = Worker(self)
         Readiness(self)
         group = ReentrantCallbackGroup()

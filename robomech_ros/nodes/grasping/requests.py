@@ -20,7 +20,7 @@ __all__ = ["GivenHand", "load_wrench", "read_contacts", "read_points"]
 
 Array = NDArray[np.float64]
 
-# The quality of twenty soft fingers takes a second, and that of more much longer.
+# The quality of more contacts takes longer than anyone wants to wait.
 _MOST = 20
 
 

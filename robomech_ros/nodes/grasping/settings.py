@@ -20,7 +20,7 @@ class GraspingSettings:
         "", "What the names of the hand's frames begin with in headers, such as left/"
     )
     most_points: int = parameter(
-        400,
+        2000,
         "Wrenches after which the bounds of a quality are given as they are",
         10,
         5000,

@@ -14,6 +14,7 @@ from robomech_interfaces.srv import AnalyzeGrasp, ContactForces, SolveGrasp
 from robomech_ros.errors import UnknownRobotError
 from robomech_ros.hands import (
     Contact,
+    contact_forces,
     finger_torques,
     grasp_matrix,
     grasp_mobility,
@@ -94,7 +95,9 @@ def test_1_qualities_of_known_grasps(analyze):
     for points, model, friction, low, high in (
         (CUBE, "point", 0.5, 0.5 * math.sqrt(2.0 / 3.0), 0.5 * math.sqrt(2.0 / 3.0)),
         (TETRAHEDRON, "point", 0.5, 0.5 / math.sqrt(2.0) - 2e-5, 0.5 / math.sqrt(2.0) + 2e-5),
+        (CUBE, "point", 0.9, 0.9 * math.sqrt(2.0 / 3.0), 0.9 * math.sqrt(2.0 / 3.0)),
         (EQUATOR, "point", 0.3, 0.165250, 0.165287),
+        (EQUATOR, "point", 1.0, 0.577326, 0.577391),
     ):
         answer = analyze(requested(AnalyzeGrasp, points, model, friction, length=1.0))
         assert (answer.error_code, answer.force_closed, answer.certified) == (0, True, True)
@@ -188,6 +191,24 @@ def test_6_forces_are_in_the_cones_and_balance(hold, model, points, torsional, s
     assert np.abs(total).max() < 1e-9
     sizes = [np.linalg.norm([f.x, f.y, f.z]) for f in answer.forces]
     assert answer.largest == pytest.approx(max(sizes), abs=1e-12)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_6_discs_hold_loads_in_their_plane_as_the_library_says(hold, count):
+    """Forces out of the plane hold nothing of such a load, and make forces larger."""
+    angles = 2.0 * np.pi * np.arange(count) / count
+    rim = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    disc = [Contact(p, -p, "point", 0.5) for p in rim]
+    points = np.hstack([rim, np.zeros((count, 1))])
+    for torque, x, y in ((0.0, 0.0, -1.0), (0.2, 0.3, 0.1), (-0.3, 0.0, 0.0)):
+        load = loaded((x, y, 0.0), (0.0, 0.0, torque))
+        for number, smallest in enumerate(("largest", "total")):
+            request = requested(ContactForces, points, "point", 0.5, wrench=load)
+            request.smallest = number
+            answer = hold(request)
+            wanted = contact_forces(disc, [torque, x, y], smallest=smallest)
+            assert answer.error_code == 0
+            assert getattr(answer, smallest) == pytest.approx(getattr(wanted, smallest), abs=1e-6)
 
 
 @pytest.mark.parametrize("model", ["frictionless", "point"])

@@ -1,0 +1,209 @@
+"""Bounds of the quality of a grasp by a hull of wrenches that grows where it is nearest.
+
+The nearest plane of a hull inside all wrenches bounds the quality from below.  Moved out until it
+touches the wrenches it bounds the quality from above, and the point where it touches is added.
+Facets farther away than the upper bound are never looked at again.
+
+Source: Zheng, An Efficient Algorithm for a Grasp Quality Measure, IEEE Trans. Robotics 29, 2013.
+"""
+
+import math
+
+from robomech_ros._kernels.compiling.jit import (
+    IN3,
+    IOUT2,
+    OUT1,
+    OUT2,
+    f8,
+    i8,
+    kernel,
+    lean,
+    scratch,
+    scratch_integers,
+)
+from robomech_ros._kernels.hands.hull import ABOVE, DEAD, FULL, above, begin, join
+from robomech_ros._kernels.hands.polar import enclosed
+
+__all__ = ["CLOSE", "SPOILT", "USED_UP", "grow"]
+
+CLOSE, USED_UP, SPOILT = 0, 1, 2
+# Of a lower bound, left to rounding of wrenches of size 1.
+_ROUNDING = 1e-12
+# Facets are left out that are nearer than the upper bound by this part of what is wanted.
+_ENOUGH = 0.999
+# New points lose up to this part of what is wanted, and of themselves, so that never too many are
+# in one plane; the golden section spreads the parts.
+_GIVEN_UP = 1e-2
+_MOST_GIVEN_UP = 1e-6
+_GOLDEN = 0.6180339887498949
+
+
+@lean
+def _touch(cone, n, p):
+    """Write the wrench of a contact that is farthest along n, and give how far."""
+    d = n.shape[0]
+    y = scratch(3)
+    along, square = 0.0, 0.0
+    for c in range(d):
+        along += cone[0, c] * n[c]
+        p[c] = cone[0, c]
+    for j in range(3):
+        y[j] = 0.0
+        for c in range(d):
+            y[j] += cone[1 + j, c] * n[c]
+        square += y[j] * y[j]
+    size = math.sqrt(square)
+    if size > 0.0:
+        for j in range(3):
+            for c in range(d):
+                p[c] += y[j] / size * cone[1 + j, c]
+    return along + size
+
+
+@lean
+def _farthest(cones, n, p, best):
+    """Write the wrench of all contacts that is farthest along n to best, and give how far."""
+    found = -math.inf
+    for i in range(cones.shape[0]):
+        height = _touch(cones[i], n, p)
+        if height > found:
+            found = height
+            for c in range(n.shape[0]):
+                best[c] = p[c]
+    return found
+
+
+@lean
+def _push(heap, size, key, facet):
+    """Add a facet to a heap of them, the nearest first."""
+    at = size
+    while at > 0 and heap[(at - 1) // 2, 0] > key:
+        heap[at, 0], heap[at, 1] = heap[(at - 1) // 2, 0], heap[(at - 1) // 2, 1]
+        at = (at - 1) // 2
+    heap[at, 0], heap[at, 1] = key, facet
+
+
+@lean
+def _pop(heap, size):
+    """Take the first of a heap of so many away."""
+    key, facet = heap[size - 1, 0], heap[size - 1, 1]
+    at, under = 0, 1
+    while under < size - 1:
+        if under + 1 < size - 1 and heap[under + 1, 0] < heap[under, 0]:
+            under += 1
+        if heap[under, 0] >= key:
+            break
+        heap[at, 0], heap[at, 1] = heap[under, 0], heap[under, 1]
+        at, under = under, 2 * under + 1
+    heap[at, 0], heap[at, 1] = key, facet
+
+
+@lean
+def _wait(planes, heap, waiting, far, came):
+    """Put those of new facets on the heap that are nearer than far; give its size."""
+    d = planes.shape[1] - 1
+    size = waiting
+    for g in came:
+        if planes[g, d] < far:
+            _push(heap, size, planes[g, d], g)
+            size += 1
+    return size
+
+
+@lean
+def _rounding(cones):
+    """Give what rounding makes of distances of planes through wrenches."""
+    largest = 1.0
+    for i in range(cones.shape[0]):
+        size = 0.0
+        for j in range(4):
+            for c in range(cones.shape[2]):
+                size += abs(cones[i, j, c])
+        largest = max(largest, size)
+    return _ROUNDING * largest
+
+
+@lean
+def _give_up(best, count, close):
+    """Move a new point a little towards the origin."""
+    part = min(_GIVEN_UP * close, _MOST_GIVEN_UP) * (count * _GOLDEN % 1.0)
+    for c in range(best.shape[0]):
+        best[c] -= part * best[c]
+
+
+@lean
+def _lower_upper(cones, plane, found, best):
+    """Lower the upper bound by the direction of a facet; write the wrench farthest along it."""
+    d = cones.shape[2]
+    n, p = scratch(6), scratch(6)
+    for c in range(d):
+        n[c] = plane[c] * plane[d]
+    height = _farthest(cones, n[:d], p[:d], best)
+    if height < found[1]:
+        found[1] = height
+        for c in range(d):
+            found[2 + c] = n[c]
+
+
+@kernel(i8(IN3, f8, OUT2, IOUT2, OUT2, OUT2, IOUT2, OUT1))
+def grow(cones, close, points, facets, planes, heap, lists, found):
+    """Let the hull grow until the bounds are close.
+
+    Parameters
+    ----------
+    cones : ndarray, shape (k, 4, d)
+        Of a closed grasp.
+    close : float
+        How close the bounds are to be.
+    points : ndarray, shape (n, d)
+        Room for points; n of them end it.
+    facets, planes, lists
+        Room for facets, as for :func:`begin`; so many of them end it, too.
+    heap : ndarray, shape (m, 2)
+        Room for distances of facets and their numbers.
+    found : ndarray, shape (d + 2,)
+        Out: the lower and the upper bound, and the direction of the upper one.
+
+    Returns
+    -------
+    int
+        CLOSE; else the bounds hold, but are not close: USED_UP, or SPOILT by rounding.
+    """
+    d = cones.shape[2]
+    best, sizes = scratch(6)[:d], scratch_integers(2)
+    for c in range(d + 1):
+        planes[0, c] = 1.0 if c in (0, d) else 0.0
+    found[0], found[1] = 0.0, math.inf
+    _lower_upper(cones, planes[0], found, best)
+    if not enclosed(cones, points, planes):
+        return SPOILT
+    rounding = _rounding(cones)
+    sizes[0], sizes[1] = begin(facets, planes, lists, d), 0
+    waiting, count = 0, d + 1
+    for f in range(count):
+        _push(heap, waiting, planes[f, d], f)
+        waiting += 1
+    while waiting > 0:
+        key, f = heap[0, 0], int(heap[0, 1])
+        _pop(heap, waiting)
+        waiting -= 1
+        if facets[f, 2 * d] != DEAD and planes[f, d] == key:
+            # No farther than those that are left out.
+            found[0] = max(found[0], min(key - rounding, found[1] - _ENOUGH * close))
+            _lower_upper(cones, planes[f], found, best)
+            if found[1] - found[0] <= close:
+                return CLOSE
+            _give_up(best, count, close)
+            if not above(planes, f, best) > 1.0 + ABOVE:
+                return SPOILT
+            if count == points.shape[0]:
+                return USED_UP
+            points[count] = best
+            came = join(facets, planes, lists, sizes, f, count, best)
+            if came == FULL or waiting + came > heap.shape[0]:
+                return USED_UP
+            count += 1
+            far = found[1] - _ENOUGH * close + rounding
+            waiting = _wait(planes, heap, waiting, far, lists[2, :came])
+    found[0] = max(found[0], found[1] - _ENOUGH * close)
+    return CLOSE

@@ -1,0 +1,192 @@
+"""A hull that grows by points and keeps who is next to whom.
+
+Each facet has d points and the plane v . x = 1 through them.  A new point takes the place of all
+facets that it is above of and that hang together: it is joined to each of their outer ridges.  The
+plane of a new facet is between those of the two facets at its ridge, so that rounding does not grow
+from facet to facet.
+
+Whatever rounding decides, the facets stay closed around the origin, since no cone from a point over
+a facet below it contains the origin: the distance of the nearest plane is that of a ball inside the
+hull.
+
+Source: Motzkin, Raiffa, Thompson and Thrall, The double description method, in: Contributions to
+the Theory of Games II, Princeton 1953.
+"""
+
+import math
+
+from robomech_ros._kernels.compiling.jit import lean
+
+__all__ = ["ABOVE", "DEAD", "FULL", "above", "begin", "join"]
+
+# What facets that are gone are marked by, and the answer where there is no room for more.
+DEAD = -(1 << 62)
+FULL = -1
+# A point is above a plane where v . p is more than 1 by this.
+ABOVE = 1e-12
+# A neighbour is facet << _BITS, and the place of the point that it alone has of the two.
+_BITS = 3
+_PLACE = 7
+
+
+@lean
+def above(planes, f, p):
+    """Give v . p of the plane of a facet: more than 1 above it."""
+    found = 0.0
+    for c in range(p.shape[0]):
+        found += planes[f, c] * p[c]
+    return found
+
+
+@lean
+def _measure(planes, f, d):
+    """Write the distance of a plane from the origin behind it."""
+    square = 0.0
+    for c in range(d):
+        square += planes[f, c] * planes[f, c]
+    planes[f, d] = 1.0 / math.sqrt(square)
+
+
+@lean
+def begin(facets, planes, lists, d):
+    """Make the facets of a simplex of the points 0 to d, facet by facet without one of them.
+
+    Parameters
+    ----------
+    facets : ndarray of int, shape (m, 2 d + 1)
+        Out: points, neighbours without each of them, and a mark.
+    planes : ndarray, shape (m, d + 1)
+        v of the first d + 1; out: their distances.
+    lists : ndarray of int, shape (3, m)
+        Out: facets that are free, and room for those that go and come.
+
+    Returns
+    -------
+    int
+        The number of free facets.
+    """
+    for f in range(d + 1):
+        for j in range(d):
+            other = j if j < f else j + 1
+            facets[f, j] = other
+            facets[f, d + j] = other << _BITS | (f if f < other else f - 1)
+        facets[f, 2 * d] = 0
+        _measure(planes, f, d)
+    free = facets.shape[0] - d - 1
+    for k in range(free):
+        lists[0, k] = facets.shape[0] - 1 - k
+    return free
+
+
+@lean
+def _seen(facets, planes, lists, f, p, stamp):
+    """List the facets below p that hang together with f, marked by the stamp; give their number."""
+    d = p.shape[0]
+    facets[f, 2 * d] = stamp
+    lists[1, 0] = f
+    count, at = 1, 0
+    while at < count:
+        for j in range(d):
+            g = facets[lists[1, at], d + j] >> _BITS
+            if abs(facets[g, 2 * d]) != stamp:
+                if above(planes, g, p) > 1.0 + ABOVE:
+                    facets[g, 2 * d] = stamp
+                    lists[1, count] = g
+                    count += 1
+                else:
+                    facets[g, 2 * d] = -stamp
+        at += 1
+    return count
+
+
+@lean
+def _cover(facets, planes, new, f, j, point, p):
+    """Make a facet of a point and the ridge of f without its point j."""
+    d = p.shape[0]
+    g, slot = facets[f, d + j] >> _BITS, facets[f, d + j] & _PLACE
+    up, down = above(planes, f, p), above(planes, g, p)
+    share = min((up - 1.0) / (up - down), 1.0)
+    for c in range(d):
+        planes[new, c] = planes[f, c] + share * (planes[g, c] - planes[f, c])
+        facets[new, c] = facets[f, c]
+    _measure(planes, new, d)
+    facets[new, j] = point
+    facets[new, d + j] = facets[f, d + j]
+    facets[new, 2 * d] = 0
+    facets[g, d + slot] = new << _BITS | j
+    facets[f, d + j] = -1 - new
+
+
+@lean
+def _place(facets, f, point, d):
+    """Give the place of a point of a facet."""
+    for c in range(d):
+        if facets[f, c] == point:
+            return c
+    return 0
+
+
+@lean
+def _link(facets, f, j, d):
+    """Find the other neighbours of the new facet at the ridge of f without its point j.
+
+    Around what both ridges have in common, the way leads through facets that go.
+    """
+    new = -1 - facets[f, d + j]
+    for i in range(d):
+        if i != j:
+            at, out, beside = f, i, facets[f, j]
+            while facets[at, d + out] >= 0:
+                slot = facets[at, d + out] & _PLACE
+                at = facets[at, d + out] >> _BITS
+                out = _place(facets, at, beside, d)
+                beside = facets[at, slot]
+            other = -1 - facets[at, d + out]
+            facets[new, d + i] = other << _BITS | _place(facets, at, beside, d)
+
+
+@lean
+def join(facets, planes, lists, sizes, f, point, p):
+    """Let a point take the place of the facets below it that hang together with f.
+
+    Parameters
+    ----------
+    facets, planes, lists
+        As for :func:`begin`.
+    sizes : ndarray of int, shape (2,)
+        The number of free facets, and the last stamp.
+    f : int
+        A facet below p.
+    point : int
+        The number of the point.
+    p : ndarray, shape (d,)
+        Where it is.
+
+    Returns
+    -------
+    int
+        The number of new facets, in the third of the lists; FULL = no room, and the hull is spoilt.
+    """
+    d = p.shape[0]
+    sizes[1] += 1
+    gone = _seen(facets, planes, lists, f, p, sizes[1])
+    count = 0
+    for a in range(gone):
+        for j in range(d):
+            at = lists[1, a]
+            if facets[facets[at, d + j] >> _BITS, 2 * d] != sizes[1]:
+                if sizes[0] == 0:
+                    return FULL
+                sizes[0] -= 1
+                lists[2, count] = lists[0, sizes[0]]
+                _cover(facets, planes, lists[2, count], at, j, point, p)
+                count += 1
+    for a in range(gone):
+        for j in range(d):
+            if facets[lists[1, a], d + j] < 0:
+                _link(facets, lists[1, a], j, d)
+    for a in range(gone):
+        lists[0, sizes[0]] = lists[1, a]
+        facets[lists[1, a], 2 * d] = DEAD
+        sizes[0] += 1
+    return count

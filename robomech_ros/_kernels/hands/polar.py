@@ -1,0 +1,106 @@
+"""A simplex around the polar body of a grasp, where the hull of its wrenches begins.
+
+The polar body is a . u + |B u| <= 1 for all contacts.  Its logarithmic barrier has the parameter
+2 for each contact, and the body is inside the ellipsoid about the centre of the barrier that is
+given by its Hessian and the radius nu + 2 sqrt(nu).
+
+Source: Nesterov and Nemirovskii, Interior-Point Polynomial Algorithms in Convex Programming, SIAM
+1994, proposition 2.3.2.
+"""
+
+import math
+
+from robomech_ros._kernels.algebra.dense import cholesky_solve
+from robomech_ros._kernels.compiling.jit import lean, scratch
+from robomech_ros._kernels.hands.closing import barrier
+
+__all__ = ["enclosed"]
+
+_MOST_STEPS = 200
+# Below this decrement a whole step of Newton's method converges, and below the other it has.
+_NEAR = 0.25
+_CENTRED = 1e-7
+# The ellipsoid is larger by this, since the centre is not exact.
+_WIDER = 1.01
+
+
+@lean
+def _centre(cones, u, H):
+    """Write the centre of the barrier to u, and the factor of its Hessian to H.
+
+    Returns False where rounding keeps Newton's method from it.
+    """
+    d = cones.shape[2]
+    g, step, y = scratch(6), scratch(6), scratch(10)
+    for c in range(d):
+        u[c] = 0.0
+    for _ in range(_MOST_STEPS):
+        barrier(cones, u, H, g, y)
+        for c in range(d):
+            step[c] = g[c]
+        if not cholesky_solve(H, step, d):
+            return False
+        slope = 0.0
+        for c in range(d):
+            slope += g[c] * step[c]
+        decrement = math.sqrt(max(slope, 0.0))
+        if decrement < _CENTRED:
+            return True
+        size = 1.0 if decrement < _NEAR else 1.0 / (1.0 + decrement)
+        for c in range(d):
+            u[c] -= size * step[c]
+    return False
+
+
+@lean
+def _regular(i, c, d):
+    """Give a component of one of the d + 1 unit vectors from the middle to a regular simplex."""
+    if i == d:
+        return 1.0 / math.sqrt(d)
+    own = math.sqrt(1.0 + 1.0 / d)
+    return (own if i == c else 0.0) - (own + 1.0 / math.sqrt(d)) / d
+
+
+@lean
+def enclosed(cones, points, planes):
+    """Write d + 1 wrenches inside the hull of all, and the planes of the facets between them.
+
+    Parameters
+    ----------
+    cones : ndarray, shape (k, 4, d)
+    points : ndarray, shape (d + 1 or more, d)
+        Out.
+    planes : ndarray, shape (d + 1 or more, d or more)
+        Out: v of the plane v . x = 1 through all points but the one of the same number, a corner
+        of a simplex around the polar body.
+
+    Returns
+    -------
+    bool
+        False where rounding keeps it from that.
+    """
+    d = cones.shape[2]
+    u, H = scratch(6), scratch(6, 6)
+    if not _centre(cones, u, H):
+        return False
+    nu = 2.0 * cones.shape[0]
+    radius = _WIDER * (nu + 2.0 * math.sqrt(nu))
+    for i in range(d + 1):
+        at = 0.0
+        for r in range(d):
+            points[i, r] = -_regular(i, r, d) / H[r, r]
+            for c in range(r):
+                points[i, r] -= H[r, c] * _regular(i, c, d)
+            at += points[i, r] * u[r]
+        if not radius + at > 0.0:
+            return False
+        for r in range(d):
+            points[i, r] /= radius + at
+        for r in range(d - 1, -1, -1):
+            planes[i, r] = d * radius * _regular(i, r, d)
+            for c in range(r + 1, d):
+                planes[i, r] -= H[c, r] * planes[i, c]
+            planes[i, r] *= H[r, r]
+        for r in range(d):
+            planes[i, r] += u[r]
+    return True

@@ -1,0 +1,164 @@
+"""The conic program of the smallest contact forces.
+
+Its unknowns are, contact by contact, the normal force and those of three components that the
+contact has (friction along two tangents, torsion), each divided by how far it may go for a unit of
+normal force.  Where grasps have the same components, only numbers of their programs differ: what
+they share is kept.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+
+from robomech_ros.hands.conic_solver import conic_solver
+
+__all__ = ["ForceProgram", "force_program"]
+
+Array = NDArray[np.float64]
+
+# Of loads of size 1.
+_PRECISION = 1e-9
+# Cones are narrower by this part for the solver, so that what it leaves open lies within them.
+_NARROWER = 2e-8
+_MOST_KEPT = 128
+
+
+@dataclass(frozen=True, eq=False)
+class ForceProgram:
+    """What programs of grasps with the same components share: min q x, A x + s = b, s in cones.
+
+    Parameters
+    ----------
+    library : module
+        The solver.
+    rows, starts : ndarray
+        Row of each entry of A, column by column, and where each column begins.
+    entries : ndarray
+        Those entries of A that are the same for all; others are 0.
+    balance, friction : ndarray of int
+        Places in ``entries`` of the wrenches and of the negative coefficients of friction.
+    sliding : ndarray of int
+        Places of these coefficients in the flat (k, 3) ``reach`` of :meth:`solve`.
+    objective : ndarray
+        q
+    no_squares : csc_matrix
+        The quadratic part of the objective, which has none.
+    kinds : list
+        The cones, as the solver takes them.
+    size : int
+        Of b.
+    """
+
+    library: ModuleType
+    rows: NDArray[np.int32]
+    starts: NDArray[np.int32]
+    entries: Array
+    balance: NDArray[np.intp]
+    friction: NDArray[np.intp]
+    sliding: NDArray[np.intp]
+    objective: Array
+    no_squares: csc_matrix
+    kinds: list[Any]
+    size: int
+
+    def solve(self, W: Array, reach: Array, needed: Array) -> Any:
+        """Solve for the unknowns that exert a wrench.
+
+        Parameters
+        ----------
+        W : ndarray, shape (d, m)
+            Wrenches of the m components that are used.
+        reach : ndarray, shape (k, 3)
+            How far the three components of each contact go for a unit of normal force.
+        needed : ndarray, shape (d,)
+
+        Returns
+        -------
+        object
+            The solution, as the solver gives it.
+        """
+        entries = self.entries.copy()
+        entries[self.balance] = W.T.ravel()
+        entries[self.friction] = -reach.ravel()[self.sliding]
+        b = np.zeros(self.size)
+        b[: len(needed)] = needed
+        A = csc_matrix((entries, self.rows, self.starts), shape=(self.size, len(self.objective)))
+        settings = self.library.DefaultSettings()
+        settings.verbose = False
+        settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = _PRECISION
+        solver = self.library.DefaultSolver(
+            self.no_squares, self.objective, A, b, self.kinds, settings
+        )
+        return solver.solve()
+
+
+def force_program(used: NDArray[np.bool_], d: int, largest: bool) -> ForceProgram:
+    """Give the program of contacts with given components.
+
+    Parameters
+    ----------
+    used : ndarray of bool, shape (k, 4)
+        Which of normal force, friction along both tangents and torsion each contact has.
+    d : int
+        The size of wrenches.
+    largest : bool
+        Whether the greatest force of a contact is minimized, by one more unknown that bounds the
+        force of each; otherwise the sum of the normal forces.
+
+    Raises
+    ------
+    ConicSolverUnavailableError
+        The extra ``hands`` is not installed.
+    """
+    return _kept(conic_solver(), used.tobytes(), d, largest)
+
+
+@lru_cache(maxsize=_MOST_KEPT)
+def _kept(library: ModuleType, flags: bytes, d: int, largest: bool) -> ForceProgram:
+    used = np.frombuffer(flags, np.bool_).reshape(-1, 4)
+    m = int(used.sum())
+    shared = np.zeros((d + m + largest * int((1 + used[:, :3].sum(axis=1)).sum()), m + largest))
+    friction = np.zeros(shared.shape, np.bool_)
+    objective = np.zeros(m + largest)
+    kinds, row, column = [library.ZeroConeT(d)], d, 0
+    for own in used.tolist():
+        count, tangents = sum(own), sum(own[1:3])
+        here = np.arange(count)
+        shared[row + here, column + here] = -1.0
+        shared[row, column] = _NARROWER - 1.0
+        kinds.append(library.SecondOrderConeT(count))
+        row += count
+        if largest:
+            shared[row, m] = shared[row + 1, column] = -1.0
+            here = 1 + np.arange(tangents)
+            friction[row + 1 + here, column + here] = True
+            kinds.append(library.SecondOrderConeT(2 + tangents))
+            row += 2 + tangents
+        else:
+            objective[column] = 1.0
+        column += count
+    if largest:
+        objective[m] = 1.0
+    present = (shared != 0.0) | friction
+    present[:d, :m] = True
+    _, rows = np.nonzero(present.T)
+    return ForceProgram(
+        library=library,
+        rows=rows.astype(np.int32),
+        starts=np.concatenate([[0], np.cumsum(present.sum(axis=0))]).astype(np.int32),
+        entries=shared.T[present.T],
+        balance=np.flatnonzero(rows < d),
+        friction=np.flatnonzero(friction.T[present.T]),
+        sliding=np.flatnonzero(used[:, 1:] & [largest, largest, False]),
+        objective=objective,
+        no_squares=csc_matrix((len(objective), len(objective))),
+        kinds=kinds,
+        size=len(shared),
+    )
