@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 from robomech_ros.errors import RobotDescriptionError, UnknownRobotError
 from robomech_ros.parallel.files import parallel_files
 from robomech_ros.robots import RobotDescription, list_robots, load_description
-from robomech_ros.robots.guarded_xml import parse_xml
-from robomech_ros.robots.guarded_yaml import parse_yaml
+from robomech_ros.robots.documents.guarded_xml import parse_xml
+from robomech_ros.robots.documents.guarded_yaml import parse_yaml
 from robomech_ros.robots.kinds import KINDS, yaml_source
 from robomech_ros.robots.urdf.document import description_from_urdf
 from robomech_ros.robots.urdf.elements import element

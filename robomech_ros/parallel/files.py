@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from robomech_ros.robots.kinds import documents_of
+from robomech_ros.robots.kinds import documents_of, names_of
 
 __all__ = ["list_parallel", "parallel_files"]
 
@@ -18,7 +18,7 @@ def list_parallel() -> tuple[str, ...]:
     >>> "delta" in list_parallel()
     True
     """
-    return tuple(sorted(parallel_files()))
+    return names_of("parallel")
 
 
 def parallel_files() -> dict[str, Path]:

@@ -29,16 +29,15 @@ from robomech_ros.errors import (
     RobotDescriptionError,
 )
 from robomech_ros.parallel.delta import Delta
-from robomech_ros.parallel.files import parallel_files
 from robomech_ros.parallel.limbs_document import mechanism_from_limbs
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.mechanism.parts import Parts
 from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
 from robomech_ros.parallel.spherical import Spherical3RRR
 from robomech_ros.parallel.stewart_gough import StewartGough
-from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_choices, check_keys, parse_yaml
-from robomech_ros.robots.source_files import document_source
-from robomech_ros.robots.yaml_bodies import body_from_yaml, drive_from_yaml
+from robomech_ros.robots.documents.guarded_yaml import check_choices, check_keys
+from robomech_ros.robots.documents.yaml_bodies import body_from_yaml, drive_from_yaml
+from robomech_ros.robots.kinds import checked_document, source_of
 
 __all__ = ["TYPES", "ParallelRobot", "load_parallel", "parallel_from_yaml"]
 
@@ -99,7 +98,7 @@ def load_parallel(name_or_path: str | os.PathLike[str]) -> ParallelRobot | Mecha
     >>> load_parallel("hexapod").family
     '3-6 planar'
     """
-    return parallel_from_yaml(*document_source(name_or_path, parallel_files, LARGEST_YAML))
+    return parallel_from_yaml(*source_of("parallel", name_or_path))
 
 
 def parallel_from_yaml(text: str | bytes, where: str) -> ParallelRobot | Mechanism:
@@ -117,11 +116,8 @@ def parallel_from_yaml(text: str | bytes, where: str) -> ParallelRobot | Mechani
     RobotDescriptionError
         It cannot be used: the message says where and why.
     """
-    document = check_keys(parse_yaml(text, where), where, _HEAD, ("notes", *_PARTS, *_KEYS))
-    check_choices(document, where, kind=("parallel",), type=TYPES)
-    for key in ("name", "source"):
-        if not isinstance(document[key], str) or not document[key].strip():
-            raise RobotDescriptionError(f"{where}: {key}", "expected a text")
+    document = checked_document("parallel", text, where, ("type",), (*_PARTS, *_KEYS))
+    check_choices(document, where, type=TYPES)
     make, needed, more = TYPES[document["type"]]
     others = (*_HEAD, *_PARTS, "notes")
     geometry = {key: value for key, value in document.items() if key not in others}

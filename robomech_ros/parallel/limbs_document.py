@@ -42,8 +42,8 @@ from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.mechanism.parts import Parts
 from robomech_ros.parallel.rods import six_rods
 from robomech_ros.robots import LinkFrame, SerialChain, chain_from_dh
-from robomech_ros.robots.guarded_yaml import check_keys
-from robomech_ros.robots.yaml_rows import (
+from robomech_ros.robots.documents.guarded_yaml import check_keys
+from robomech_ros.robots.documents.yaml_rows import (
     JOINT_TYPES,
     read_number,
     read_pose,

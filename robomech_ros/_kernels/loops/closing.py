@@ -1,58 +1,153 @@
 """Loops closed for new positions of the drives, from a posture near by, in the same mode.
 
-Newton's steps move all joints and the platform at once.  By Kantorovich's theorem the first step of
-an equation that has one solution near is followed by one of less than a quarter of its size (h at
-most 1/2); where it is not, the way of the drives is divided, down to nothing at a singularity.
-That is seen in one direction only, so that steps of more than a tenth of a radian are divided, too:
-long ones jumped over singularities into other modes.
+The way of the drives is gone in steps, each of them proved to pass no singularity (see
+:mod:`.certificate`); near one they become shorter, down to nothing.  A step goes along the tangent
+first; what closes the loops after it is found with the inverse at the end of the tangent.
 """
+
+import math
+from collections import namedtuple
 
 import numpy as np
 
 from robomech_ros._kernels.chain.serial import forward_body
-from robomech_ros._kernels.compiling.jit import IIN1, IN1, IN2, OUT1, f8, i8, inline, kernel
-from robomech_ros._kernels.loops.factors import REGULAR, SINGULAR, factors, loop_errors, solve
+from robomech_ros._kernels.compiling.jit import IIN1, IN1, IN2, OUT1, f8, i8, inline, kernel, lean
+from robomech_ros._kernels.loops.certificate import (
+    invert,
+    part_of_proof,
+    passive_moves,
+    room_for_inverse,
+)
+from robomech_ros._kernels.loops.factors import (
+    REGULAR,
+    SINGULAR,
+    Chains,
+    factors,
+    loop_errors,
+    room_for_factors,
+    solve,
+)
 
-__all__ = ["close"]
+__all__ = ["LONG", "close"]
 
-_CONTRACTION = 0.25
-# Longest first step of a joint (rad; of the size).
-_LONGEST = 0.1
-# A step that changes nothing any more, and errors of loops that are closed (rad; of the size).
+# Status of a way that is too long.
+LONG = 6
+# Longest tangent of a joint (rad; of the size): what is longer is not proved anyway.
+_LONGEST = 0.25
+# A move that changes nothing any more, and errors of loops that are closed (rad; of the size).
 _SETTLED, _CLOSED = 1e-13, 1e-12
-_ITERATIONS, _STEPS = 12, 1000
-# Least part of the way, after which a singularity is in it.
+_ITERATIONS, _STEPS = 20, 3000
+# Least part of a way of 1 rad, after which a singularity is in it.
 _LEAST = 1e-5
+# Part of the longest step that is proved, how much shorter and longer than the one before.
+_PART, _SHORTER, _LONGER = 0.8, 0.1, 4.0
+
+# Factors at both ends of a tangent, the inverse at its end, errors D (limbs, 6, 1) and those at
+# its start, rates of drives, and moves of joints: the tangent, and after it.
+Room = namedtuple("Room", ("first", "second", "inverse", "D", "start", "rates", "v", "qd", "t"))
 
 
 @inline
-def _newton(packed, starts, drives, scale, weights, trial, rates, J, T, R, Q, A, B, D, qd, t):
-    """Move all joints in place by the rates of the drives (m, 1); return a status."""
-    before = 0.0
-    for turn in range(_ITERATIONS):
-        status = factors(packed, starts, drives, trial, scale, J, T, R, Q)
-        if status != REGULAR:
-            return status
-        loop_errors(T, scale, D)
-        status = solve(starts, drives, scale, J, R, Q, rates, D, A, B, qd, t)
-        if status != REGULAR:
-            return status
-        size = 0.0
-        for j in range(trial.size):
-            size = max(size, abs(qd[j, 0]) * weights[j])
-        longest = _LONGEST if turn == 0 else max(_SETTLED, _CONTRACTION * before)
-        if not size <= longest:
-            return SINGULAR
-        for j in range(trial.size):
-            trial[j] += qd[j, 0]
-        rates[:] = 0.0
-        if size <= _SETTLED or (turn > 0 and size * size <= 0.01 * _SETTLED * before):
-            break
-        before = size
-    for i in range(starts.size - 1):
-        s, e = starts[i], starts[i + 1]
-        forward_body(packed[s + i : e + i + 1], trial[s:e], T[i])
-    return REGULAR if loop_errors(T, scale, D) <= _CLOSED else SINGULAR
+def _room(starts, dof):
+    limbs, n = starts.size - 1, starts[starts.size - 1]
+    return Room(
+        room_for_factors(starts, 1),
+        room_for_factors(starts, 1),
+        room_for_inverse(starts),
+        np.empty((limbs, 6, 1)),
+        np.empty((limbs, 6, 1)),
+        np.empty((dof, 1)),
+        np.empty((n, 1)),
+        np.empty((n, 1)),
+        np.empty((6, 1)),
+    )
+
+
+@lean
+def _reaches(chains, q, v, out):
+    """Write how far each limb reaches from its joints that turn to its end, scaled; at least 1."""
+    for i in range(chains.starts.size - 1):
+        s, e = chains.starts[i], chains.starts[i + 1]
+        total, reach = 0.0, 0.0
+        for j in range(e - 1, s - 1, -1):
+            after = chains.packed[j + i + 1]
+            total += math.sqrt(after[10] ** 2 + after[11] ** 2 + after[12] ** 2)
+            if chains.packed[j + i, 0] == 0.0:
+                reach = total
+            else:
+                total += abs(q[j]) + abs(v[j, 0])
+                if chains.drives[j] < 0:
+                    # Half of the size is more than any r of the proof.
+                    total += 0.5 / chains.scale
+        out[i] = max(1.0, reach * chains.scale)
+
+
+@lean
+def _largest(qd, weights):
+    """Give the largest move of a joint."""
+    size = 0.0
+    for j in range(weights.size):
+        size = max(size, abs(qd[j, 0]) * weights[j])
+    return size
+
+
+@lean
+def _moved(trial, qd, weights):
+    """Move joints; return the largest move."""
+    for j in range(trial.size):
+        trial[j] += qd[j, 0]
+    return _largest(qd, weights)
+
+
+@lean
+def _poses(chains, q, T):
+    for i in range(chains.starts.size - 1):
+        s, e = chains.starts[i], chains.starts[i + 1]
+        forward_body(chains.packed[s + i : e + i + 1], q[s:e], T[i])
+
+
+@lean
+def _step(chains, weights, trial, reach, room):
+    """Move all joints in place by the rates of the drives in the room.
+
+    Returns what :func:`part_of_proof` does, infinite if there is none: only up to 1 the joints are
+    where they belong.
+    """
+    first, second, inverse, v, qd = room.first, room.second, room.inverse, room.v, room.qd
+    if factors(chains, trial, first) != REGULAR:
+        return math.inf
+    loop_errors(first.T, chains.scale, room.start)
+    loop_errors(first.T, chains.scale, room.D)
+    if solve(chains, first, room.rates, room.D, v, room.t) != REGULAR:
+        return math.inf
+    _reaches(chains, trial, v, reach)
+    size = _moved(trial, v, weights)
+    if not size <= _LONGEST:
+        return size / _LONGEST if size < math.inf else math.inf
+    part, before = 0.0, size
+    if size > _SETTLED:
+        if factors(chains, trial, second) != REGULAR:
+            return math.inf
+        loop_errors(second.T, chains.scale, room.D)
+        if invert(chains, second, inverse) != REGULAR:
+            return math.inf
+        passive_moves(chains, inverse, room.start, qd)
+        most = _largest(qd, weights)
+        passive_moves(chains, inverse, room.D, qd)
+        size = _moved(trial, qd, weights)
+        most = max(most, size)
+        part = part_of_proof(chains, weights, reach, room, most)
+        if not part <= 1.0:
+            return part if part > 1.0 else math.inf
+        for _ in range(_ITERATIONS):
+            if size * size <= 0.01 * _SETTLED * before:
+                break
+            _poses(chains, trial, second.T)
+            loop_errors(second.T, chains.scale, room.D)
+            passive_moves(chains, inverse, room.D, qd)
+            before, size = size, _moved(trial, qd, weights)
+    _poses(chains, trial, second.T)
+    return part if loop_errors(second.T, chains.scale, room.D) <= _CLOSED else math.inf
 
 
 @kernel(i8(IN2, IIN1, IIN1, f8, IN1, IN1, OUT1, OUT1))
@@ -63,40 +158,35 @@ def close(packed, starts, drives, scale, weights, target, q, report):
     ``report`` (2,): the part of the way that was gone, and the largest error of a loop (rad; of the
     size).  Returns a status; where it is not regular, q is the last posture with closed loops.
     """
-    limbs, n = starts.size - 1, 1
-    for i in range(limbs):
-        n = max(n, starts[i + 1] - starts[i])
-    J, T = np.empty((limbs, 6, n)), np.empty((limbs, 4, 4))
-    R, Q = np.empty((limbs, 6, n)), np.empty((limbs, 6, 6))
-    A, B, D = np.empty((6 * limbs, 6)), np.empty((6 * limbs, 1)), np.empty((limbs, 6, 1))
-    qd, t, rates = np.empty((q.size, 1)), np.empty((6, 1)), np.empty((target.size, 1))
-    trial = np.empty(q.size)
-    left, step, status = 1.0, 1.0, SINGULAR
+    chains, room = Chains(packed, starts, drives, scale), _room(starts, target.size)
+    trial, reach = np.empty(q.size), np.empty(starts.size - 1)
+    length = 1.0
+    for j in range(q.size):
+        if drives[j] >= 0:
+            length = max(length, abs(target[drives[j]] - q[j]) * weights[j])
+    left, step, status = 1.0, 1.0, LONG
     for _ in range(_STEPS):
+        last = step >= left
+        share = 1.0 if last else step / left
         for j in range(q.size):
             trial[j] = q[j]
             if drives[j] >= 0:
-                rates[drives[j], 0] = step * (target[drives[j]] - q[j])
-        status = _newton(
-            packed, starts, drives, scale, weights, trial, rates, J, T, R, Q, A, B, D, qd, t
-        )
-        if status == REGULAR:
+                room.rates[drives[j], 0] = share * (target[drives[j]] - q[j])
+        part = _step(chains, weights, trial, reach, room)
+        if part <= 1.0:
             for j in range(q.size):
-                q[j] = trial[j]
-                if step == 1.0 and drives[j] >= 0:
-                    q[j] = target[drives[j]]
-            left -= step * left
-            if step == 1.0:
+                q[j] = target[drives[j]] if last and drives[j] >= 0 else trial[j]
+            if last:
+                left, status = 0.0, REGULAR
                 break
-            # Of what is left, so that the same way again is a greater part of it.
-            step = min(1.0, 2.0 * step / (1.0 - step))
+            left -= step
+            step *= min(_LONGER, _PART / max(part, 1e-3))
         else:
-            step *= 0.25
-            if step * left < _LEAST:
-                break
+            step = min(step, left) * max(_SHORTER, min(_PART, _PART / part))
+        if step * length < _LEAST:
+            status = SINGULAR
+            break
     report[0] = 1.0 - left
-    for i in range(limbs):
-        s, e = starts[i], starts[i + 1]
-        forward_body(packed[s + i : e + i + 1], q[s:e], T[i])
-    report[1] = loop_errors(T, scale, D)
-    return SINGULAR if left > 0.0 else REGULAR
+    _poses(chains, q, room.first.T)
+    report[1] = loop_errors(room.first.T, scale, room.D)
+    return status

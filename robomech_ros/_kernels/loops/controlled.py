@@ -37,11 +37,10 @@ from robomech_ros._kernels.loops.dynamics import (
     write_complement,
     write_efforts,
     write_inertia,
-    write_joints,
     write_rates,
     write_turning,
 )
-from robomech_ros._kernels.loops.factors import REGULAR
+from robomech_ros._kernels.loops.factors import REGULAR, Chains, solve
 
 __all__ = ["servo_steps"]
 
@@ -108,28 +107,27 @@ def _work_for(n, m, widest):
 
 
 @lean
-def _shape(model, starts, drives, scale, q, rates, room, work):
+def _shape(chains, q, rates, room, work):
     """Write the complement N, the rates of all joints, and their accelerations ``dN/dt u``."""
-    status = write_complement(model, starts, drives, scale, q, room)
+    status = write_complement(chains, q, room)
     if status != REGULAR:
         return status
     write_rates(room.N, rates, work.qd)
-    write_turning(starts, scale, work.qd, work.qd.reshape(-1, 1), room)
+    write_turning(chains, work.qd, work.qd.reshape(-1, 1), room)
     still, drift = work.none[: rates.size].reshape(-1, 1), work.drift.reshape(-1, 1)
-    return write_joints(starts, drives, scale, still, room, room.t_one, drift)
+    return solve(chains, room.found, still, room.D, drift, room.t_one)
 
 
 @lean
-def _explained(model, starts, q, gains, around, room, work, out):
+def _explained(chains, q, gains, around, room, work, out):
     """Write the efforts (m,) that accelerations of the drives (m,) take; return a status."""
     for j in range(q.size):
         total = work.drift[j]
         for a in range(gains.size):
             total += room.N[j, a] * gains[a]
         work.qdd[j] = total
-    return write_efforts(
-        model, starts, q, work.qd, work.qdd, around, work.free, room.N, work.tau, out
-    )
+    free, N = work.free, room.N
+    return write_efforts(chains, q, work.qd, work.qdd, around, free, N, work.tau, out)
 
 
 @lean
@@ -151,30 +149,20 @@ def _add_friction(friction, N, rates, before, sign, out):
 
 
 @lean
-def _command(model, tables, starts, drives, mode, around, q, rates, wanted, room, work):
+def _command(chains, tables, mode, around, q, rates, wanted, room, work):
     """Write the efforts (m,) that the controller asks for; wanted is (3, m)."""
     for j in range(q.size):
-        a = drives[j]
+        a = chains.drives[j]
         if a >= 0:
             error = tables[4, j] * (wanted[0, a] - q[j])
             work.asked[a] = error + tables[5, j] * (wanted[1, a] - rates[a])
             if mode == COMPUTED_TORQUE:
                 work.asked[a] += wanted[2, a]
     if mode == COMPUTED_TORQUE:
-        status = _explained(model, starts, q, work.asked, around, room, work, work.effort)
+        status = _explained(chains, q, work.asked, around, room, work, work.effort)
     else:
-        status = write_efforts(
-            model,
-            starts,
-            q,
-            work.none,
-            work.none,
-            around,
-            work.free,
-            room.N,
-            work.tau,
-            work.effort,
-        )
+        none, free, N, effort = work.none, work.free, room.N, work.effort
+        status = write_efforts(chains, q, none, none, around, free, N, work.tau, effort)
         for a in range(rates.size):
             work.effort[a] += work.asked[a]
     _add_friction(tables[:4], room.N, wanted[1], wanted[1], 1.0, work.effort)
@@ -182,18 +170,18 @@ def _command(model, tables, starts, drives, mode, around, q, rates, wanted, room
 
 
 @lean
-def _set_up(model, tables, starts, drives, around, step, q, rates, room, work):
+def _set_up(chains, tables, around, step, q, rates, room, work):
     """Write what settles the rates at the end of a step; return a status."""
     m = rates.size
-    status = _explained(model, starts, q, work.none[:m], around, room, work, work.explained)
-    status |= write_inertia(model, starts, q, room.N, work.M, work.P, work.A)
+    status = _explained(chains, q, work.none[:m], around, room, work, work.explained)
+    status |= write_inertia(chains, q, room.N, work.M, work.P, work.A)
     for a in range(m):
         value = step * (work.effort[a] - work.explained[a])
         for c in range(m):
             value += work.A[a, c] * rates[c]
         work.b[a], work.v[a] = value, rates[a]
     for j in range(q.size):
-        viscous, a = step * tables[0, j], drives[j]
+        viscous, a = step * tables[0, j], chains.drives[j]
         dry = step * dry_friction(tables, j, work.qd[j])
         if a >= 0:
             work.A[a, a] += viscous
@@ -210,7 +198,7 @@ def _set_up(model, tables, starts, drives, around, step, q, rates, room, work):
 
 
 @lean
-def _observe(model, tables, starts, drives, around, share, period, state, room, work):
+def _observe(chains, tables, around, share, period, state, room, work):
     """Learn a share of the efforts that the model does not explain, of the period from `before`.
 
     ``state`` has the rates at its end and what has been learned (2, m); the room and the posture
@@ -219,10 +207,10 @@ def _observe(model, tables, starts, drives, around, share, period, state, room, 
     rates, seen = state[0], state[1]
     for a in range(rates.size):
         work.asked[a] = (rates[a] - work.before[a]) / period
-    status = _explained(model, starts, work.trial, work.asked, around, room, work, work.explained)
+    status = _explained(chains, work.trial, work.asked, around, room, work, work.explained)
     _add_friction(tables[:4], room.N, rates, work.before, 1.0, work.explained)
-    for j in range(drives.size):
-        a = drives[j]
+    for j in range(chains.drives.size):
+        a = chains.drives[j]
         if a >= 0:
             if work.low[a] >= -AT_STOP or work.high[a] <= AT_STOP:
                 seen[a] = 0.0
@@ -233,15 +221,16 @@ def _observe(model, tables, starts, drives, around, share, period, state, room, 
 
 
 @inline
-def _move(packed, starts, drives, weights, scale, step, q, rates, work):
+def _move(chains, weights, step, q, rates, work):
     """Settle the rates and move by one step; return a status, where it is not 0, unmoved."""
     if not settled_rates(work.A, work.b, work.dry, work.low, work.high, work.v, rates.size):
         return RUNS_AWAY
     work.trial[:] = q
-    for j in range(drives.size):
-        a = drives[j]
+    for j in range(chains.drives.size):
+        a = chains.drives[j]
         if a >= 0:
             work.target[a] = q[j] + step * work.v[a]
+    packed, starts, drives, scale = chains
     target, trial, report = work.target, work.trial, work.report
     status = _call_close(packed, starts, drives, scale, weights, target, trial, report)
     if status == REGULAR:
@@ -295,15 +284,16 @@ def servo_steps(
     room = room_for(starts, m)
     work = _work_for(n, m, room.own.size)
     q, rates, both = state[:n], state[n : n + m], state[n:].reshape(2, m)
-    plant, model, joints, known = models[0], models[1], tables[0], tables[1]
+    loops = Chains(packed, starts, drives, scale)
+    plant = Chains(models[0], starts, drives, scale)
+    model = Chains(models[1], starts, drives, scale)
+    joints, known = tables[0], tables[1]
     began = np.empty(n)
     for k in range(wanted.shape[0]):
         report[0] = k
-        status = _shape(plant, starts, drives, scale, q, rates, room, work)
+        status = _shape(plant, q, rates, room, work)
         if status == REGULAR:
-            status = _command(
-                model, known, starts, drives, mode, around, q, rates, wanted[k], room, work
-            )
+            status = _command(model, known, mode, around, q, rates, wanted[k], room, work)
         if status != REGULAR:
             return status
         began[:] = q
@@ -314,22 +304,20 @@ def servo_steps(
                 work.effort[a] = min(max(work.effort[a] + both[1, a], -limit), limit)
         for substep in range(substeps):
             if substep > 0:
-                status = _shape(plant, starts, drives, scale, q, rates, room, work)
+                status = _shape(plant, q, rates, room, work)
             if status == REGULAR:
-                status = _set_up(plant, joints, starts, drives, around, step, q, rates, room, work)
+                status = _set_up(plant, joints, around, step, q, rates, room, work)
             if status == REGULAR:
-                status = _move(packed, starts, drives, weights, scale, step, q, rates, work)
+                status = _move(loops, weights, step, q, rates, work)
             if status != REGULAR:
                 return status
         if share > 0.0:
             _slack(joints, drives, q, work)
             if substeps > 1:
-                status = _shape(plant, starts, drives, scale, began, work.before, room, work)
+                status = _shape(plant, began, work.before, room, work)
             work.trial[:] = began
             if status == REGULAR:
-                status = _observe(
-                    model, known, starts, drives, around, share, period, both, room, work
-                )
+                status = _observe(model, known, around, share, period, both, room, work)
             if status != REGULAR:
                 return status
         out[k, :n], out[k, n : n + m], out[k, n + m :] = q, rates, work.effort

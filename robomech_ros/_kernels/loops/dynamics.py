@@ -22,7 +22,16 @@ from robomech_ros._kernels.compiling.jit import IIN1, IN2, OUT2, OUT3, f8, i8, i
 from robomech_ros._kernels.dynamics.inverse import inverse_body
 from robomech_ros._kernels.dynamics.layout import SURROUNDINGS, TIP_WRENCH
 from robomech_ros._kernels.dynamics.mass import mass_body
-from robomech_ros._kernels.loops.factors import NOT_FINITE, REGULAR, factors, loop_errors, solve
+from robomech_ros._kernels.loops.factors import (
+    NOT_FINITE,
+    REGULAR,
+    Chains,
+    factors,
+    loop_errors,
+    room_for_factors,
+    solve,
+    widest,
+)
 
 __all__ = [
     "NO_MASS",
@@ -35,7 +44,6 @@ __all__ = [
     "write_complement",
     "write_efforts",
     "write_inertia",
-    "write_joints",
     "write_rates",
     "write_turning",
 ]
@@ -44,54 +52,37 @@ __all__ = [
 NO_MASS, OPEN = 4, 5
 _OPEN = 1e-6
 
-# Jacobians and their factors, what solving needs, the complement and twists, and the unit matrix.
-Room = namedtuple(
-    "Room", ("J", "T", "R", "Q", "A", "B", "D", "N", "t", "unit", "change", "own", "t_one")
-)
+# Factors, what solving needs, the complement and twists, and the unit matrix.
+Room = namedtuple("Room", ("found", "D", "N", "t", "unit", "change", "own", "t_one"))
 
 
 @inline
 def room_for(starts, dof):
-    limbs, widest = starts.size - 1, 1
-    for i in range(limbs):
-        widest = max(widest, starts[i + 1] - starts[i])
     return Room(
-        np.zeros((limbs, 6, widest)),
-        np.empty((limbs, 4, 4)),
-        np.empty((limbs, 6, widest)),
-        np.empty((limbs, 6, 6)),
-        np.empty((6 * limbs, 6)),
-        np.empty((6 * limbs, dof)),
-        np.empty((limbs, 6, dof)),
-        np.empty((starts[limbs], dof)),
+        room_for_factors(starts, dof),
+        np.empty((starts.size - 1, 6, dof)),
+        np.empty((starts[starts.size - 1], dof)),
         np.empty((6, dof)),
         np.eye(dof),
-        np.empty((6, widest)),
-        np.zeros(widest),
+        np.empty((6, widest(starts))),
+        np.zeros(widest(starts)),
         np.empty((6, 1)),
     )
 
 
 @lean
-def write_joints(starts, drives, scale, given, room, twists, out):
-    """Solve the loops for all joints (n, c) from the drives (m, c), and from D in the room."""
-    J, R, Q, D = room.J, room.R, room.Q, room.D
-    return solve(starts, drives, scale, J, R, Q, given, D, room.A, room.B, out, twists)
-
-
-@lean
-def write_complement(model, starts, drives, scale, q, room):
+def write_complement(chains, q, room):
     """Write the complement N (n, m) of the loops to the room; return a status."""
-    status = factors(model, starts, drives, q, scale, room.J, room.T, room.R, room.Q)
+    status = factors(chains, q, room.found)
     if status != REGULAR:
         return status
-    if not loop_errors(room.T, scale, room.D) <= _OPEN:
+    if not loop_errors(room.found.T, chains.scale, room.D) <= _OPEN:
         return OPEN
     for i in range(room.D.shape[0]):
         for r in range(6):
             for c in range(room.D.shape[2]):
                 room.D[i, r, c] = 0.0
-    return write_joints(starts, drives, scale, room.unit, room, room.t, room.N)
+    return solve(chains, room.found, room.unit, room.D, room.N, room.t)
 
 
 @lean
@@ -105,15 +96,16 @@ def write_rates(N, rates, qd):
 
 
 @lean
-def write_turning(starts, scale, qd, V, room):
+def write_turning(chains, qd, V, room):
     """Write what the turning of the axes does to columns V (n, c): ``d(J)/dt V`` of each chain."""
+    starts = chains.starts
     for i in range(starts.size - 1):
         s, e = starts[i], starts[i + 1]
         for j in range(room.own.size):
             room.own[j] = qd[s + j] if j < e - s else 0.0
-        rate_body(room.J[i], room.own, room.change)
+        rate_body(room.found.J[i], room.own, room.change)
         for r in range(6):
-            unit = 1.0 if r < 3 else 1.0 / scale
+            unit = 1.0 if r < 3 else 1.0 / chains.scale
             for c in range(V.shape[1]):
                 total = 0.0
                 for j in range(e - s):
@@ -122,8 +114,9 @@ def write_turning(starts, scale, qd, V, room):
 
 
 @lean
-def write_efforts(model, starts, q, qd, qdd, around, free, N, tau, out):
+def write_efforts(chains, q, qd, qdd, around, free, N, tau, out):
     """Write the efforts of the drives (m,); return a status."""
+    model, starts = chains.packed, chains.starts
     for j in range(TIP_WRENCH):
         free[j] = around[j]
     status = 0
@@ -141,9 +134,9 @@ def write_efforts(model, starts, q, qd, qdd, around, free, N, tau, out):
 
 
 @lean
-def write_inertia(model, starts, q, N, M, P, out):
+def write_inertia(chains, q, N, M, P, out):
     """Write the generalised inertia (m, m); M and P are working space."""
-    dof = out.shape[0]
+    model, starts, dof = chains.packed, chains.starts, out.shape[0]
     for a in range(dof):
         for b in range(dof):
             out[a, b] = 0.0
@@ -196,16 +189,16 @@ def _solved(G, x):
 @kernel(i8(IN2, IIN1, IIN1, f8, IN2, IN2, OUT3, OUT3, OUT2))
 def complements(model, starts, drives, scale, q, rates, N, N_dot, qd):
     """Write N and its rate (b, n, m), and the rates of all joints (b, n)."""
-    room = room_for(starts, rates.shape[1])
+    chains, room = Chains(model, starts, drives, scale), room_for(starts, rates.shape[1])
     still = np.zeros((rates.shape[1], rates.shape[1]))
     for b in range(q.shape[0]):
-        status = write_complement(model, starts, drives, scale, q[b], room)
+        status = write_complement(chains, q[b], room)
         if status != REGULAR:
             return status
         write_rates(room.N, rates[b], qd[b])
-        write_turning(starts, scale, qd[b], room.N, room)
+        write_turning(chains, qd[b], room.N, room)
         N[b] = room.N
-        status = write_joints(starts, drives, scale, still, room, room.t, N_dot[b])
+        status = solve(chains, room.found, still, room.D, N_dot[b], room.t)
         if status != REGULAR:
             return status
     return REGULAR
@@ -215,22 +208,22 @@ def complements(model, starts, drives, scale, q, rates, N, N_dot, qd):
 def inverse(model, starts, drives, scale, q, rates, accelerations, around, out):
     """Write the efforts of the drives (b, m) for their rates and accelerations (b, m)."""
     dof, last = rates.shape[1], around.shape[0] - 1
-    room = room_for(starts, dof)
+    chains, room = Chains(model, starts, drives, scale), room_for(starts, dof)
     qd, qdd, tau = np.empty(q.shape[1]), np.empty(q.shape[1]), np.empty(q.shape[1])
     given, free = np.empty((dof, 1)), np.zeros(SURROUNDINGS)
     status = REGULAR
     for b in range(q.shape[0]):
-        status = write_complement(model, starts, drives, scale, q[b], room)
+        status = write_complement(chains, q[b], room)
         if status != REGULAR:
             return status
         write_rates(room.N, rates[b], qd)
-        write_turning(starts, scale, qd, qd.reshape(-1, 1), room)
+        write_turning(chains, qd, qd.reshape(-1, 1), room)
         for a in range(dof):
             given[a, 0] = accelerations[b, a]
-        status = write_joints(starts, drives, scale, given, room, room.t_one, qdd.reshape(-1, 1))
+        status = solve(chains, room.found, given, room.D, qdd.reshape(-1, 1), room.t_one)
         if status == REGULAR:
-            surrounded, N = around[min(b, last)], room.N
-            status = write_efforts(model, starts, q[b], qd, qdd, surrounded, free, N, tau, out[b])
+            surrounded = around[min(b, last)]
+            status = write_efforts(chains, q[b], qd, qdd, surrounded, free, room.N, tau, out[b])
         if status != REGULAR:
             return status
     return REGULAR
@@ -240,24 +233,24 @@ def inverse(model, starts, drives, scale, q, rates, accelerations, around, out):
 def forward(model, starts, drives, scale, q, rates, efforts, around, out):
     """Write the accelerations of the drives (b, m) for their rates and efforts (b, m)."""
     dof, last = rates.shape[1], around.shape[0] - 1
-    room = room_for(starts, dof)
+    chains, room = Chains(model, starts, drives, scale), room_for(starts, dof)
     qd, qdd, tau = np.empty(q.shape[1]), np.empty(q.shape[1]), np.empty(q.shape[1])
     still, free = np.zeros((dof, 1)), np.zeros(SURROUNDINGS)
     widest = room.own.size
     M, P, G = np.empty((widest, widest)), np.empty((widest, dof)), np.empty((dof, dof))
     status = REGULAR
     for b in range(q.shape[0]):
-        status = write_complement(model, starts, drives, scale, q[b], room)
+        status = write_complement(chains, q[b], room)
         if status != REGULAR:
             return status
         write_rates(room.N, rates[b], qd)
-        write_turning(starts, scale, qd, qd.reshape(-1, 1), room)
-        status = write_joints(starts, drives, scale, still, room, room.t_one, qdd.reshape(-1, 1))
+        write_turning(chains, qd, qd.reshape(-1, 1), room)
+        status = solve(chains, room.found, still, room.D, qdd.reshape(-1, 1), room.t_one)
         if status == REGULAR:
-            surrounded, N = around[min(b, last)], room.N
-            status = write_efforts(model, starts, q[b], qd, qdd, surrounded, free, N, tau, out[b])
+            surrounded = around[min(b, last)]
+            status = write_efforts(chains, q[b], qd, qdd, surrounded, free, room.N, tau, out[b])
         if status == REGULAR:
-            status = write_inertia(model, starts, q[b], room.N, M, P, G)
+            status = write_inertia(chains, q[b], room.N, M, P, G)
         if status == REGULAR:
             for a in range(dof):
                 out[b, a] = efforts[b, a] - out[b, a]
@@ -271,13 +264,13 @@ def forward(model, starts, drives, scale, q, rates, efforts, around, out):
 def inertias(model, starts, drives, scale, q, out):
     """Write the generalised inertia (b, m, m)."""
     dof = out.shape[1]
-    room = room_for(starts, dof)
+    chains, room = Chains(model, starts, drives, scale), room_for(starts, dof)
     widest = room.own.size
     M, P = np.empty((widest, widest)), np.empty((widest, dof))
     for b in range(q.shape[0]):
-        status = write_complement(model, starts, drives, scale, q[b], room)
+        status = write_complement(chains, q[b], room)
         if status == REGULAR:
-            status = write_inertia(model, starts, q[b], room.N, M, P, out[b])
+            status = write_inertia(chains, q[b], room.N, M, P, out[b])
         if status != REGULAR:
             return status
     return REGULAR

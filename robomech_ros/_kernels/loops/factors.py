@@ -11,16 +11,61 @@ its drive, or -1.  Lengths are multiplied by ``scale``, so that all entries are 
 """
 
 import math
+from collections import namedtuple
+
+import numpy as np
 
 from robomech_ros._kernels.chain.serial import OK, jacobian_body
-from robomech_ros._kernels.compiling.jit import lean
+from robomech_ros._kernels.compiling.jit import inline, lean
 
-__all__ = ["FREE", "NOT_FINITE", "REGULAR", "SINGULAR", "factors", "loop_errors", "solve"]
+__all__ = [
+    "FREE",
+    "NOT_FINITE",
+    "REGULAR",
+    "SINGULAR",
+    "Chains",
+    "Factors",
+    "factors",
+    "left_inverse",
+    "loop_errors",
+    "room_for_factors",
+    "solve",
+    "widest",
+]
 
 # Status: the drives do not hold the platform; joints of one limb move by themselves; no numbers.
 REGULAR, SINGULAR, FREE, NOT_FINITE = 0, 1, 2, 3
 # Least part of a column that is independent of those before it.
 _INDEPENDENT = 1e-10
+
+Chains = namedtuple("Chains", ("packed", "starts", "drives", "scale"))
+
+# Of each limb the Jacobian J (6, w), the pose T (4, 4), R (6, w) and Q' (6, 6); and what solving
+# needs: A (6 limbs, 6) and B (6 limbs, c).
+Factors = namedtuple("Factors", ("J", "T", "R", "Q", "A", "B"))
+
+
+@lean
+def widest(starts):
+    """Give the number of joints of the limb that has most."""
+    n = 1
+    for i in range(starts.size - 1):
+        n = max(n, starts[i + 1] - starts[i])
+    return n
+
+
+@inline
+def room_for_factors(starts, width):
+    """Make room for the factors of all limbs, and to solve for so many columns."""
+    limbs, n = starts.size - 1, widest(starts)
+    return Factors(
+        np.zeros((limbs, 6, n)),
+        np.empty((limbs, 4, 4)),
+        np.empty((limbs, 6, n)),
+        np.empty((limbs, 6, 6)),
+        np.empty((6 * limbs, 6)),
+        np.empty((6 * limbs, width)),
+    )
 
 
 @lean
@@ -63,11 +108,10 @@ def _triangulate(A, B, rows, columns, width):
 
 
 @lean
-def factors(packed, starts, drives, q, scale, J, T, R, Q):
-    """Write of each limb the Jacobian J (6, w), the pose T (4, 4), R (6, w) and Q' (6, 6).
-
-    Returns a status; lengths in J are scaled.
-    """
+def factors(chains, q, out):
+    """Write the Factors of all limbs for q (n,); return a status.  Lengths in J are scaled."""
+    packed, starts, drives, scale = chains
+    J, T, R, Q = out.J, out.T, out.R, out.Q
     status = REGULAR
     for i in range(starts.size - 1):
         s, e = starts[i], starts[i + 1]
@@ -90,13 +134,15 @@ def factors(packed, starts, drives, q, scale, J, T, R, Q):
 
 
 @lean
-def solve(starts, drives, scale, J, R, Q, rates, D, A, B, qd, t):
+def solve(chains, found, rates, D, qd, t):
     """Solve for all joint rates qd (n, c) and twists t (6, c) of the platform.
 
-    Given are the rates of the drives (m, c), and D (limbs, 6, c) with lengths in m, overwritten.
-    A (6 limbs, 6) and B (6 limbs, c) are working space.  Returns a status.
+    Given are the factors, the rates of the drives (m, c), and D (limbs, 6, c) with lengths in m,
+    overwritten.  As many columns are solved for as all of them have.  Returns a status.
     """
-    width, count = rates.shape[1], 0
+    starts, drives, scale = chains.starts, chains.drives, chains.scale
+    J, R, Q, A, B = found.J, found.R, found.Q, found.A, found.B
+    width, count = min(rates.shape[1], D.shape[2], B.shape[1], qd.shape[1], t.shape[1]), 0
     for i in range(starts.size - 1):
         s, e = starts[i], starts[i + 1]
         for c in range(width):
@@ -130,7 +176,7 @@ def solve(starts, drives, scale, J, R, Q, rates, D, A, B, qd, t):
                 value -= A[r, j] * t[j, c]
             t[r, c] = value / A[r, r]
     for i in range(starts.size - 1):
-        _passive(starts[i], starts[i + 1], drives, R[i], Q[i], D[i], t, qd)
+        _passive(starts[i], starts[i + 1], drives, R[i], Q[i], D[i], t, qd, width)
     for c in range(width):
         for r in range(3, 6):
             t[r, c] /= scale
@@ -138,9 +184,39 @@ def solve(starts, drives, scale, J, R, Q, rates, D, A, B, qd, t):
 
 
 @lean
-def _passive(start, end, drives, R, Q, D, t, qd):
+def left_inverse(chains, found, S):
+    """Write to the first rows of S the platform's twist (6, c) for c wrenches that do no work.
+
+    These are the rows of Q' below R, limb by limb.  Returns a status.
+    """
+    starts, drives, Q, A = chains.starts, chains.drives, found.Q, found.A
+    count = 0
+    for i in range(starts.size - 1):
+        k = 0
+        for j in range(starts[i], starts[i + 1]):
+            if drives[j] < 0:
+                k += 1
+        for row in range(k, 6):
+            for j in range(6):
+                A[count, j] = Q[i, row, j]
+            count += 1
+    for r in range(count):
+        for c in range(count):
+            S[r, c] = 1.0 if r == c else 0.0
+    if _triangulate(A, S, count, 6, count) < _INDEPENDENT:
+        return SINGULAR
+    for c in range(count):
+        for r in range(5, -1, -1):
+            for j in range(r + 1, 6):
+                S[r, c] -= A[r, j] * S[j, c]
+            S[r, c] /= A[r, r]
+    return REGULAR
+
+
+@lean
+def _passive(start, end, drives, R, Q, D, t, qd, width):
     """Write the rates of the passive joints of one limb, from the last to the first."""
-    for c in range(t.shape[1]):
+    for c in range(width):
         k = 0
         for j in range(start, end):
             if drives[j] < 0:

@@ -14,7 +14,15 @@ from robomech_ros._kernels.compiling.jit import (
     i8,
     kernel,
 )
-from robomech_ros._kernels.loops.factors import NOT_FINITE, REGULAR, factors, solve
+from robomech_ros._kernels.loops.factors import (
+    NOT_FINITE,
+    REGULAR,
+    Chains,
+    factors,
+    room_for_factors,
+    solve,
+    widest,
+)
 
 __all__ = ["accelerations", "limb_poses", "rates"]
 
@@ -36,18 +44,14 @@ def rates(packed, starts, drives, scale, q, given, out, twists):
 
     Returns a status; where it is not regular, rows from the first such one on are undefined.
     """
-    limbs, width, n = starts.size - 1, given.shape[2], 1
-    for i in range(limbs):
-        n = max(n, starts[i + 1] - starts[i])
-    J, T = np.empty((limbs, 6, n)), np.empty((limbs, 4, 4))
-    R, Q = np.empty((limbs, 6, n)), np.empty((limbs, 6, 6))
-    A, B = np.empty((6 * limbs, 6)), np.empty((6 * limbs, width))
-    D = np.empty((limbs, 6, width))
+    width = given.shape[2]
+    chains, found = Chains(packed, starts, drives, scale), room_for_factors(starts, width)
+    D = np.empty((starts.size - 1, 6, width))
     for b in range(q.shape[0]):
-        status = factors(packed, starts, drives, q[b], scale, J, T, R, Q)
+        status = factors(chains, q[b], found)
         if status == REGULAR:
             D[:] = 0.0
-            status = solve(starts, drives, scale, J, R, Q, given[b], D, A, B, out[b], twists[b])
+            status = solve(chains, found, given[b], D, out[b], twists[b])
         if status != REGULAR:
             return status
     return REGULAR
@@ -60,15 +64,12 @@ def accelerations(packed, starts, drives, scale, q, qd, given, out, twists):
     ``qd`` (b, n) are the rates of all joints, and ``given`` (b, m, 1) the accelerations of the
     drives.  Returns a status as :func:`rates` does.
     """
-    limbs, n = starts.size - 1, 1
-    for i in range(limbs):
-        n = max(n, starts[i + 1] - starts[i])
-    J, T = np.empty((limbs, 6, n)), np.empty((limbs, 4, 4))
-    R, Q = np.empty((limbs, 6, n)), np.empty((limbs, 6, 6))
-    A, B, D = np.empty((6 * limbs, 6)), np.empty((6 * limbs, 1)), np.empty((limbs, 6, 1))
+    limbs, n = starts.size - 1, widest(starts)
+    chains, found = Chains(packed, starts, drives, scale), room_for_factors(starts, 1)
+    J, D = found.J, np.empty((limbs, 6, 1))
     changes, own = np.empty((6, n)), np.empty(n)
     for b in range(q.shape[0]):
-        status = factors(packed, starts, drives, q[b], scale, J, T, R, Q)
+        status = factors(chains, q[b], found)
         if status == REGULAR:
             for i in range(limbs):
                 s, e = starts[i], starts[i + 1]
@@ -84,7 +85,7 @@ def accelerations(packed, starts, drives, scale, q, qd, given, out, twists):
                         D[i, r, 0] += changes[r, j] * qd[b, s + j]
                 for r in range(3, 6):
                     D[i, r, 0] /= scale
-            status = solve(starts, drives, scale, J, R, Q, given[b], D, A, B, out[b], twists[b])
+            status = solve(chains, found, given[b], D, out[b], twists[b])
         if status != REGULAR:
             return status
     return REGULAR

@@ -4,7 +4,14 @@ import numpy as np
 
 from robomech_ros._kernels.chain.serial import forward_body
 from robomech_ros._kernels.compiling.jit import IIN1, IN1, IN2, IOUT1, OUT2, f8, i8, kernel
-from robomech_ros._kernels.loops.factors import REGULAR, factors, loop_errors, solve
+from robomech_ros._kernels.loops.factors import (
+    REGULAR,
+    Chains,
+    factors,
+    loop_errors,
+    room_for_factors,
+    solve,
+)
 
 __all__ = ["search"]
 
@@ -21,23 +28,20 @@ def search(packed, starts, drives, scale, weights, q, closed):
     Written to ``closed`` (k,): whether they are; angles of half a turn pass for none.  Returns how
     many.
     """
-    limbs, n, m = starts.size - 1, 1, 0
-    for i in range(limbs):
-        n = max(n, starts[i + 1] - starts[i])
+    limbs, m = starts.size - 1, 0
     for j in range(drives.size):
         m = max(m, drives[j] + 1)
-    J, T = np.empty((limbs, 6, n)), np.empty((limbs, 4, 4))
-    R, Q = np.empty((limbs, 6, n)), np.empty((limbs, 6, 6))
-    A, B, D = np.empty((6 * limbs, 6)), np.empty((6 * limbs, 1)), np.empty((limbs, 6, 1))
+    chains, found = Chains(packed, starts, drives, scale), room_for_factors(starts, 1)
+    T, D = found.T, np.empty((limbs, 6, 1))
     qd, t, rates = np.empty((drives.size, 1)), np.empty((6, 1)), np.zeros((m, 1))
     count = 0
     for k in range(q.shape[0]):
         closed[k] = 0
         for _ in range(_ITERATIONS):
-            if factors(packed, starts, drives, q[k], scale, J, T, R, Q) != REGULAR:
+            if factors(chains, q[k], found) != REGULAR:
                 break
             loop_errors(T, scale, D)
-            if solve(starts, drives, scale, J, R, Q, rates, D, A, B, qd, t) != REGULAR:
+            if solve(chains, found, rates, D, qd, t) != REGULAR:
                 break
             size = 0.0
             for j in range(drives.size):

@@ -27,6 +27,13 @@ _ONE = 1e-9
 _CONJUGATE, _NEARER = 1e-6, 0.1
 # The square of a distance is exact enough as a difference above this.
 _FAR = 1e-4
+# Where |x_0|^2 differs by more, two ends are farther apart than what is compared with _CONJUGATE.
+_APART = 1e-4
+
+
+@inline
+def _square(z):
+    return z.real * z.real + z.imag * z.imag
 
 
 @inline
@@ -67,8 +74,9 @@ def pair(X, ends, partner):
         if ends[i] != REGULAR:
             continue
         least, second, found = 2.0, 2.0, -1
+        first = _square(X[i, 0])
         for j in range(n):
-            if ends[j] != REGULAR:
+            if ends[j] != REGULAR or abs(_square(X[j, 0]) - first) > _APART:
                 continue
             distance = _distance(X[i], X[j], True)
             if distance < least:

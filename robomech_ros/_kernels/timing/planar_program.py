@@ -45,9 +45,11 @@ def _along(first, second, rest, order, rows, offset, slope, box):
             below, above = box[2] - offset, box[3] - offset
         if not steep:
             # A line beside this one: only rounding puts it on the wrong side.
-            if below > _BESIDE * (1.0 + abs(value)) or above < -_BESIDE * (1.0 + abs(value)):
+            if max(below, -above) <= _BESIDE * (1.0 + abs(value)):
+                continue
+            # One further off is met where the box is long enough for the little that is left.
+            if rise == 0.0:
                 return math.inf, -math.inf
-            continue
         inverse = 1.0 / rise
         if rise < 0.0:
             below, above = above, below

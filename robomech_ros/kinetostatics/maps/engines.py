@@ -46,9 +46,6 @@ class DaskUnavailableError(RobomechError):
             "pip install 'robomech_ros[dask]'"
         )
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), ()
-
 
 def as_workers(workers: int | None) -> int:
     """Check a number of threads; None is one for each processor that this process may use.

@@ -61,7 +61,7 @@ class Drives:
 
         Raises
         ------
-        BadValueError
+        OpenLoopsError
             All joints are given, and leave loops open.
         OutcomeError
             The drives can hold the platform nowhere, or a singular posture is in their way.

@@ -26,9 +26,9 @@ __all__ = [
     "gravity_vector",
     "motions",
     "payload_body",
-    "positions_of",
     "rates",
     "tip_wrench",
+    "without_rates",
 ]
 
 Array = NDArray[np.float64]
@@ -125,9 +125,10 @@ def rates(state: JointState, field: str, drives: Drives, model: RobotModel) -> A
     return positions_by_name(state, drives.names, "state", model.joint_names, field)
 
 
-def positions_of(state: JointState) -> JointState:
-    """Give the positions of a state with their names; without positions it names no joints."""
-    return state if len(state.position) else JointState()
+def without_rates(state: JointState) -> JointState:
+    """Give the positions of a state with their names, which may be those of other numbers alone."""
+    numbers = len(state.velocity) + len(state.effort)
+    return JointState() if numbers and not len(state.position) else state
 
 
 def gravity_vector(given: Vector3, configured: Array) -> Array:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
+from sensor_msgs.msg import JointState
 
 from robomech_interfaces.srv import (
     ForwardDynamics,
@@ -32,9 +33,9 @@ from robomech_ros.nodes.dynamics.messages import (
     gravity_vector,
     motions,
     payload_body,
-    positions_of,
     rates,
     tip_wrench,
+    without_rates,
 )
 from robomech_ros.nodes.dynamics.settings import DynamicsSettings, check_settings
 from robomech_ros.nodes.dynamics.torques import instants, torque_shares
@@ -101,7 +102,7 @@ class DynamicsNode(Node):
 
     @guarded
     async def _forward_dynamics(self, request: Any, response: Any) -> Any:
-        system, q = self._loaded, await self._positions(request)
+        system, q = self._loaded, await self._positions(without_rates(request.state))
         velocity = rates(request.state, "velocity", self._drives, self._model)
         effort = rates(request.state, "effort", self._drives, self._model)
         wrench = (await self._wrench(request, q[None]))[0]
@@ -114,7 +115,7 @@ class DynamicsNode(Node):
 
     @guarded
     async def _mass_matrix(self, request: Any, response: Any) -> Any:
-        system, q = self._loaded, await self._positions(request)
+        system, q = self._loaded, await self._positions(request.state)
         response.mass_matrix = floats(system.mass_matrix(q))
         response.joint_names = list(system.drive_names)
         return answer(response)
@@ -154,9 +155,9 @@ class DynamicsNode(Node):
         )
         return answer(encode_summary(summary, drives.names, response))
 
-    async def _positions(self, request: Any) -> Array:
-        """Read the positions (n,) of a request's state, or else the present ones."""
-        state, patience = positions_of(request.state), self._table.settings.state_timeout
+    async def _positions(self, state: JointState) -> Array:
+        """Read the positions (n,) of a state; of an empty one, the present ones."""
+        patience = self._table.settings.state_timeout
         return await self._joints.read_or_present(self._drives.way, state, "state", patience)
 
     async def _wrench(self, request: Any, q: Array) -> Array:

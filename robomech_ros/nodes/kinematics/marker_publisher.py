@@ -1,7 +1,7 @@
 """Shows the posture last analysed, and the boundary of the workspace, as markers."""
 
 from collections.abc import Awaitable, Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +17,18 @@ from robomech_ros.nodes.kinematics.markers import (
     boundary_markers,
     marker_array,
     posture_markers,
+    surface_markers,
 )
 from robomech_ros.robots import SerialChain
 
 __all__ = ["MarkerPublisher"]
 
+if TYPE_CHECKING:
+    from robomech_ros.parallel.kinetostatics.workspace_surface import WorkspaceSurface
+
 Array = NDArray[np.float64]
+
+_NO_TWISTS = np.empty((0, 6))
 
 
 class MarkerPublisher:
@@ -57,7 +63,12 @@ class MarkerPublisher:
         T = forward_kinematics(chain, q)
         J = point_jacobian(chain, q, point)
         at = T[:3, :3] @ point + T[:3, 3]
-        self._posture = posture_markers(self._base, at, J, report)
+        self._posture = posture_markers(self._base, at, J, report.lost_directions, _NO_TWISTS)
+        self._show()
+
+    def show_platform(self, at: Array, J: Array | None, lost: Array, free: Array) -> None:
+        """Show what a point of a platform at a place (3,) can do; see `posture_markers`."""
+        self._posture = posture_markers(self._base, at, J, lost, free)
         self._show()
 
     def show_boundary(self, space: Workspace) -> None:
@@ -65,6 +76,11 @@ class MarkerPublisher:
         if not self._boundary:
             self._boundary = boundary_markers(self._base, space)
             self._show()
+
+    def show_surface(self, space: "WorkspaceSurface") -> None:
+        """Show the boundary of a platform's positions in place of the last one."""
+        self._boundary = surface_markers(self._base, space)
+        self._show()
 
     def _show(self) -> None:
         """Publish all markers there are."""

@@ -1,18 +1,22 @@
 """Markers of what the tip can do in a posture, and of the boundary of the workspace."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from geometry_msgs.msg import Point
 from numpy.typing import NDArray
 from visualization_msgs.msg import Marker, MarkerArray
 
-from robomech_ros.kinetostatics import SingularityReport, Workspace, manipulability_ellipsoid
+from robomech_ros.kinetostatics import Workspace, manipulability_ellipsoid
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
 
-__all__ = ["boundary_markers", "marker_array", "posture_markers"]
+if TYPE_CHECKING:
+    from robomech_ros.parallel.kinetostatics.workspace_surface import WorkspaceSurface
+
+__all__ = ["boundary_markers", "marker_array", "posture_markers", "surface_markers"]
 
 Array = NDArray[np.float64]
+_Colour = tuple[float, float, float, float]
 
 # Half axis of the longest direction of an ellipsoid, and length of an arrow (m).
 _LONGEST, _ARROW = 0.15, 0.25
@@ -21,15 +25,17 @@ _FLAT = 0.01
 _WIDTH = 0.004
 _VELOCITY, _FORCE = (0.1, 0.5, 0.9, 0.45), (0.9, 0.5, 0.1, 0.45)
 _LOST_LINEAR, _LOST_ANGULAR = (0.9, 0.1, 0.1, 1.0), (0.8, 0.1, 0.8, 1.0)
+_FREE_LINEAR, _FREE_ANGULAR = (0.9, 0.6, 0.0, 1.0), (0.0, 0.6, 0.6, 1.0)
+_SURFACE = (0.2, 0.4, 0.6, 0.25)
 _OUTER, _VOID = (0.1, 0.1, 0.1, 0.8), (0.8, 0.1, 0.1, 0.8)
 # Half-planes in which the boundary is drawn, and vertices left out between those that are.
 _PLANES, _EVERY = 8, 8
 
 
 def posture_markers(
-    frame: str, position: Array, J: Array, report: SingularityReport
+    frame: str, position: Array, J: Array | None, lost: Array, free: Array
 ) -> list[Marker]:
-    """Make the velocity and the force ellipsoid of a point, and arrows of its lost directions.
+    """Make the ellipsoids of velocity and force of a point, and arrows of lost and free directions.
 
     The half axes of the first are the singular values of the linear rows of the Jacobian, those
     of the second their inverses; each is drawn with a longest half axis of 0.15 m.
@@ -40,28 +46,40 @@ def posture_markers(
         Base of the chain.
     position : ndarray, shape (3,)
         Of the point (m).
-    J : ndarray, shape (6, n)
-        Its Jacobian in the axes of the base, angular rows first.
-    report : SingularityReport
-        Of the posture.
+    J : ndarray, shape (6, n), or None
+        Its Jacobian in the axes of the base, angular rows first; None where the drives of a
+        parallel robot do not determine its motion.
+    lost, free : ndarray, shape (k, 6)
+        Twists of the point that are lost, and those that it can have with locked drives, angular
+        first, in the base.
     """
-    found = manipulability_ellipsoid(J[3:])
-    velocity = np.maximum(found.velocity / max(float(found.velocity[0]), 1e-300), _FLAT)
-    force = velocity[-1] / velocity
-    markers = [
-        _ellipsoid(frame, "velocity_ellipsoid", position, found.axes, velocity, _VELOCITY),
-        _ellipsoid(frame, "force_ellipsoid", position, found.axes, force, _FORCE),
-    ]
-    number = 0
-    for twist in report.lost_directions:
-        for part, colour in ((twist[3:], _LOST_LINEAR), (twist[:3], _LOST_ANGULAR)):
+    markers: list[Marker] = []
+    if J is not None and J[3:].any():
+        found = manipulability_ellipsoid(J[3:])
+        velocity = np.maximum(found.velocity / max(float(found.velocity[0]), 1e-300), _FLAT)
+        force = velocity[-1] / velocity
+        markers += [
+            _ellipsoid(frame, "velocity_ellipsoid", position, found.axes, velocity, _VELOCITY),
+            _ellipsoid(frame, "force_ellipsoid", position, found.axes, force, _FORCE),
+        ]
+    lost_markers = _arrows(frame, "lost_directions", position, lost, (_LOST_LINEAR, _LOST_ANGULAR))
+    free_markers = _arrows(frame, "free_directions", position, free, (_FREE_LINEAR, _FREE_ANGULAR))
+    return [*markers, *lost_markers, *free_markers]
+
+
+def _arrows(
+    frame: str, name: str, position: Array, twists: Array, colours: tuple[_Colour, _Colour]
+) -> list[Marker]:
+    """Make arrows of the linear and the angular parts of twists (k, 6)."""
+    markers: list[Marker] = []
+    for twist in twists:
+        for part, colour in zip((twist[3:], twist[:3]), colours, strict=True):
             length = float(np.linalg.norm(part))
             if length > 1e-3 * float(np.linalg.norm(twist)):
-                arrow = _marker(frame, "lost_directions", number, Marker.ARROW, colour)
+                arrow = _marker(frame, name, len(markers), Marker.ARROW, colour)
                 arrow.points = [_point(position), _point(position + _ARROW * part / length)]
                 arrow.scale.x, arrow.scale.y, arrow.scale.z = 0.012, 0.024, 0.03
                 markers.append(arrow)
-                number += 1
     return markers
 
 
@@ -98,6 +116,29 @@ def boundary_markers(frame: str, space: Workspace) -> list[Marker]:
             strip.points = [_point(point) for point in points[kept]]
             markers.append(strip)
     return markers
+
+
+def surface_markers(frame: str, space: "WorkspaceSurface") -> list[Marker]:
+    """Make triangles of the boundary of a platform's positions, or lines where it is flat.
+
+    Parameters
+    ----------
+    frame : str
+        Base of the robot.
+    space : WorkspaceSurface
+    """
+    corners = space.boundary
+    if not len(corners):
+        return []
+    flat = corners.shape[1] < 3
+    if corners.shape[1] == 1:
+        corners = space.facets
+    kind, colour = (Marker.LINE_LIST, _OUTER) if flat else (Marker.TRIANGLE_LIST, _SURFACE)
+    marker = _marker(frame, "workspace", 0, kind, colour)
+    marker.scale.x = _WIDTH if flat else 1.0
+    marker.scale.y = marker.scale.z = marker.scale.x
+    marker.points = [_point(corner) for corner in corners.reshape(-1, 3)]
+    return [marker]
 
 
 def marker_array(markers: list[Marker]) -> MarkerArray:

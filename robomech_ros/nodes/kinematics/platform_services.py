@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from rclpy.node import Node
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import JointState, PointCloud2
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinetostatics import point_jacobian
@@ -26,8 +26,9 @@ from robomech_ros.nodes.common.pose_messages import (
     point_vector,
     stamped_pose,
 )
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
+from robomech_ros.nodes.kinematics.marker_publisher import MarkerPublisher
 from robomech_ros.nodes.kinematics.messages import (
     SolutionPoints,
     answer_in_time,
@@ -35,16 +36,22 @@ from robomech_ros.nodes.kinematics.messages import (
     inverse_options,
     is_nearest,
     poses_in_base,
+    workspace_cloud,
 )
 from robomech_ros.nodes.kinematics.platform_postures import (
     PlatformSolutions,
     conditions,
     platform_solutions,
 )
-from robomech_ros.nodes.kinematics.platform_singularity import encode_singularity, singularity_at
+from robomech_ros.nodes.kinematics.platform_singularity import (
+    encode_singularity,
+    jacobian_at,
+    singularity_at,
+)
+from robomech_ros.nodes.kinematics.platform_space import PlatformSpace
 from robomech_ros.nodes.kinematics.settings import KinematicsSettings
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel import Mechanism, platform_length
+from robomech_ros.parallel import platform_length
 from robomech_ros.robots import SerialChain
 
 __all__ = ["PlatformServices"]
@@ -91,6 +98,9 @@ class PlatformServices:
         self._robot, self.mechanism, self._loops = model.robot, model.mechanism, joints.loops
         self._worker, self._settings, self._check_size = worker, settings, check_size
         self._points = SolutionPoints()
+        self._space = PlatformSpace(self._robot)
+        self._markers = MarkerPublisher(node, model.base_frame, self._show_boundary)
+        self._cloud = node.create_publisher(PointCloud2, "~/workspace", LATCHED)
         self.get_logger = node.get_logger
 
     @guarded
@@ -206,7 +216,7 @@ class PlatformServices:
         q, point, axes = await self._asked(request)
         names = self.mechanism.joint_names
         index = [names.index(name) for name in chain.joint_names]
-        J = point_jacobian(chain, q[index], point, axes) @ self._complement(q)[index]
+        J = point_jacobian(chain, q[index], point, axes) @ self.mechanism.complement(q)[index]
         response.jacobian = floats(linear_rows_first(J))
         response.joint_names = list(self.mechanism.actuated)
         return answer(response)
@@ -220,6 +230,11 @@ class PlatformServices:
         found = await self._worker.do(lambda: singularity_at(self._robot, q, point))
         frame = self._model.full_frame(request.reference_frame)
         encode_singularity(self.mechanism, q, found, axes, frame, response)
+        if self._settings().publish_markers:
+            at = self.mechanism.pose(q)
+            place = at[:3, :3] @ point + at[:3, 3]
+            J = jacobian_at(self.mechanism, q, point)
+            self._markers.show_platform(place, J, found.lost_directions, found.free_directions)
         return answer(response)
 
     @guarded
@@ -229,7 +244,8 @@ class PlatformServices:
         self._check_size("poses", len(request.poses))
         _check_mask([bool(entry) for entry in request.task_mask])
         T = await poses_in_base(self._frames, request.poses, patience)
-        length = await self._worker.do(self._length)
+        # It is found on the first request, and kept.
+        length = await self._worker.do(lambda: platform_length(self._robot))
         count, reason = np.zeros(len(T), np.int64), np.full(len(T), Code.TIMED_OUT, np.int64)
         condition = np.full(len(T), np.inf)
         turns, began, done, seed = Turns(self._node), time.monotonic(), 0, self.mechanism.home()
@@ -246,9 +262,21 @@ class PlatformServices:
         response.reachable = (count > 0).tolist()
         response.reason, response.solution_count = reason.tolist(), count.tolist()
         response.condition_numbers = condition.tolist()
-        response.boundary_distances = [float("nan")] * len(T)
-        response.least_reach = response.greatest_reach = float("nan")
+        distance = await self._space.distances(self._worker, T, count > 0, began + allowed)
+        response.boundary_distances = distance.tolist()
+        response.least_reach, response.greatest_reach = await self._worker.do(self._space.reach)
+        if len(T):
+            cloud = workspace_cloud(self._model.base_frame, T, count, distance)
+            self._cloud.publish(cloud)
+            await self._show_boundary(T[0])
         return answer_in_time(response, done, len(T), allowed)
+
+    async def _show_boundary(self, T: Array | None = None) -> None:
+        """Show the boundary for the orientation of a pose, by default that of home."""
+        if self._settings().publish_markers:
+            surface = await self._worker.do(lambda: self._space.surface(T))
+            if surface is not None:
+                self._markers.show_surface(surface)
 
     async def _asked(self, request: Any) -> tuple[Array, Array, Array | None]:
         """Read all joints, the point and the axes of a request about a Jacobian."""
@@ -258,18 +286,6 @@ class PlatformServices:
         at = dict(zip(self.mechanism.joint_names, q.tolist(), strict=True))
         frame = await self._frames.in_base(request.reference_frame, patience, at=at)
         return q, point, None if frame is None else frame[:3, :3]
-
-    def _length(self) -> float:
-        """Give the length (m) that makes turns and displacements comparable."""
-        robot = self._robot
-        return robot.size if isinstance(robot, Mechanism) else platform_length(robot)
-
-    def _complement(self, q: Array) -> Array:
-        """Give the rates of all joints for those of the drives, (n, m)."""
-        try:
-            return self.mechanism.complement(q)
-        except BadValueError as error:
-            raise OutcomeError(Code.SINGULAR, str(error)) from None
 
     def _check_tip(self, link: str) -> None:
         """Refuse links other than the platform, which all limbs carry."""

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import SingularPostureError
 from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.pose_messages import stamped_twist
 from robomech_ros.parallel import LoopSingularity, Mechanism, ParallelRobot, loop_singularity
 from robomech_ros.spatial import transfer_twist
 
-__all__ = ["encode_singularity", "singularity_at"]
+__all__ = ["encode_singularity", "jacobian_at", "singularity_at"]
 
 Array = NDArray[np.float64]
 
@@ -29,6 +29,18 @@ def singularity_at(robot: ParallelRobot | Mechanism, q: Array, point: Array) -> 
         for twists in (found.lost_directions, found.free_directions)
     )
     return replace(found, lost_directions=lost, free_directions=free)
+
+
+def jacobian_at(mechanism: Mechanism, q: Array, point: Array) -> Array | None:
+    """Give the Jacobian (6, m) of a point (3,) of the platform, angular rows first, in the base.
+
+    None where the drives do not determine its motion.
+    """
+    try:
+        twists = mechanism.twist_matrix(q)
+    except SingularPostureError:
+        return None
+    return transfer_twist(twists.T, np.zeros(3), mechanism.pose(q)[:3, :3] @ point).T
 
 
 def encode_singularity(
@@ -74,7 +86,7 @@ def _raw_values(mechanism: Mechanism, q: Array) -> NDArray[np.floating[Any]]:
     """Give the singular values of the twists of the drives, none where those are not determined."""
     try:
         return np.asarray(np.linalg.svd(mechanism.twist_matrix(q), compute_uv=False))
-    except BadValueError:
+    except SingularPostureError:
         return np.empty(0)
 
 

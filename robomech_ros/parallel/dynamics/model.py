@@ -12,7 +12,8 @@ from robomech_ros._kernels.dynamics.layout import MASS, MODEL_WIDTH, ROTOR
 from robomech_ros._kernels.dynamics.mass import totals
 from robomech_ros._kernels.loops.dynamics import NO_MASS, OPEN
 from robomech_ros.dynamics.model import body_rows
-from robomech_ros.errors import BadValueError, MissingInertiaError
+from robomech_ros.errors import BadValueError, MissingInertiaError, SingularPostureError
+from robomech_ros.parallel.mechanism.gaps import open_loops
 from robomech_ros.parallel.mechanism.loops import refuse_status
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combined
@@ -112,11 +113,10 @@ def refuse(mechanism: Mechanism, status: int, q: Array, what: str = "q") -> None
         expected = "bodies or rotors that resist every motion, far from singular postures"
         raise BadValueError("least inertia of the robot", 0.0, expected)
     if status == OPEN:
-        limbs = len(mechanism.limbs)
-        with np.errstate(over="ignore", invalid="ignore"):
-            errors = mechanism.loop_errors(q).reshape(-1, limbs, 2)
-        state, limb = divmod(int(errors.max(axis=2).argmax()), limbs)
-        metres, radians = errors[state, limb].tolist()
-        off = f"{metres:.3g} m and {radians:.3g} rad"
-        raise BadValueError(f"error of limb {limb + 1} in {what}", off, "closed loops")
+        raise open_loops(mechanism, q, what)
+    for k, posture in enumerate(q.reshape(-1, mechanism.n) if q.ndim > 1 else ()):
+        try:
+            mechanism.complement(posture)
+        except SingularPostureError as error:
+            raise SingularPostureError(f"posture[{k}]", posture, error.expected) from None
     refuse_status(status, q)

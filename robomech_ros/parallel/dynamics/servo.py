@@ -20,6 +20,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.posture_samples import spread_values
 from robomech_ros.parallel.dynamics.calls import loop_arguments
 from robomech_ros.parallel.dynamics.model import mechanism_model
+from robomech_ros.parallel.mechanism.mode import half_ways
 from robomech_ros.parallel.mechanism.model import Mechanism
 
 __all__ = ["loop_servo", "mode_postures"]
@@ -31,21 +32,11 @@ _MOST_POSTURES = 256
 
 
 def mode_postures(mechanism: Mechanism, count: int) -> Array:
-    """Spread postures (k, n), at most count, over the assembly mode of home.
-
-    Ways of the drives to values all over their ranges are gone half, or half of the part in front
-    of the singular posture in which the mode ends.
-    """
-    home, drives = mechanism.home(), mechanism.drive_index
+    """Spread postures (k, n), at most count, over the assembly mode of home."""
+    drives = mechanism.drive_index
     limits = mechanism.lower[drives], mechanism.upper[drives]
-    rows = []
-    for values in spread_values(mechanism.types[drives], *limits, min(count, _MOST_POSTURES)):
-        way = 0.5 * (values - home[drives])
-        closed = mechanism.close(home[drives] + way, home)
-        if closed.status:
-            closed = mechanism.close(home[drives] + 0.5 * closed.part * way, home)
-        rows.append(closed.q)
-    return np.array(rows)
+    count = min(count, _MOST_POSTURES)
+    return half_ways(mechanism, spread_values(mechanism.types[drives], *limits, count))
 
 
 def loop_servo(model: Mechanism, plant: Mechanism, law: ServoLaw) -> CompiledServo:

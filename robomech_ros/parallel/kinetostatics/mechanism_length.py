@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
-from robomech_ros.outcomes import Code
 from robomech_ros.parallel.kinetostatics.limb_wrenches import Wrenches, limb_wrenches
 from robomech_ros.parallel.kinetostatics.square_systems import are_regular
+from robomech_ros.parallel.mechanism.mode import half_ways
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots.chain_layout import PRISMATIC
 
@@ -19,7 +19,7 @@ __all__ = ["mechanism_length"]
 Array = NDArray[np.float64]
 
 _ANGULAR = 3
-_POSTURES = 1024
+_POSTURES = 256
 # Parts of unit twists below which they are zero.
 _ROUNDING = 1e-9
 # Powers of ten of the size between which lengths are looked for, how many at a time, how often.
@@ -65,18 +65,14 @@ def _best(limbs: Wrenches, S: Array) -> float:
 
 
 def _held_postures(mechanism: Mechanism) -> Array:
-    """Spread postures (k, n) evenly over the drives, the same every time, within limits."""
+    """Spread postures (k, n) over the mode of home, the same every time, within limits."""
     home, driven = mechanism.home(), mechanism.drive_index
     slides = mechanism.types[driven] == PRISMATIC
     free = np.where(slides, mechanism.size, np.pi)
     low, high = mechanism.lower[driven], mechanism.upper[driven]
     low = np.where(np.isfinite(low), low, home[driven] - free)
     high = np.where(np.isfinite(high), high, home[driven] + free)
-    found = [home]
-    for part in (0.5 + np.arange(_POSTURES)[:, None] * low_discrepancy_strides(len(driven))) % 1.0:
-        closed = mechanism.close(low + part * (high - low), home)
-        if closed.status == Code.NONE:
-            found.append(closed.q)
-    q = np.array(found)
+    parts = (0.5 + np.arange(_POSTURES)[:, None] * low_discrepancy_strides(len(driven))) % 1.0
+    q = np.vstack([home, half_ways(mechanism, low + parts * (high - low))])
     inside = ~(mechanism.limit_excess(q) > 0.0).any(axis=1)
     return q[inside] if inside.any() else q

@@ -12,15 +12,17 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.delta import Delta
-from robomech_ros.parallel.kinetostatics.limb_geometry import leg_lengths, motions_of, poses_of
+from robomech_ros.parallel.kinetostatics.limb_geometry import leg_lengths, poses_of
+from robomech_ros.parallel.kinetostatics.mechanism_poses import exclusion
 from robomech_ros.parallel.kinetostatics.pose_samples import size_of
 from robomech_ros.parallel.library import ParallelRobot
 from robomech_ros.parallel.limbs import into_limits
+from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
 from robomech_ros.parallel.spherical import Spherical3RRR
 from robomech_ros.parallel.stewart_gough import StewartGough
 
-__all__ = ["PoseLimits", "as_branches", "limits_at", "pose_limits"]
+__all__ = ["PoseLimits", "as_branches", "limits_at", "pose_limits", "together"]
 
 Array = NDArray[np.float64]
 
@@ -37,13 +39,14 @@ class PoseLimits:
     inside : ndarray of bool, shape (...)
         Whether a posture of the limbs holds the platform there, within all limits.
     cause : ndarray of str, shape (...)
-        What excludes a pose most, such as "leg 3: too long" or "limb 1: out of reach"; empty where
-        nothing does.
+        What excludes a pose most, such as "leg 3: too long", "limb 1: out of reach" or, of a
+        mechanism, "limb 2: limits of leg2_hinge"; empty where nothing does.
     excess : ndarray, shape (...)
         By how much: m for lengths and reach, rad for cones, joints and spherical limbs; 0 where
-        nothing does.
+        nothing does, infinite for a limb of any kind that misses a pose by an unknown amount.
     q : ndarray, shape (..., m)
-        Drives of a posture that holds the platform, NaN where there is none.
+        Drives of a posture that holds the platform, of a mechanism all joints (..., n); NaN where
+        there is none.
     """
 
     inside: NDArray[np.bool_]
@@ -52,17 +55,19 @@ class PoseLimits:
     q: Array
 
 
-def pose_limits(robot: ParallelRobot, T: ArrayLike, *, branches: str | None = None) -> PoseLimits:
+def pose_limits(
+    robot: ParallelRobot | Mechanism, T: ArrayLike, *, branches: str | None = None
+) -> PoseLimits:
     """Say which poses a robot takes within its limits, and which limb excludes the others.
 
     Parameters
     ----------
-    robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR, Spherical3RRR or Mechanism
     T : array_like, shape (..., 4, 4)
         ``T_base_platform``, or a shorter form as for :func:`velocity_matrices`.
     branches : str, optional
         Of the limbs, such as "---", as ``inverse`` names them; default any.  Robots with legs have
-        none.
+        none, and of a mechanism the posture nearest to its home is given.
 
     Returns
     -------
@@ -84,7 +89,6 @@ def pose_limits(robot: ParallelRobot, T: ArrayLike, *, branches: str | None = No
     >>> found.inside.tolist(), str(found.cause[1]), round(float(found.excess[1]), 3)
     ([True, False], 'limb 1: out of reach', 0.136)
     """
-    motions_of(robot)
     poses = poses_of(robot, T)
     flat = poses.reshape(-1, 4, 4)
     found = limits_at(robot, flat, as_branches(robot, branches))
@@ -97,7 +101,7 @@ def pose_limits(robot: ParallelRobot, T: ArrayLike, *, branches: str | None = No
     )
 
 
-def as_branches(robot: ParallelRobot, branches: object) -> str | None:
+def as_branches(robot: ParallelRobot | Mechanism, branches: object) -> str | None:
     """Check branches of the limbs.
 
     Raises
@@ -106,6 +110,8 @@ def as_branches(robot: ParallelRobot, branches: object) -> str | None:
     """
     if branches is None:
         return None
+    if isinstance(robot, Mechanism):
+        raise BadValueError("branches", branches, "none: of a mechanism the nearest posture counts")
     if isinstance(robot, StewartGough | Planar3RPR):
         raise BadValueError("branches", branches, "none: legs have no branches")
     if branches not in _MODES:
@@ -113,14 +119,21 @@ def as_branches(robot: ParallelRobot, branches: object) -> str | None:
     return str(branches)
 
 
-def limits_at(robot: ParallelRobot, poses: Array, branches: str | None) -> PoseLimits:
+def limits_at(robot: ParallelRobot | Mechanism, poses: Array, branches: str | None) -> PoseLimits:
     """Give :func:`pose_limits` of checked poses (k, 4, 4)."""
     if isinstance(robot, StewartGough | Planar3RPR):
         return _of_legs(robot, poses)
-    found = [_of_limbs(robot, pose, branches) for pose in poses]
+    if isinstance(robot, Mechanism):
+        home = robot.home()
+        return together([exclusion(robot, pose, home) for pose in poses], robot.n)
+    return together([_of_limbs(robot, pose, branches) for pose in poses], _LIMBS)
+
+
+def together(found: list[tuple[str, float, Array]], count: int) -> PoseLimits:
+    """Put causes, excesses and joints (count,) of single poses together."""
     cause = np.array([one[0] for one in found], dtype=str)
     excess = np.array([one[1] for one in found])
-    q = np.array([one[2] for one in found]).reshape(-1, _LIMBS)
+    q = np.array([one[2] for one in found]).reshape(-1, count)
     return PoseLimits(cause == "", cause, excess, q)
 
 

@@ -24,6 +24,7 @@ from robomech_ros.parallel.kinetostatics.mechanism_accelerations import (
     mechanism_drive_accelerations,
     mechanism_platform_acceleration,
 )
+from robomech_ros.parallel.kinetostatics.mechanism_rates import mechanism_matrix_rates
 from robomech_ros.parallel.kinetostatics.square_systems import one_each, solved_columns
 from robomech_ros.parallel.library import ParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
@@ -127,7 +128,7 @@ def velocity_matrices(
 
 
 def velocity_matrix_rates(
-    robot: ParallelRobot, T: ArrayLike, twist: ArrayLike, q: ArrayLike | None = None
+    robot: ParallelRobot | Mechanism, T: ArrayLike, twist: ArrayLike, q: ArrayLike | None = None
 ) -> VelocityMatrices:
     r"""Find the time derivatives of both :func:`velocity_matrices` while the platform moves.
 
@@ -143,7 +144,8 @@ def velocity_matrix_rates(
     Returns
     -------
     VelocityMatrices
-        NaN where a limb is singular, so that its drive has no rate.
+        NaN where a limb is singular, so that its drive has no rate.  Of a mechanism found by
+        differences, to 1e-9 or so of the largest entry, and NaN in all singular postures.
 
     Raises
     ------
@@ -154,13 +156,16 @@ def velocity_matrix_rates(
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.2.1.
     """
-    motions = motions_of(robot)
     limbs = _limbs(robot, T, q)
-    assert not isinstance(limbs, Wrenches)
     K, J = limbs.rows()
     t = _twist(robot, "twist", twist, limbs)
-    dK, dJ = limbs.row_rates(t, _divided(_times(K, t), J, limbs.lever))
-    return VelocityMatrices(dK, _diagonal(dJ), motions)
+    rates = _divided(_times(K, t), J, limbs.lever)
+    if isinstance(limbs, Wrenches):
+        assert isinstance(robot, Mechanism)
+        dK, dJ = mechanism_matrix_rates(robot, np.asarray(q, dtype=float), rates)
+    else:
+        dK, dJ = limbs.row_rates(t, rates)
+    return VelocityMatrices(dK, _diagonal(dJ), motion_entries(robot, limbs))
 
 
 def drive_rates(

@@ -4,15 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.parallel.kinetostatics.limb_geometry import limbs_at, motions_of, poses_of
-from robomech_ros.parallel.kinetostatics.pose_limits import PoseLimits, as_branches, limits_at
+from robomech_ros.parallel.kinetostatics.mechanism_poses import (
+    followed,
+    free_axes,
+    side_of_mechanism,
+    way_across,
+)
+from robomech_ros.parallel.kinetostatics.pose_limits import (
+    PoseLimits,
+    as_branches,
+    limits_at,
+    together,
+)
 from robomech_ros.parallel.kinetostatics.pose_samples import size_of
 from robomech_ros.parallel.library import ParallelRobot
+from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.planar import Planar3RPR
 from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.spatial.arrays import as_finite
@@ -37,6 +50,10 @@ _DIRECTIONS, _MOST_DIRECTIONS = 256, 100_000
 _GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
 # Robots without strokes: how far they are looked at, of their size.
 _FARTHEST = 4.0
+# Part of a direction that the platform does not have and that is rounding.
+_OFF = 1e-6
+# Names of joints of a mechanism are part of a cause.
+_CAUSE = np.dtype("U120")
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +98,7 @@ class PlatformWorkspace:
 
 
 def platform_position_workspace(
-    robot: ParallelRobot,
+    robot: ParallelRobot | Mechanism,
     T: ArrayLike,
     *,
     branches: str | None = None,
@@ -95,15 +112,17 @@ def platform_position_workspace(
 
     Parameters
     ----------
-    robot : StewartGough, Delta, Planar3RPR or Planar3RRR
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Mechanism
         One that moves to places.
     T : array_like, shape (4, 4)
         ``T_base_platform``, or a shorter form as for :func:`velocity_matrices`.
     branches : str, optional
         Of the limbs, such as "---"; default any, and then singularities of type 2, which depend on
-        them, end nothing.  Robots with legs have none.
+        them, end nothing.  Robots with legs have none, and of a mechanism the posture nearest to
+        its home counts, and those that follow it.
     directions : int or array_like, shape (k, 3), optional
-        How many, evenly all round in the space or the plane, or which, in the base.
+        How many, evenly all round in the space or the plane in which it moves, or which, in the
+        base; a platform that moves along a line does so both ways.
 
     Returns
     -------
@@ -113,7 +132,7 @@ def platform_position_workspace(
     ------
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`pose_limits`; the pose is excluded itself, or singular; a robot that only
-        turns; not directions.
+        turns, or moves only as it turns; not directions, or such as the platform does not have.
 
     See Also
     --------
@@ -130,17 +149,11 @@ def platform_position_workspace(
     >>> up.distances.round(4), str(up.causes[0])
     (array([0.1679]), 'leg 3: too long')
     """
-    if not any(k >= _ANGULAR for k in motions_of(robot)):
-        raise BadValueError("robot", type(robot).__name__, "one whose platform moves to places")
-    planar = motions_of(robot) == (2, 3, 4)
-    rays = _directions(directions, "xy" if planar else "xyz")
-    if planar and rays[:, 2].any():
-        raise BadValueError("directions", rays.tolist(), "directions in the plane z = 0")
-    return _explored(robot, T, branches, rays, turns=False)
+    return _explored(robot, T, branches, directions, turns=False)
 
 
 def platform_orientation_workspace(
-    robot: ParallelRobot,
+    robot: ParallelRobot | Mechanism,
     T: ArrayLike,
     *,
     branches: str | None = None,
@@ -153,15 +166,15 @@ def platform_orientation_workspace(
 
     Parameters
     ----------
-    robot : StewartGough, Planar3RPR, Planar3RRR or Spherical3RRR
-        One that turns.
+    robot : StewartGough, Planar3RPR, Planar3RRR, Spherical3RRR or Mechanism
+        One that turns at a place.
     T : array_like, shape (4, 4)
         ``T_base_platform``, or a shorter form as for :func:`velocity_matrices`.
     branches : str, optional
         As for :func:`platform_position_workspace`.
     directions : int or array_like, shape (k, 3), optional
-        Axes of the turns in the base: how many, evenly all round, or which; planar robots turn
-        both ways about z.
+        Axes of the turns in the base: how many, evenly all round, or which; a platform that turns
+        about one axis, as of planar robots, does so both ways.
 
     Returns
     -------
@@ -170,24 +183,37 @@ def platform_orientation_workspace(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        As for :func:`platform_position_workspace`; a robot that only translates.
+        As for :func:`platform_position_workspace`; a robot that only translates, or turns only as
+        it moves, as ``tripod_3prs``.
 
     See Also
     --------
     platform_position_workspace : places with one orientation.
     """
-    motions = motions_of(robot)
-    if not any(k < _ANGULAR for k in motions):
-        raise BadValueError("robot", type(robot).__name__, "one whose platform turns")
-    planar = motions == (2, 3, 4)
-    rays = _directions(directions, "z" if planar else "xyz")
-    if planar and rays[:, :2].any():
-        raise BadValueError("directions", rays.tolist(), "turns about z")
-    return _explored(robot, T, branches, rays, turns=True)
+    return _explored(robot, T, branches, directions, turns=True)
 
 
-def _directions(given: int | ArrayLike, axes: str) -> Array:
+def _pose(centre: Array, turns: bool, direction: Array, distance: float) -> Array:
+    return np.asarray(_poses(centre, turns, direction[None], np.array([distance]))[0])
+
+
+def _axes(robot: ParallelRobot | Mechanism, centre: Array, first: PoseLimits, turns: bool) -> Array:
+    """Give axes (3, d) along which a platform moves or about which it turns, one at least."""
+    name = type(robot).__name__
+    if isinstance(robot, Mechanism):
+        name, axes = robot.name, free_axes(robot, centre, first.q[0], turns=turns)
+    else:
+        kind = range(_ANGULAR) if turns else range(_ANGULAR, 2 * _ANGULAR)
+        axes = np.eye(3)[:, [k % _ANGULAR for k in motions_of(robot) if k in kind]]
+    if not axes.size:
+        does = "turns without moving" if turns else "moves to places without turning"
+        raise BadValueError("robot", name, f"one whose platform {does}")
+    return axes
+
+
+def _directions(given: int | ArrayLike, axes: Array) -> Array:
     """Check directions, or spread them along an axis, in a plane or in the space."""
+    count = axes.shape[1]
     if not isinstance(given, int | np.integer) or isinstance(given, bool):
         rays = as_finite("directions", given, (3,))
         norms = np.linalg.norm(rays, axis=-1, keepdims=True)
@@ -195,16 +221,21 @@ def _directions(given: int | ArrayLike, axes: str) -> Array:
             raise WrongSizeError("directions", rays.shape, "(k, 3)")
         if not (norms > 0.0).all():
             raise BadValueError("directions", rays.tolist(), "none of them zero")
-        return np.asarray(rays / norms)
+        rays = np.asarray(rays / norms)
+        if np.abs(rays - rays @ axes @ axes.T).max() > _OFF:
+            where = "along" if count == 1 else "in the plane of"
+            expected = f"{where} {' and '.join(str(axis.round(6).tolist()) for axis in axes.T)}"
+            raise BadValueError("directions", rays.tolist(), expected)
+        return rays
     if not 1 <= given <= _MOST_DIRECTIONS:
         why = f"a number from 1 to {_MOST_DIRECTIONS:,}"
         raise BadValueError("directions", given, why)
-    if axes == "z":
-        return np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
+    if count == 1:
+        return np.stack((axes[:, 0], -axes[:, 0]))
     k = np.arange(given)
-    if axes == "xy":
+    if count == 2:
         angle = 2.0 * np.pi * k / given
-        return np.stack((np.cos(angle), np.sin(angle), 0.0 * angle), axis=1)
+        return np.asarray(np.stack((np.cos(angle), np.sin(angle)), axis=1) @ axes.T)
     z, angle = 1.0 - (2.0 * k + 1.0) / given, _GOLDEN_ANGLE * k
     radius = np.sqrt(1.0 - z * z)
     return np.stack((radius * np.cos(angle), radius * np.sin(angle), z), axis=1)
@@ -222,7 +253,12 @@ def _poses(centre: Array, turns: bool, directions: Array, distances: Array) -> A
 
 
 def _explored(
-    robot: ParallelRobot, T: ArrayLike, branches: str | None, rays: Array, *, turns: bool
+    robot: ParallelRobot | Mechanism,
+    T: ArrayLike,
+    branches: str | None,
+    directions: int | ArrayLike,
+    *,
+    turns: bool,
 ) -> PlatformWorkspace:
     centre, mode = poses_of(robot, T), as_branches(robot, branches)
     if centre.shape != (4, 4):
@@ -231,33 +267,56 @@ def _explored(
     if not first.inside[0]:
         why = f"one within the limits, not {first.cause[0]} by {first.excess[0]:.3g}"
         raise BadValueError("pose to begin with", centre.tolist(), why)
-    sided = mode is not None or isinstance(robot, StewartGough | Planar3RPR)
-    side = _side(robot, centre[None], first)[0] if sided else 0.0
+    rays = _directions(directions, _axes(robot, centre, first, turns))
+    sided = mode is not None or isinstance(robot, StewartGough | Planar3RPR | Mechanism)
+    side = _side(robot, centre[None], first, first)[0] if sided else 0.0
     if sided and side == 0.0:
         why = "a pose that is not singular: no side of it is known"
         raise BadValueError("pose to begin with", centre.tolist(), why)
 
+    # Postures of a mechanism are followed along each direction, from the last place that it takes.
+    last, reached = np.tile(first.q[0], (len(rays), 1)), np.zeros(len(rays))
+
+    def limits(which: NDArray[np.int64], distances: Array) -> PoseLimits:
+        if not isinstance(robot, Mechanism):
+            return limits_at(robot, _poses(centre, turns, rays[which], distances), mode)
+        rows = []
+        for k, end in zip(which, distances.tolist(), strict=True):
+            way = partial(_pose, centre, turns, rays[k])
+            rows.append(followed(robot, way, reached[k], end, last[k]))
+        return together(rows, robot.n)
+
     def verdict(which: NDArray[np.int64], distances: Array) -> NDArray[np.str_]:
         poses = _poses(centre, turns, rays[which], distances)
-        found = limits_at(robot, poses, mode)
-        cause = found.cause.astype(np.dtype("U40"))
+        found = limits(which, distances)
+        cause = found.cause.astype(_CAUSE)
         if sided:
             kept = np.flatnonzero(found.inside)
             own = PoseLimits(*(part[kept] for part in vars(found).values()))
-            crossed = _side(robot, poses[kept], own) != side
+            crossed = _side(robot, poses[kept], own, first) != side
             cause[kept[crossed]] = TYPE_2
+        inside = cause == ""
+        last[which[inside]], reached[which[inside]] = found.q[inside], distances[inside]
         return cause
 
-    free = isinstance(robot, StewartGough | Planar3RPR) and robot.strokes is None
-    far = np.pi if turns else (_FARTHEST if free else 1.0) * size_of(robot)
-    if not turns and not free:
-        far += float(np.linalg.norm(centre[:3, 3]))
-    distances, causes = _ends(verdict, len(rays), far)
+    distances, causes = _ends(verdict, len(rays), np.pi if turns else _far(robot, centre))
     return PlatformWorkspace(centre, turns, rays, distances, causes)
 
 
-def _side(robot: ParallelRobot, poses: Array, found: PoseLimits) -> Array:
+def _far(robot: ParallelRobot | Mechanism, centre: Array) -> float:
+    """Give how far places are looked at (m)."""
+    if isinstance(robot, StewartGough | Planar3RPR) and robot.strokes is None:
+        return _FARTHEST * size_of(robot)
+    far = way_across(robot) if isinstance(robot, Mechanism) else size_of(robot)
+    return far + float(np.linalg.norm(centre[:3, 3]))
+
+
+def _side(
+    robot: ParallelRobot | Mechanism, poses: Array, found: PoseLimits, first: PoseLimits
+) -> Array:
     """Give the sign (k,) of the determinant of K for the platform's motions."""
+    if isinstance(robot, Mechanism):
+        return side_of_mechanism(robot, poses, found.q, first.q[0])
     K = limbs_at(robot, poses, found.q).rows()[0]
     return np.asarray(np.sign(np.linalg.det(K[..., list(motions_of(robot))])))
 
@@ -267,7 +326,7 @@ def _ends(
 ) -> tuple[Array, NDArray[np.str_]]:
     """Find the first place along each of some rays that is excluded, and why."""
     near, beyond = np.zeros(count), np.full(count, far)
-    causes = np.full(count, "", dtype="U40")
+    causes = np.full(count, "", dtype=_CAUSE)
     open_rays = np.arange(count)
     for k in range(1, _SAMPLES + 1):
         here = np.full(len(open_rays), far * k / _SAMPLES)

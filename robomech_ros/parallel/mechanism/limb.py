@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, UnknownJointError
 from robomech_ros.kinematics import Status, inverse_kinematics
+from robomech_ros.outcomes import Code
 from robomech_ros.robots import LinkFrame, SerialChain
 from robomech_ros.robots.chain_layout import pack_chain
 from robomech_ros.robots.joint import turn_of_z
@@ -48,12 +49,18 @@ class LimbBranches:
         By how much the limb misses the pose (m or rad), 0 where it does not.
     continuum : bool
         Whether its joints can move while the platform stays; q may then be empty.
+    code : Code
+        Why it misses the pose.
+    reason : str
+        The same in words; empty where `excess` says all.
     """
 
     q: Array
     names: tuple[str, ...]
     excess: float = 0.0
     continuum: bool = False
+    code: Code = Code.OUT_OF_REACH
+    reason: str = ""
 
 
 Solver = Callable[[Array, Array | None], LimbBranches]
@@ -140,7 +147,11 @@ class Limb:
             return LimbBranches(found.q[held], names)
         nothing = np.empty((0, self.chain.n))
         misses = np.maximum(found.position_error, found.orientation_error)
-        return LimbBranches(nothing, (), float(misses.min(initial=np.inf)))
+        excess = float(misses.min(initial=np.inf))
+        # Solutions that miss the pose are those of least squares.
+        missed = found.status == Status.SUCCESS
+        code = Code.OUT_OF_REACH if missed else Code[found.status.name]
+        return LimbBranches(nothing, (), excess, code=code, reason=found.reason)
 
 
 @dataclass(frozen=True, eq=False)

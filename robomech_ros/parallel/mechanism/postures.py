@@ -44,7 +44,9 @@ def limb_postures(
         worst = int(np.argmax(excess))
         unit = "m" if np.any(limbs[worst].chain.packed[:, 10:]) else "rad"
         reason = f"limb {worst + 1} misses the pose by {excess[worst]:.3g} {unit}"
-        return nothing(Code.OUT_OF_REACH, reason)
+        if found[worst].reason:
+            reason = f"limb {worst + 1}: {found[worst].reason}"
+        return nothing(found[worst].code, reason)
     for i, one in enumerate(found):
         if not len(one.q):
             reason = f"joints of limb {i + 1} can move while the platform stays"

@@ -71,7 +71,8 @@ class ClosedPosture:
         All joints (rad or m): for the drives asked for, or as far as the mode could be followed.
     status : Code
         ``NONE``; ``SINGULAR`` where a singularity, in which modes meet, is in the way;
-        ``NOT_CONVERGED`` where the loops of the given posture are open.
+        ``NOT_CONVERGED`` where the loops of the given posture are open, or the way is too long for
+        one call.
     part : float
         The part of the way of the drives that was gone: 1 at the end.
     error : float

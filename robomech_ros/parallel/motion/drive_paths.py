@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.outcomes import Code
+from robomech_ros.parallel.mechanism.gaps import open_loops
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.motion.singular_place import named_singularity, singular_values
 from robomech_ros.spatial.arrays import as_finite, real_number
@@ -34,7 +35,8 @@ class DrivePath:
     q : ndarray, shape (k, n)
         All joints (rad or m) of the first k points, loops closed; all points where nothing stops.
     status : Code
-        ``NONE``; ``SINGULAR`` or ``LIMIT`` where the way cannot be gone on.
+        ``NONE``; ``SINGULAR`` or ``LIMIT`` where the way cannot be gone on; ``NOT_CONVERGED`` where
+        it is too long from one point to the next.
     reason : str
         What is singular, or which passive joint leaves its limits by how much; empty for none.
     condition : float
@@ -107,8 +109,10 @@ def follow_drives(
     for point in way:
         closed = mechanism.close(point, q)
         if closed.status is not Code.NONE:
-            status, named = Code.SINGULAR, named_singularity(mechanism, first, closed.q)
-            reason = f"a singularity is in the way, in which assembly modes meet: {named}"
+            status, reason = closed.status, closed.reason
+            if status is Code.SINGULAR:
+                named = named_singularity(mechanism, first, closed.q)
+                reason = f"a singularity is in the way, in which assembly modes meet: {named}"
             break
         q = rows[reached] = closed.q
         reached += 1
@@ -139,15 +143,8 @@ def require_closed(mechanism: Mechanism, q: ArrayLike, what: str = "start") -> A
     posture = as_finite(what, q, (mechanism.n,))
     if posture.shape != (mechanism.n,):
         raise WrongSizeError(what, posture.shape, (mechanism.n,))
-    errors = mechanism.loop_errors(posture)
-    k = int(np.argmax(errors.max(axis=1)))
-    if errors[k].max() > OPEN:
-        away, turned = errors[k].tolist()
-        raise BadValueError(
-            f"{what}: gap between the platform and limb {k + 1}",
-            f"{away:.3g} m and {turned:.3g} rad",
-            f"at most {OPEN:g}: all limbs hold one platform",
-        )
+    if mechanism.loop_errors(posture).max() > OPEN:
+        raise open_loops(mechanism, posture, what, f"loops closed to {OPEN:g}")
     return posture
 
 

@@ -124,9 +124,17 @@ def test_efforts_with_names_act_on_the_present_posture(rod):
     answer = rod.call_until(ForwardDynamics, "dynamics/forward_dynamics", request, known)
     assert answer.error_code == ErrorCode.NONE, answer.error_msg
     np.testing.assert_allclose(answer.acceleration, [(4.0 - weight(0.3)) / INERTIA], rtol=1e-12)
-    named = MassMatrix.Request(state=JointState(name=["hinge"]))
-    answer = rod.call(MassMatrix, "dynamics/mass_matrix", named)
-    np.testing.assert_allclose(answer.mass_matrix, [INERTIA], rtol=1e-12)
+    present = rod.call(MassMatrix, "dynamics/mass_matrix", MassMatrix.Request())
+    np.testing.assert_allclose(present.mass_matrix, [INERTIA], rtol=1e-12)
+
+
+def test_names_without_any_numbers_are_refused(rod):
+    """They were passed over, and the present state taken instead."""
+    for kind, service in ((MassMatrix, "mass_matrix"), (ForwardDynamics, "forward_dynamics")):
+        named = kind.Request(state=JointState(name=["hinge"]))
+        answer = rod.call(kind, f"dynamics/{service}", named)
+        assert answer.error_code == ErrorCode.WRONG_SIZE
+        assert "state.position has size 0, expected 1, one for every name" in answer.error_msg
 
 
 def test_a_gravity_of_another_size_is_refused_when_it_is_set(rod):

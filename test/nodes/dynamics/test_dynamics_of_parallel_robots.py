@@ -15,6 +15,7 @@ from robomech_interfaces.srv import (
     SetPayload,
     SummarizeTorques,
 )
+from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.dynamics.node import DynamicsNode
 from robomech_ros.parallel import ParallelDynamics, load_parallel
 from robomech_ros.robots import Body
@@ -143,7 +144,7 @@ def test_what_is_refused_is_named(graph, robot):
     answer = inverse(graph, [point(q), point(away)], joint_names=list(robot.joint_names))
     assert answer.error_code == ErrorCode.BAD_VALUE
     assert "points[1]" in answer.error_msg
-    assert "loops closed" in answer.error_msg
+    assert "has open loops: limb" in answer.error_msg
     answer = inverse(graph, [point([0.0])], joint_names=["leg9_length"])
     assert answer.error_code == ErrorCode.UNKNOWN_JOINT
     assert robot.drive_names[0] in answer.error_msg
@@ -152,6 +153,41 @@ def test_what_is_refused_is_named(graph, robot):
     answer = graph.call(MassMatrix, "dynamics/mass_matrix", MassMatrix.Request())
     assert answer.error_code == ErrorCode.NO_STATE
     assert robot.drive_names[0] in answer.error_msg
+
+
+def test_a_singular_posture_among_the_points_has_its_code(graph):
+    """It was BAD_VALUE, with the positions of all joints in the text."""
+    graph.start(DynamicsNode, robot_description="hexapod", state_timeout=0.1)
+    mechanism = load_parallel("hexapod").mechanism
+    home = mechanism.home()
+    T = mechanism.pose(home)
+    T[:3, :3] = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+    singular = mechanism.postures(T, ignore_limits=True).q[0]
+    names = list(mechanism.joint_names)
+    answer = inverse(graph, [point(home), point(singular)], joint_names=names)
+    assert answer.error_code == ErrorCode.SINGULAR
+    expected = "expected one in which the drives hold the platform"
+    assert answer.error_msg == f"posture[1] is singular, {expected}"
+    state = joint_state(names, singular)
+    answer = graph.call(MassMatrix, "dynamics/mass_matrix", MassMatrix.Request(state=state))
+    assert answer.error_code == ErrorCode.SINGULAR
+    assert answer.error_msg == f"posture is singular, {expected}"
+    request = ForwardDynamics.Request(state=state)
+    answer = graph.call(ForwardDynamics, "dynamics/forward_dynamics", request)
+    assert answer.error_code == ErrorCode.SINGULAR
+
+
+def test_names_without_positions_are_refused_where_there_is_nothing_else_to_name(graph, robot):
+    names = list(robot.drive_names)
+    request = MassMatrix.Request(state=JointState(name=names, effort=[0.0] * len(names)))
+    answer = graph.call(MassMatrix, "dynamics/mass_matrix", request)
+    assert answer.error_code == ErrorCode.WRONG_SIZE
+    assert "state.position has size 0" in answer.error_msg
+    state = JointState(name=["home"])
+    answer = graph.call(MassMatrix, "dynamics/mass_matrix", MassMatrix.Request(state=state))
+    assert answer.error_code == ErrorCode.NONE, answer.error_msg
+    expected = robot.mass_matrix(robot.mechanism.home())
+    np.testing.assert_allclose(answer.mass_matrix, expected.ravel(), rtol=1e-9, atol=1e-12)
 
 
 def test_points_between_which_the_mode_ends_are_refused(graph):

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from geometry_msgs.msg import Point
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import JointState, PointCloud2
+from visualization_msgs.msg import Marker, MarkerArray
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import (
@@ -16,8 +17,16 @@ from robomech_interfaces.srv import (
 )
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
+from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.kinematics.node import KinematicsNode
-from robomech_ros.parallel import list_parallel, load_parallel, loop_singularity
+from robomech_ros.parallel import (
+    list_parallel,
+    load_parallel,
+    loop_singularity,
+    platform_length,
+    platform_position_workspace,
+)
+from robomech_ros.spatial import matrix_from_rotation_vector
 
 
 class Asked:
@@ -127,8 +136,29 @@ def test_states_that_leave_the_loops_open_are_refused_with_limb_and_amount(asked
     q[-1] += 0.2
     response = node.fk(node.state(q))
     assert response.error_code == ErrorCode.BAD_VALUE
-    assert "limb 6 ends" in response.error_msg
+    assert "states[0].position has open loops: limb 6 ends" in response.error_msg
     assert "0.2 rad" in response.error_msg
+    # The gap is what helps, not the 36 numbers.
+    assert f"{q[0]:.3f}" not in response.error_msg
+
+
+def singular_posture(mechanism):
+    """A hexapod whose platform is turned by a quarter: six legs on one linear complex."""
+    T = mechanism.pose(mechanism.home())
+    T[:3, :3] = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+    return mechanism.postures(T, ignore_limits=True).q[0]
+
+
+def test_a_singular_posture_has_its_code(asked):
+    node = asked("hexapod")
+    singular = singular_posture(node.mechanism)
+    response = node.ask(GetJacobian, "get_jacobian", state=node.state(singular))
+    assert response.error_code == ErrorCode.SINGULAR
+    assert "singular, expected one in which the drives hold the platform" in response.error_msg
+    rounded = node.state(singular.round(5))
+    response = node.ask(GetJacobian, "get_jacobian", state=rounded)
+    assert response.error_code == ErrorCode.SINGULAR
+    assert "singular" in response.error_msg
 
 
 def test_legs_outside_their_strokes_block_by_name_and_amount(asked):
@@ -171,6 +201,21 @@ def test_the_base_has_no_jacobian(asked):
     response = node.ask(GetJacobian, "get_jacobian", tip_link="base_link")
     assert response.error_code == ErrorCode.BAD_VALUE
     assert "which joints move" in response.error_msg
+
+
+def test_limbs_of_any_kind_say_why_they_miss_a_pose(asked):
+    """They missed it "by inf m", wherever it was."""
+    node = asked("tripod_3prs")
+    T = node.mechanism.pose(node.home)
+    T[:3, :3] = matrix_from_rotation_vector([0.6, 0.0, 0.0])
+    response = node.ik(T)
+    assert response.error_code == ErrorCode.ORIENTATION_UNREACHABLE
+    assert response.error_msg.startswith("limb 2: the position (0, 0, 0.545436) m")
+    assert "in reach, but not in this orientation" in response.error_msg
+    T[0, 3] += 100.0
+    response = node.ik(T)
+    assert response.error_code == ErrorCode.OUT_OF_REACH
+    assert "is out of reach by 9" in response.error_msg
 
 
 def test_a_delta_cannot_tilt(asked):
@@ -268,6 +313,119 @@ def test_singularity_of_the_first_kind_names_the_limb_and_the_lost_motion(asked)
     assert any("type 1" in kind and "limb 1" in kind for kind in response.singularity_types)
     assert len(response.lost_directions) == 1
     assert "type 1" in response.summary
+
+
+def test_condition_numbers_of_limbs_of_any_kind_are_those_of_the_characteristic_length(asked):
+    """They were taken over the size of the robot."""
+    node = asked("tripod_3prs")
+    T = node.mechanism.pose(node.home)
+    space = node.ask(QueryWorkspace, "query_workspace", poses=[stamped_pose(T, "")])
+    assert space.error_code == ErrorCode.NONE, space.error_msg
+    every = [node.mechanism.twist_matrix(q) for q in node.mechanism.postures(T).q]
+    scale = np.repeat([1.0, platform_length(node.mechanism)], 3)[:, None]
+    least = min(np.linalg.cond(twists / scale) for twists in every)
+    assert space.condition_numbers[0] == pytest.approx(least, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "step", "rays"), [("hexapod", 0.03, 1000), ("planar_3rrr", 0.1, 100)]
+)
+def test_distances_from_the_boundary_with_its_markers_and_cloud(asked, name, step, rays):
+    """They were NaN, and there were no markers."""
+    node = asked(name)
+    T = node.mechanism.pose(node.home)
+    poses = np.stack([T] * 4)
+    poses[1, 0, 3] += step
+    poses[2, 0, 3] += 1.2 * node.mechanism.size + 10.0 * step
+    poses[3, :3, :3] = matrix_from_rotation_vector([0.0, 0.0, 0.1]) @ T[:3, :3]
+    messages = [stamped_pose(one, "") for one in poses]
+    first = node.ask(QueryWorkspace, "query_workspace", poses=messages[:1])
+    space = node.ask(QueryWorkspace, "query_workspace", poses=messages)
+    assert space.error_code == ErrorCode.NONE, space.error_msg
+    assert list(space.reachable) == [True, True, False, True]
+    assert first.boundary_distances[0] == space.boundary_distances[0]
+    for k in (0, 1, 3):
+        exact = platform_position_workspace(node.robot, poses[k], directions=rays)
+        assert space.boundary_distances[k] == pytest.approx(
+            exact.distances.min(), abs=0.01 * exact.distances.max()
+        )
+    far = np.linalg.norm(poses[2, :3, 3] - T[:3, 3])
+    reach = platform_position_workspace(node.robot, T, directions=rays).distances
+    assert -far + 0.9 * reach.min() < space.boundary_distances[2] < -far + 1.1 * reach.max()
+    assert 0.0 <= space.least_reach < space.greatest_reach < np.inf
+    shown = node.graph.receive(
+        MarkerArray, "kinematics/markers", LATCHED, lambda m: len(m.markers) > 1
+    )
+    surface = shown.markers[1]
+    points = np.array([[p.x, p.y, p.z] for p in surface.points])
+    assert surface.ns == "workspace"
+    flat = name == "planar_3rrr"
+    assert surface.type == (Marker.LINE_LIST if flat else Marker.TRIANGLE_LIST)
+    assert len(points) % (2 if flat else 3) == 0
+    away = np.linalg.norm(points - T[:3, 3], axis=1)
+    assert away.min() >= 0.99 * reach.min() and away.max() <= 1.1 * reach.max()
+    cloud = node.graph.receive(PointCloud2, "kinematics/workspace", LATCHED, lambda m: m.width == 4)
+    rows = np.frombuffer(cloud.data.tobytes(), np.float32).reshape(4, 5)
+    np.testing.assert_allclose(rows[:, 4], space.boundary_distances, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("name", "corners"), [("tripod_3prs", 1), ("linapod", 3)])
+def test_distances_of_limbs_of_any_kind(asked, name, corners):
+    """The tripod moves along a line as long as it does not turn."""
+    node = asked(name)
+    T = node.mechanism.pose(node.home)
+    up = T.copy()
+    up[2, 3] += 0.05
+    # What takes long is found in one request after the other: the length, then the boundary.
+    found = node.ask(AnalyzeSingularity, "analyze_singularity", state=node.state(node.home))
+    assert found.error_code == ErrorCode.NONE, found.error_msg
+    space = node.ask(
+        QueryWorkspace, "query_workspace", poses=[stamped_pose(one, "") for one in (T, up)]
+    )
+    assert space.error_code == ErrorCode.NONE, space.error_msg
+    assert list(space.reachable) == [True, True]
+    away = [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]
+    along = platform_position_workspace(node.mechanism, T, directions=away).distances
+    first, second = space.boundary_distances
+    assert 0.0 < first <= along.min() + 1e-9
+    assert 0.0 < second <= along[0] - 0.05 + 1e-9
+    if corners == 1:
+        assert first == pytest.approx(along.min())
+        assert second == pytest.approx(along[0] - 0.05)
+    assert 0.0 < space.least_reach < space.greatest_reach < 2.0
+    shown = node.graph.receive(
+        MarkerArray, "kinematics/markers", LATCHED, lambda m: m.markers[-1].ns == "workspace"
+    )
+    surface = shown.markers[-1]
+    assert surface.type == (Marker.TRIANGLE_LIST if corners > 1 else Marker.LINE_LIST)
+    assert len(surface.points) % max(corners, 2) == 0
+
+
+def test_markers_of_a_singular_posture(asked):
+    node = asked("hexapod")
+    singular = singular_posture(node.mechanism)
+    response = node.ask(AnalyzeSingularity, "analyze_singularity", state=node.state(singular))
+    assert response.error_code == ErrorCode.NONE, response.error_msg
+    assert "type 2" in response.summary
+
+    def names(message):
+        return {marker.ns for marker in message.markers[1:]}
+
+    node.graph.receive(
+        MarkerArray, "kinematics/markers", LATCHED, lambda m: "free_directions" in names(m)
+    )
+    response = node.ask(AnalyzeSingularity, "analyze_singularity", state=node.state(node.home))
+    ellipsoids = {"velocity_ellipsoid", "force_ellipsoid"}
+    node.graph.receive(MarkerArray, "kinematics/markers", LATCHED, lambda m: ellipsoids <= names(m))
+
+
+def test_a_platform_that_only_turns_has_no_boundary_of_positions(asked):
+    node = asked("agile_eye")
+    pose = stamped_pose(node.mechanism.pose(node.home), "")
+    space = node.ask(QueryWorkspace, "query_workspace", poses=[pose])
+    assert space.error_code == ErrorCode.NONE, space.error_msg
+    assert list(space.reachable) == [True]
+    assert np.isnan([*space.boundary_distances, space.least_reach, space.greatest_reach]).all()
 
 
 @pytest.mark.parametrize("name", ["hexapod", "delta"])

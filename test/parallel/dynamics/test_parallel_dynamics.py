@@ -213,7 +213,7 @@ def test_wrong_requests_are_named(hexapod):
             hexapod.inverse(wrong, still, still)
     open_loops = q.copy()
     open_loops[9] += 0.01
-    with pytest.raises(BadValueError, match=r"limb 2 in q is '0\.00"):
+    with pytest.raises(BadValueError, match=r"q has open loops: limb 2 ends 0\.00"):
         hexapod.inverse(open_loops, still, still)
     with pytest.raises(BadValueError, match="closed loops"):
         hexapod.checked_posture(open_loops)

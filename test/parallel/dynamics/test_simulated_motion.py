@@ -130,7 +130,7 @@ def test_wrong_starts_are_named():
         simulate(robot, q, still, lambda t, q, qd: np.zeros(36), 1.0)
     away = q.copy()
     away[1] += 0.1
-    with pytest.raises(BadValueError, match="limb . in q0.*closed loops"):
+    with pytest.raises(BadValueError, match="q0 has open loops: limb . ends.*closed loops"):
         simulate(robot, away, still, None, 1.0)
     with pytest.raises(BadValueError, match="chain"):
         simulate(robot.mechanism, q, still, None, 1.0)

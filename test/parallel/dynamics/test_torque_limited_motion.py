@@ -176,7 +176,7 @@ def test_what_is_refused():
         )
     opened = path.coefficients.copy()
     opened[0, :, 1] += 1e-3
-    with pytest.raises(BadValueError, match="limb 3 in path .* closed loops"):
+    with pytest.raises(BadValueError, match=r"path.* has open loops: limb 3 ends .* closed loops"):
         torque_limited(
             PiecewisePolynomial(path.breaks, opened), speeds(robot), robot, effort=effort
         )

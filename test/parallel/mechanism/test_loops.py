@@ -3,6 +3,7 @@
 import numpy as np
 from mechanisms import postures_near_home
 
+from robomech_ros._kernels.loops.rates import rates
 from robomech_ros.outcomes import Code
 
 
@@ -88,3 +89,17 @@ def test_postures_and_modes_contain_the_posture_they_are_of(mechanism):
         assert modes.complete or "nothing proves" in modes.reason
         assert np.abs(modes.poses[0] - mechanism.pose(q)).max() <= 1e-8 * max(1.0, mechanism.size)
         assert mechanism.loop_errors(modes.q).max() <= 1e-8 * max(1.0, mechanism.size)
+
+
+def test_rates_are_written_for_as_many_columns_as_all_arrays_have(mechanism):
+    """Twists of more columns than rates: nothing is written behind the rates."""
+    loops, q = mechanism.loops, mechanism.home()
+    given = np.eye(mechanism.dof)[None, :, :2].copy()
+    n, twists = mechanism.n, np.full((1, 6, 5), np.nan)
+    room = np.full(2 * n + 50, 7.0)
+    out = room[: 2 * n].reshape(1, n, 2)
+    chains = loops.packed, loops.starts, loops.drives, 1.0 / loops.size
+    assert rates(*chains, q[None], given, out, twists) == 0
+    assert (room[2 * n :] == 7.0).all() and np.isnan(twists[..., 2:]).all()
+    np.testing.assert_array_equal(out[0], mechanism.complement(q)[:, :2])
+    np.testing.assert_array_equal(twists[0, :, :2], mechanism.twist_matrix(q)[:, :2])

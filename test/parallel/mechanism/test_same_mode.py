@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from robomech_ros.kinetostatics import jacobian
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import load_parallel
 
@@ -73,6 +74,56 @@ def test_a_long_way_ends_in_the_mode_in_which_short_ones_end(name):
             assert short.status == Code.NONE
             near = short.q
         np.testing.assert_allclose(mechanism.pose(closed.q), mechanism.pose(near), atol=1e-9)
+
+
+def _conditions(mechanism, q):
+    """Give what passive joints and a twist of the platform do at the ends of limbs, (k, 6 l, p)."""
+    loops, starts = mechanism.loops, mechanism.loops.starts
+    blocks = []
+    for i, limb in enumerate(mechanism.limbs):
+        own = slice(starts[i], starts[i + 1])
+        free = np.flatnonzero(loops.drives[own] < 0)
+        J = jacobian(limb.chain, q[:, own])[..., free] / loops.weights[own][free]
+        J[:, 3:] /= loops.size
+        rows = np.zeros((len(q), 6 * len(mechanism.limbs), len(free)))
+        rows[:, 6 * i : 6 * i + 6] = J
+        blocks.append(rows)
+    platform = np.tile(np.eye(6), (len(q), len(mechanism.limbs), 1))
+    return np.concatenate([*blocks, platform], axis=2)
+
+
+@pytest.mark.parametrize("name", ["agile_eye", "delta", "planar_3rrr", "planar_3rpr"])
+def test_no_way_goes_through_a_singularity(name):
+    """Between neighbours of 500 postures the determinant of the loops keeps its sign."""
+    rng = np.random.default_rng(7)
+    mechanism = load_parallel(name).mechanism
+    q = mechanism.home()
+    drives = q[mechanism.drive_index]
+    kept = stopped = 0
+    for _ in range(24):
+        way = rng.uniform(0.1, 5.0) * rng.uniform(-1.0, 1.0, 3)
+        closed = mechanism.close(drives + way, q)
+        assert closed.status in (Code.NONE, Code.SINGULAR)
+        rows = [q]
+        for part in np.linspace(0.0, closed.part, 501)[1:]:
+            rows.append(mechanism.close(drives + part * way, rows[-1]).q)
+        np.testing.assert_allclose(rows[-1], closed.q, atol=1e-6)
+        M = _conditions(mechanism, np.array(rows))
+        assert (np.linalg.det(np.swapaxes(M[:-1], 1, 2) @ M[1:]) > 0.0).all()
+        kept += closed.status == Code.NONE
+        stopped += closed.status == Code.SINGULAR
+    assert kept >= 3
+    assert stopped >= 1
+
+
+def test_a_way_too_long_for_one_call_is_said():
+    mechanism = load_parallel("delta").mechanism
+    q = mechanism.home()
+    closed = mechanism.close(q[mechanism.drive_index] + 1e6, q)
+    assert closed.status in (Code.SINGULAR, Code.NOT_CONVERGED)
+    assert closed.part < 1.0
+    assert closed.reason
+    assert mechanism.loop_errors(closed.q).max() <= 1e-12
 
 
 def test_lengths_do_not_jump_through_zero():
