@@ -20,16 +20,14 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, fields
-from pathlib import Path
 from typing import Any
 
 from robomech_ros.errors import (
     RobomechError,
     RobotDescriptionError,
 )
-from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_choices, check_keys, parse_yaml
-from robomech_ros.robots.kinds import documents_of
-from robomech_ros.robots.source_files import document_source
+from robomech_ros.robots.documents.guarded_yaml import check_choices, check_keys
+from robomech_ros.robots.kinds import checked_document, names_of, source_of
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.bodies import PlatformBody, WheelBody
 from robomech_ros.rolling.limits import MotionLimits
@@ -46,8 +44,6 @@ __all__ = [
 
 # Kinds of drive, by the names of the controllers of ros2_control, and swerve.
 DRIVES = ("diff", "omni", "mecanum", "bicycle", "tricycle", "ackermann", "swerve")
-_NEEDED = ("kind", "name", "source", "drive", "wheels")
-_MORE = ("notes", "limits", "bodies")
 _WHEEL = tuple(field.name for field in fields(Wheel))
 _LIMITS = tuple(field.name for field in fields(MotionLimits))
 _PLATFORM = tuple(field.name for field in fields(PlatformBody))
@@ -135,7 +131,7 @@ def rolling_robot(name_or_path: str | os.PathLike[str]) -> RollingRobot:
     >>> robot.drive, robot.limits.velocity.tolist()
     ('mecanum', [1.23, 0.8, 0.8])
     """
-    return _from_text(*document_source(name_or_path, _files, LARGEST_YAML))
+    return _from_text(*source_of("rolling", name_or_path))
 
 
 def list_rolling() -> tuple[str, ...]:
@@ -147,19 +143,13 @@ def list_rolling() -> tuple[str, ...]:
     >>> "mecanum" in list_rolling()
     True
     """
-    return tuple(sorted(_files()))
-
-
-def _files() -> dict[str, Path]:
-    return documents_of("rolling")
+    return names_of("rolling")
 
 
 def _from_text(text: str | bytes, where: str) -> RollingRobot:
-    document = check_keys(parse_yaml(text, where), where, _NEEDED, _MORE)
-    check_choices(document, where, kind=("rolling",), drive=DRIVES)
-    for key in ("name", "source"):
-        if not isinstance(document[key], str) or not document[key].strip():
-            raise RobotDescriptionError(f"{where}: {key}", "expected a text")
+    optional = ("limits", "bodies")
+    document = checked_document("rolling", text, where, ("drive", "wheels"), optional)
+    check_choices(document, where, drive=DRIVES)
     wheels, limits = document["wheels"], document.get("limits", {})
     if not isinstance(wheels, list) or not 0 < len(wheels) <= _MOST_WHEELS:
         why = f"expected a list of up to {_MOST_WHEELS} wheels"

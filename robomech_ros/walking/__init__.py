@@ -10,6 +10,8 @@ from robomech_ros.lazy import lazy_exports
 if TYPE_CHECKING:
     from robomech_ros.walking.gaits import GAITS, Gait
     from robomech_ros.walking.library import list_legged, load_legged
+    from robomech_ros.walking.odometry import leg_odometry
+    from robomech_ros.walking.pantograph import PantographLeg
     from robomech_ros.walking.robot import LeggedRobot
     from robomech_ros.walking.stride import PoseAnswer
     from robomech_ros.walking.support import stability_margin, support_polygon
@@ -20,9 +22,11 @@ __all__ = [
     "GAITS",
     "Gait",
     "LeggedRobot",
+    "PantographLeg",
     "PoseAnswer",
     "WalkUpdate",
     "Walker",
+    "leg_odometry",
     "list_legged",
     "load_legged",
     "stability_margin",
@@ -33,9 +37,11 @@ _MODULES = {
     "GAITS": "gaits",
     "Gait": "gaits",
     "LeggedRobot": "robot",
+    "PantographLeg": "pantograph",
     "PoseAnswer": "stride",
     "WalkUpdate": "update",
     "Walker": "walker",
+    "leg_odometry": "odometry",
     "list_legged": "library",
     "load_legged": "library",
     "stability_margin": "support",

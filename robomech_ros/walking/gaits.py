@@ -48,7 +48,7 @@ class Gait:
         BadValueError
             The gait is not for this number of legs.
         """
-        if legs not in self.offsets:
+        if not isinstance(legs, int) or legs not in self.offsets:
             known = " or ".join(map(str, self.offsets))
             raise BadValueError(f"number of legs for the gait '{self.name}'", legs, known)
         return self.offsets[legs]

@@ -36,10 +36,14 @@ from numpy.typing import NDArray
 from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.parallel.mechanism.limb import Axis, chain_of_axes
 from robomech_ros.robots import RobotDescription, SerialChain, load_description
-from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_choices, check_keys, parse_yaml
-from robomech_ros.robots.kinds import documents_of
-from robomech_ros.robots.source_files import document_source
-from robomech_ros.robots.yaml_rows import read_number, read_positive, read_range, read_text
+from robomech_ros.robots.documents.guarded_yaml import check_keys
+from robomech_ros.robots.documents.yaml_rows import (
+    read_number,
+    read_positive,
+    read_range,
+    read_text,
+)
+from robomech_ros.robots.kinds import checked_document, names_of, source_of
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.walking.robot import LeggedRobot
 
@@ -59,11 +63,7 @@ def list_legged() -> tuple[str, ...]:
     >>> "phantomx" in list_legged()
     True
     """
-    return tuple(sorted(_files()))
-
-
-def _files() -> dict[str, Path]:
-    return documents_of("walking")
+    return names_of("walking")
 
 
 def load_legged(name_or_path: str | os.PathLike[str]) -> LeggedRobot:
@@ -95,11 +95,9 @@ def load_legged(name_or_path: str | os.PathLike[str]) -> LeggedRobot:
     >>> load_legged("go1").leg_names
     ('FL', 'FR', 'RL', 'RR')
     """
-    text, where = document_source(name_or_path, _files, LARGEST_YAML)
-    needed = ("kind", "name", "source", "legs")
-    optional = ("notes", "trunk", "mass_centre", "urdf")
-    document = check_keys(parse_yaml(text, where), where, needed, optional)
-    check_choices(document, where, kind=("walking",))
+    text, where = source_of("walking", name_or_path)
+    optional = ("trunk", "mass_centre", "urdf")
+    document = checked_document("walking", text, where, ("legs",), optional)
     rows = document["legs"]
     if not isinstance(rows, list) or not rows:
         raise RobotDescriptionError(f"{where}: legs", "expected a list of legs")
@@ -111,8 +109,8 @@ def load_legged(name_or_path: str | os.PathLike[str]) -> LeggedRobot:
             legs,
             home=np.concatenate(homes),
             mass_centre=centre,
-            name=read_text(document["name"], f"{where}: name"),
-            source=read_text(document["source"], f"{where}: source", longest=None),
+            name=document["name"],
+            source=document["source"],
             tree=tree,
         )
     except RobotDescriptionError:

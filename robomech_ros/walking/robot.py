@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -356,7 +357,7 @@ class LeggedRobot:
         if rank < 6:
             names = [self.leg_names[k] for k in standing]
             raise BadValueError("feet that stand", names, "feet that are not on one line")
-        slip = float(np.linalg.norm(rows @ found + speeds[standing].ravel()))
+        slip = math.hypot(*(rows @ found + speeds[standing].ravel()))
         return found, slip
 
     def planted(self, q: ArrayLike, stance: Sequence[str] | None = None) -> Mechanism:

@@ -170,10 +170,10 @@ def reachable(robot: LeggedRobot, geometry: Array, settings: Array, pose: Array)
     return PoseAnswer(Code.NONE)
 
 
-def stride_of(
-    robot: LeggedRobot, gait: Gait, cycle: float, lift: float, bound: float | None
-) -> Stride:
+def stride_of(robot: LeggedRobot, gait: Gait, lift: float, bound: float | None) -> Stride:
     """Find how far feet may stand from their places so that legs reach them and nothing tips.
+
+    The cycle in its settings is 1 s.
 
     Raises
     ------
@@ -197,9 +197,10 @@ def stride_of(
         raise BadValueError(what, deepest, f"more than the bound {least:g} m")
     level = np.zeros(15)
     level[:9], level[11], level[12:] = np.eye(3).ravel(), -feet[:, 2].mean(), robot.mass_centre
-    radius = _FOR_FEET * budget
+    # No leg reaches further, whatever margin is allowed.
+    radius = min(_FOR_FEET * budget, 2.0 * float(np.linalg.norm(feet, axis=1).max()))
     while True:
-        settings = np.array([cycle, float(gait.duty), lift, radius, sway, 0.0])
+        settings = np.array([1.0, float(gait.duty), lift, radius, sway, 0.0])
         answer = reachable(robot, geometry, settings, level)
         if answer.status == Code.NONE:
             radius = settings[3] = _OF_REACH * radius

@@ -10,9 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.walking import stepping
 from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeError
+from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.outcomes import Code
 from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
 from robomech_ros.walking.gaits import GAITS
+from robomech_ros.walking.pace import SPEED_PART, fastest_twist, suitable_cycle
 from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.stride import PoseAnswer, Stride, stride_of
 from robomech_ros.walking.update import WalkUpdate
@@ -26,6 +28,8 @@ _STILL = np.zeros(3)
 # Ratio to the velocity limit that a slowed period aims at.
 _BELOW = 0.999
 _TRIES = 8
+# Periods that a swing takes at least.
+_LEAST_SWING = 8
 
 
 class Walker:
@@ -45,7 +49,9 @@ class Walker:
     period : float, optional
         Time between updates (s).
     cycle : float, optional
-        Duration of a cycle of the gait (s).
+        Duration of a cycle of the gait (s), at least eight periods a swing.  Default the shortest
+        one, for each gait, in which joints keep below 60 % of their velocity limits at the longest
+        stride and feet are in the air for 0.3 s or more.
     lift : float, optional
         How high feet are lifted (m).
     bound : float, optional
@@ -78,7 +84,7 @@ class Walker:
         *,
         gait: str | None = None,
         period: float = 0.005,
-        cycle: float = 1.2,
+        cycle: float | None = None,
         lift: float = 0.03,
         bound: float | None = None,
         timeout: float = 0.5,
@@ -96,15 +102,17 @@ class Walker:
             raise MissingLimitsError("velocity", missing)
         self.robot = robot
         self.period = _positive("period", period)
-        self.cycle, self.lift = _positive("cycle", cycle), _positive("lift", lift)
+        self._cycle = None if cycle is None else _positive("cycle", cycle)
+        self.lift = _positive("lift", lift)
         self.timeout = _positive("timeout", timeout)
-        self._bound = None if bound is None else real_number("bound", bound, "a number (m)")
+        self._bound = None if bound is None else finite_number("bound", bound, "m")
         self._acceleration = _three("acceleration", acceleration)
         if self._acceleration.min() <= 0.0:
             raise BadValueError("acceleration", self._acceleration.tolist(), "three above 0")
-        if (part := _positive("speed", speed)) > 1.0:
+        self._speed = _positive("speed", speed)
+        if self._speed > 1.0:
             raise BadValueError("speed", speed, "at most 1, all of the limits")
-        bounds = (robot.lower, robot.upper, part * robot.velocity)
+        bounds = (robot.lower, robot.upper, self._speed * robot.velocity)
         rows = [one.reshape(-1, 3) for one in bounds]
         self._limits = np.ascontiguousarray(np.stack(rows, axis=1))
         chosen = gait if gait is not None else ("crawl" if len(robot.legs) == 4 else "tripod")
@@ -145,7 +153,26 @@ class Walker:
 
     def _strides(self, gait: str) -> Stride:
         known = GAITS[as_choice("gait", gait, tuple(GAITS))]
-        return stride_of(self.robot, known, self.cycle, self.lift, self._bound)
+        stride = stride_of(self.robot, known, self.lift, self._bound)
+        cycle = self._cycle
+        if cycle is None:
+            part = min(1.0, SPEED_PART / self._speed)
+            cycle = suitable_cycle(self.robot, stride, self._limits, part)
+        least = _LEAST_SWING * self.period / float(1 - known.duty)
+        if cycle < least:
+            raise BadValueError(f"cycle of the gait '{gait}'", cycle, f"{least:g} s or more")
+        stride.settings[0] = cycle
+        return stride
+
+    @property
+    def cycle(self) -> float:
+        """Duration of a cycle of the gait (s)."""
+        return float(self._stride.settings[0])
+
+    @property
+    def fastest(self) -> Array:
+        """The greatest w, vx and vy (rad/s, m/s), each by itself, that feet can follow."""
+        return fastest_twist(self._stride)
 
     @property
     def gait(self) -> str:

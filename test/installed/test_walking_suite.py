@@ -2,6 +2,7 @@
 
 import threading
 
+import pytest
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 
@@ -56,3 +57,19 @@ def test_a_hexapod_is_brought_up_walks_and_stops_with_all_feet_down(bringup, out
     # Tripod: three feet or more stand at any time.
     assert min(sum(one.contacts) for one in contacts) == 3
     assert abs(places[-1].pose.pose.position.y) < 1e-9
+
+
+@pytest.mark.parametrize("robot", ["hexapod_walker", pytest.param("go1", marks=pytest.mark.long)])
+def test_demo_of_a_walking_machine(suite, tmp_path, robot):
+    """An eight is walked; odometry and every foot that stands are looked at."""
+    output = tmp_path / "out"
+    done = suite.run("robomech", "demo", "--robot", robot, "--output", str(output), timeout=280)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "by odometry it is" in done.stdout and "by the joints, standing feet" in done.stdout
+    assert "everything worked" in done.stdout
+    name = load_legged(robot).name
+    assert sorted(path.name for path in output.iterdir()) == [f"{name}.html", f"{name}.png"]
+    moved = (output / f"{name}.html").read_text(encoding="utf-8")
+    assert f"{name}: an eight" in moved and len(moved) > 500_000
+    refused = suite.run("robomech", "demo", "--robot", robot, "--payload", "2", "--dynamic")
+    assert refused.returncode == 1 and "--dynamic" in refused.stderr

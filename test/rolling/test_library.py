@@ -46,7 +46,7 @@ def test_a_document_and_a_path(tmp_path):
     [
         ("kind: rolling", "kind: parallel", "kind: 'parallel', expected rolling"),
         ("drive: diff", "drive: tank", "drive: 'tank', expected diff or omni"),
-        ("source: here", "source: 3", "source: expected a text"),
+        ("source: here", "source: 3", "source: '3', expected a text"),
         (
             "radius: 0.1}\n  - {name: right",
             "radius: x}\n  - {name: right",

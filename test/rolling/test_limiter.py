@@ -197,6 +197,32 @@ def test_a_car_stops_before_it_drives_the_other_way():
     assert twists[-1] == pytest.approx([0.3, -1.0, 0.0])
 
 
+@pytest.mark.parametrize("name", ["ackermann", "swerve", "tricycle"])
+def test_a_command_that_eases_off_and_comes_back_does_not_stop_a_steered_base(name):
+    """Jerk forbids for some periods to go on; once that was taken for steering, and braked for."""
+    limiter = limiter_of(name)
+    fast = 0.4 * limiter.limits.velocity[1]
+    # Quicker than the acceleration lets the base follow.
+    quick = 2.0 * limiter.limits.acceleration[1] / (0.3 * fast) * PERIOD
+    swing = 0.3 * np.sin(quick * np.arange(2000))
+    commands = np.array([0.1 * fast, fast, 0.0]) * (1.0 + swing[:, None] * [1.5, 1.0, 1.0])
+    motion = limiter.run(limiter.at_rest(), np.tile(commands[0], (400, 1)))[2]
+    assert motion.twist.tolist() == commands[0].tolist()
+    twists, _, _ = limiter.run(motion, commands)
+    assert twists[:, 1].min() > 0.6 * fast
+
+
+def test_a_tricycle_that_turns_a_little_as_it_reverses_does_not_creep():
+    """Its wheel would have to turn round; it once did so at rest, as far as its limits."""
+    limiter = limiter_of("tricycle")
+    motion = limiter.run(limiter.at_rest([-1e-4]), np.tile([1e-7, -4e-4, 0.0], (20, 1)))[2]
+    assert motion.twist[1] == -4e-4
+    speeds = 0.002 * np.arange(1, 120)
+    twists, angles, _ = limiter.run(motion, speeds[:, None] * [1.3e-3, 1.0, 0.0])
+    assert np.abs(angles).max() < 0.02
+    assert twists[-1, 1] > 0.8 * speeds[-1]
+
+
 def test_without_limits_a_command_is_followed_at_once():
     limiter = CommandLimiter(mecanum(0.1, 0.6, 0.4), MotionLimits(), PERIOD)
     motion = limiter.step(limiter.at_rest(), [0.3, -0.2, 0.9])

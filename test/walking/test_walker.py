@@ -1,6 +1,9 @@
 """A walker: feet that stand still, margins, limits, time-outs and refusals."""
 
+from pathlib import Path
+
 import numpy as np
+import pinocchio
 import pytest
 
 from robomech_ros.errors import RobomechError
@@ -70,7 +73,7 @@ def test_ten_minutes_of_random_commands(gait):
     stroll(gait, 120000, 2)
 
 
-@pytest.mark.parametrize("gait", ["wave", "ripple", "tripod", "trot"])
+@pytest.mark.parametrize("gait", ROBOTS)
 def test_the_trunk_moves_as_commanded_and_legs_stand_as_long_as_the_gait_says(gait):
     walker = walker_of(gait, timeout=100.0, cycle=2.4)
     twist = np.array([0.02, 0.004, 0.002])
@@ -85,6 +88,81 @@ def test_the_trunk_moves_as_commanded_and_legs_stand_as_long_as_the_gait_says(ga
         contacts.append(update.contacts)
     duty = float(GAITS[gait].duty)
     assert np.abs(np.sum(contacts, axis=0) - duty * steps).max() <= 1.0
+
+
+def test_the_crawl_sways_about_the_way_that_is_commanded():
+    """After each cycle the trunk is where the command alone leads, to 1e-9."""
+    walker = walker_of("crawl", timeout=1e9)
+    twist = walker.fastest * [0.2, 0.5, -0.2]
+    walker.command(twist)
+    steps = round(walker.cycle / walker.period)
+    assert steps * walker.period == pytest.approx(walker.cycle, abs=1e-12)
+    updates = [walker.update() for _ in range(5 * steps)][2 * steps :]
+    expected = np.eye(4)
+    turn, way = twist[0] * walker.cycle, np.array([*twist[1:], 0.0])
+    expected[:3, :3] = pinocchio.exp3(np.array([0.0, 0.0, turn]))
+    expected[:3, 3] = pinocchio.Jexp3(np.array([0.0, 0.0, -turn])) @ (way * walker.cycle)
+    frames = np.tile(np.eye(4), (len(updates), 1, 1))
+    frames[:, :2, 3] = [update.base[:2] for update in updates]
+    frames[:, :3, :3] = [pinocchio.exp3(np.array([0.0, 0.0, update.base[2]])) for update in updates]
+    trunks = np.array([update.trunk for update in updates])
+    for begin in range(0, 2 * steps, 97):
+        moved = np.linalg.inv(frames[begin]) @ frames[begin + steps]
+        assert np.abs(moved - expected).max() < 1e-9
+        beside, later = (np.linalg.inv(frames[k]) @ trunks[k] for k in (begin, begin + steps))
+        assert np.abs(beside - later).max() < 1e-9
+    sway = np.hypot(*(trunks - frames)[:, :2, 3].T)
+    assert sway.max() > 0.05
+
+
+def top_speed(walker, twist):
+    """Give the largest part of a joint's speed limit in a settled walk."""
+    walker.stand()
+    walker.command(twist)
+    steps = round(walker.cycle / walker.period)
+    updates = [walker.update() for _ in range(6 * steps)][5 * steps :]
+    assert min(update.part for update in updates) > 1.0 - 1e-9
+    return max((np.abs(update.rates) / walker.robot.velocity).max() for update in updates)
+
+
+@pytest.mark.parametrize("gait", ROBOTS)
+def test_the_cycle_suits_the_speed_of_the_joints(gait):
+    """Joints come up to 60 % of their limits at the longest stride, or swings are short."""
+    walker = walker_of(gait, timeout=1e9, period=0.01)
+    angles = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
+    ahead = np.stack([np.zeros(8), np.cos(angles), np.sin(angles)], axis=1)
+    reached = max(top_speed(walker, twist) for twist in walker.fastest * ahead)
+    turning = top_speed(walker, walker.fastest * [1.0, 0.0, 0.0])
+    assert max(reached, turning) <= 0.6 * 1.005
+    swing = walker.cycle * (1.0 - float(GAITS[gait].duty))
+    assert swing >= 0.3 - 1e-12
+    assert reached >= 0.6 * 0.98 or swing == pytest.approx(0.3)
+
+
+def test_the_cycle_suits_the_part_of_the_speed_that_is_used():
+    assert walker_of("tripod", speed=0.6).cycle == pytest.approx(walker_of("tripod").cycle)
+    assert walker_of("tripod", speed=0.4).cycle == pytest.approx(1.5 * walker_of("tripod").cycle)
+
+
+def test_the_table_of_cycles_in_the_documentation_is_what_walkers_have():
+    text = (Path(__file__).parents[2] / "doc" / "walking.md").read_text(encoding="utf-8")
+    for gait, robot in ROBOTS.items():
+        walker = walker_of(gait)
+        swing = walker.cycle * (1.0 - float(GAITS[gait].duty))
+        figures = (walker.cycle, swing, walker.fastest[1], walker.fastest[0])
+        row = " | ".join(f"{one:.3g}" for one in figures)
+        assert f"| {robot} | {gait} | {row} |" in text
+
+
+def test_a_cycle_that_is_given_stays():
+    assert walker_of("wave", cycle=1.2).cycle == 1.2
+    walker = walker_of("tripod")
+    own = walker.cycle
+    walker.command_gait("wave")
+    walker.update()
+    assert walker.gait == "wave" and walker.cycle > own
+    with pytest.raises(RobomechError, match="cycle of the gait 'wave' is 0.1"):
+        walker_of("wave", cycle=0.1)
 
 
 def settled_walk(gait, cycle, speed):

@@ -194,6 +194,45 @@ def _largest_share(v, a, rest, goal, axes, period, pivots, work):
 
 
 @inline
+def _stuck_for_good(v, a, rest, goal, axes, period, pivots, work):
+    """Tell whether steering keeps the rest point from going on even once the base is there.
+
+    What jerk forbids now, while an acceleration is taken away, it allows later.
+    """
+    later, room = scratch(50, PIVOT_COLUMNS)[: pivots.shape[0]], scratch(64, 3)[: work.shape[0]]
+    gain, ahead = work[1], work[4:]
+    _aim(v, a, rest, axes, period, gain)
+    _steering_holds(v, gain, rest, axes, period, pivots, ahead, work[2], work[3])
+    for k in range(pivots.shape[0]):
+        for i in range(ANGLE):
+            later[k, i] = pivots[k, i]
+        later[k, ANGLE], later[k, COSINE], later[k, SINE] = ahead[k, 0], ahead[k, 1], ahead[k, 2]
+    still = work[3]
+    for i in range(3):
+        still[i] = 0.0
+    return _largest_share(rest, still, rest, goal, axes, period, later, room) <= _STUCK
+
+
+@inline
+def _turned_round(v, goal, pivots):
+    """Tell whether a wheel would turn by more than a right angle from one twist to another.
+
+    It rolls the other way sooner, after a stop; straight through rest it does so without a turn.
+    """
+    size = v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
+    for k in range(pivots.shape[0]):
+        x, y = v[1] - v[0] * pivots[k, Y], v[2] + v[0] * pivots[k, X]
+        to_x = goal[1] - goal[0] * pivots[k, Y]
+        to_y = goal[2] + goal[0] * pivots[k, X]
+        if x * x + y * y <= _STILL * size:
+            continue
+        across, along = x * to_y - y * to_x, x * to_x + y * to_y
+        if along < 0.0 and abs(across) > -_SAME * along:
+            return True
+    return False
+
+
+@inline
 def _still(v, a):
     for i in range(3):
         if v[i] != 0.0 or a[i] != 0.0:
@@ -221,7 +260,10 @@ def _advance(state, command, axes, forward, period, pivots, work):
         for i in range(3):
             goal[i] = 0.0
     share = _largest_share(v, a, rest, goal, axes, period, pivots, work)
-    if share <= _STUCK and pivots.shape[0] > 0:
+    if pivots.shape[0] > 0 and (
+        _turned_round(rest, goal, pivots)
+        or (share <= _STUCK and _stuck_for_good(v, a, rest, goal, axes, period, pivots, work))
+    ):
         for i in range(3):
             goal[i] = 0.0
         share = _largest_share(v, a, rest, goal, axes, period, pivots, work)

@@ -28,7 +28,7 @@ from robomech_ros._kernels.compiling.jit import (
 from robomech_ros._kernels.walking.legs import FOLLOWED, follow_foot
 from robomech_ros._kernels.walking.support import signed_margin
 
-__all__ = ["MOST_LEGS", "advance", "possible_part"]
+__all__ = ["LANDING", "MOST_LEGS", "advance", "possible_part"]
 
 # There is room for so many feet.
 MOST_LEGS = 16
@@ -38,7 +38,7 @@ _FREE, _FIXED = 0.5, 0.8
 # Time (s) with which landing places follow the twist.
 _FOLLOWING = 0.05
 # Part of the radius that landing places use.
-_LANDING = 0.95
+LANDING = 0.95
 
 
 @lean
@@ -80,8 +80,8 @@ def possible_part(geometry, settings, body, feet, twist, period):
     for k in range(geometry.shape[0]):
         nx, ny = geometry[k, 0], geometry[k, 1]
         stride = math.hypot(w * ny - vx, w * nx + vy) * 0.5 * duty * cycle
-        if stride > _LANDING * radius:
-            part = min(part, _LANDING * radius / stride)
+        if stride > LANDING * radius:
+            part = min(part, LANDING * radius / stride)
     for k in range(geometry.shape[0]):
         phase = body[3] + geometry[k, 2]
         if feet[k, 7] == 0.0:
@@ -142,8 +142,8 @@ def _landing(geometry, settings, body, k):
     ox = half * (body[13] - body[12] * geometry[k, 1])
     oy = half * (body[14] + body[12] * geometry[k, 0])
     far = math.hypot(ox, oy)
-    if far > _LANDING * radius:
-        ox, oy = ox * _LANDING * radius / far, oy * _LANDING * radius / far
+    if far > LANDING * radius:
+        ox, oy = ox * LANDING * radius / far, oy * LANDING * radius / far
     return ox, oy
 
 

@@ -13,7 +13,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
-from robomech_ros.nodes.common.message_fields import NANO, floats
+from robomech_ros.nodes.common.message_fields import fill_header, floats
 from robomech_ros.nodes.common.odometry_frame import odometry_frame
 from robomech_ros.nodes.mobile_base.drives import DriveJoints
 from robomech_ros.nodes.mobile_base.mobile_base import MobileBase
@@ -80,14 +80,14 @@ class BasePublication:
         self._commands.publish(Float64MultiArray(data=floats(values)))
         if self._limited is not None:
             message = TwistStamped()
-            _put_stamp(message.header, self._frame, stamp)
+            fill_header(message.header, self._frame, stamp)
             _put_twist(message.twist, self._base.motion.twist)
             self._limited.publish(message)
 
     def publish_states(self, stamp: int) -> None:
         """Publish where the base and its wheels are, at a ROS time (ns)."""
         base, simulated = self._base, self._base.simulated
-        _put_stamp(self._states.header, "", stamp)
+        fill_header(self._states.header, "", stamp)
         steering = simulated.steering
         rolled = simulated.positions[self._wheels]
         self._states.position = floats(np.concatenate([rolled, steering]))
@@ -95,7 +95,7 @@ class BasePublication:
         self._states.velocity = floats(np.concatenate(rates))
         self._joint_states.publish(self._states)
         message = Odometry(child_frame_id=self._frame)
-        _put_stamp(message.header, self._odom, stamp)
+        fill_header(message.header, self._odom, stamp)
         odometry = base.odometry
         _put_pose(message.pose.pose.position, message.pose.pose.orientation, odometry.pose)
         _put_twist(message.twist.twist, base.mean_twist)
@@ -107,13 +107,13 @@ class BasePublication:
         if self._frames is not None:
             self._publish_frame(stamp)
         truth = PoseStamped()
-        _put_stamp(truth.header, self._odom, stamp)
+        fill_header(truth.header, self._odom, stamp)
         _put_pose(truth.pose.position, truth.pose.orientation, simulated.pose)
         self._truth.publish(truth)
 
     def _publish_frame(self, stamp: int) -> None:
         frame = TransformStamped(child_frame_id=self._frame)
-        _put_stamp(frame.header, self._odom, stamp)
+        fill_header(frame.header, self._odom, stamp)
         place = frame.transform
         _put_pose(place.translation, place.rotation, self._base.odometry.pose)
         assert self._frames is not None
@@ -137,11 +137,6 @@ def _full(constant: Array | None, planar: Array) -> Array:
     full = np.zeros((6, 6))
     full[np.ix_(_PLACES, _PLACES)] = planar
     return full.ravel()
-
-
-def _put_stamp(header: Any, frame: str, stamp: int) -> None:
-    header.frame_id = frame
-    header.stamp.sec, header.stamp.nanosec = divmod(stamp, NANO)
 
 
 def _put_twist(message: Any, twist: Array) -> None:

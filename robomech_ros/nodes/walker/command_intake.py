@@ -12,6 +12,7 @@ from std_msgs.msg import String
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.sparing_log import SparingLog
 from robomech_ros.nodes.common.twist_intake import TwistIntake
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.outcomes import Code, name_of
@@ -46,7 +47,7 @@ class CommandIntake:
     """
 
     def __init__(self, node: Node, walker: Walker, clock: MotionClock, duration: float) -> None:
-        self._logger, self._walker, self._duration = node.get_logger(), walker, duration
+        self._log, self._walker, self._duration = SparingLog(node.get_logger()), walker, duration
         self.commanded, self.refusal, self.refused = False, "", 0
         self.twists = TwistIntake(node, "cmd_vel", self._follow, clock)
         readers: list[tuple[type, str, Callable[[Any], None]]] = [
@@ -94,7 +95,7 @@ class CommandIntake:
     def _refuse(self, text: str) -> None:
         self.refusal = text
         self.refused += 1
-        self._logger.warning(text)
+        self._log.warning(text)
 
 
 class PoseRefusedError(RobomechError):

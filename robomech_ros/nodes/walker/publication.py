@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from geometry_msgs.msg import Point, Point32, PolygonStamped, TransformStamped
 from nav_msgs.msg import Odometry
@@ -12,10 +10,11 @@ from rclpy.node import Node
 from std_msgs.msg import Float64
 
 from robomech_interfaces.msg import FootContacts
-from robomech_ros.nodes.common.message_fields import NANO
+from robomech_ros.nodes.common.message_fields import NANO, fill_header
 from robomech_ros.nodes.common.odometry_frame import odometry_frame
 from robomech_ros.nodes.common.pose_messages import fill_pose
 from robomech_ros.nodes.walker.settings import WalkerSettings
+from robomech_ros.nodes.walker.uncertainty import Uncertainty
 from robomech_ros.spatial import pose_logarithm
 from robomech_ros.spatial.plain_poses import plain_pose
 from robomech_ros.spatial.poses import rigid_inverse
@@ -49,15 +48,21 @@ class WalkPublication:
         self._polygon = node.create_publisher(PolygonStamped, "~/support_polygon", _DEPTH)
         self._frames = odometry_frame(node, "/tf") if settings.enable_odom_tf else None
         self._before: tuple[int, Array] | None = None
+        self._uncertainty = Uncertainty(settings.foot_slip)
 
     def publish(self, update: WalkUpdate, stamp: int) -> None:
         """Publish a moment of the walk, at a ROS time (ns)."""
         message = Odometry(child_frame_id=self._trunk)
-        self._put(message.header, stamp)
+        fill_header(message.header, self._odom, stamp)
         fill_pose(message.pose.pose, update.trunk)
-        twist = self._twist(update.trunk, stamp).tolist()
+        before, self._before = self._before, (stamp, update.trunk)
+        seconds = 0.0 if before is None else (stamp - before[0]) / NANO
+        self._uncertainty.add(update, seconds)
+        twist = _twist(before[1] if before else update.trunk, update.trunk, seconds).tolist()
         angular, linear = message.twist.twist.angular, message.twist.twist.linear
         angular.x, angular.y, angular.z, linear.x, linear.y, linear.z = twist
+        message.pose.covariance = self._uncertainty.pose
+        message.twist.covariance = self._uncertainty.twist
         self._odometry.publish(message)
         if self._frames is not None:
             frames = [self._frame_of(update.trunk, stamp)]
@@ -65,11 +70,11 @@ class WalkPublication:
         standing = [bool(one) for one in update.contacts]
         feet = [Point(x=x, y=y, z=z) for x, y, z in update.feet.tolist()]
         contacts = FootContacts(names=self._names, contacts=standing, feet=feet)
-        self._put(contacts.header, stamp)
+        fill_header(contacts.header, self._odom, stamp)
         self._contacts.publish(contacts)
         self._margin.publish(Float64(data=update.margin))
         polygon = PolygonStamped()
-        self._put(polygon.header, stamp)
+        fill_header(polygon.header, self._odom, stamp)
         corners = support_polygon(update.feet[update.contacts, :2])
         polygon.polygon.points = [Point32(x=x, y=y) for x, y in corners.tolist()]
         self._polygon.publish(polygon)
@@ -77,24 +82,20 @@ class WalkPublication:
     def forget(self) -> None:
         """Forget where the trunk was: it begins anew."""
         self._before = None
-
-    def _twist(self, trunk: Array, stamp: int) -> Array:
-        """Give the mean twist [w; v] of the trunk, in its own axes, since it was published last."""
-        before, self._before = self._before, (stamp, trunk)
-        if before is None or stamp <= before[0]:
-            return np.zeros(6)
-        moved = rigid_inverse(before[1]) @ trunk
-        return np.asarray(pose_logarithm(moved)) * (NANO / (stamp - before[0]))
+        self._uncertainty.forget()
 
     def _frame_of(self, trunk: Array, stamp: int) -> TransformStamped:
         frame = TransformStamped(child_frame_id=self._trunk)
-        self._put(frame.header, stamp)
+        fill_header(frame.header, self._odom, stamp)
         (x, y, z), (qx, qy, qz, qw) = plain_pose(trunk)
         place, turn = frame.transform.translation, frame.transform.rotation
         place.x, place.y, place.z = x, y, z
         turn.x, turn.y, turn.z, turn.w = qx, qy, qz, qw
         return frame
 
-    def _put(self, header: Any, stamp: int) -> None:
-        header.frame_id = self._odom
-        header.stamp.sec, header.stamp.nanosec = divmod(stamp, NANO)
+
+def _twist(before: Array, trunk: Array, seconds: float) -> Array:
+    """Give the mean twist [w; v] of the trunk, in its own axes, since it was published last."""
+    if seconds <= 0.0:
+        return np.zeros(6)
+    return np.asarray(pose_logarithm(rigid_inverse(before) @ trunk)) / seconds

@@ -53,7 +53,14 @@ class WalkerSettings:
         3600.0,
         "s",
     )
-    cycle: float = parameter(1.2, "Duration of a cycle of the gait", 0.1, 60.0, "s")
+    cycle: float = parameter(
+        0.0,
+        "Duration of a cycle of the gait; 0 = as suits robot and gait: joints keep below 60 % of "
+        "their speed limits at the longest stride",
+        0.0,
+        60.0,
+        "s",
+    )
     lift: float = parameter(0.03, "How high feet are lifted", 1e-4, 10.0, "m")
     stability_bound: float = parameter(
         math.nan,
@@ -104,6 +111,14 @@ class WalkerSettings:
         0.01,
         1.0,
     )
+    foot_slip: float = parameter(
+        1e-4,
+        "Covariance of odometry: variance of the way of a standing foot for each metre that the "
+        "trunk goes",
+        0.0,
+        1.0,
+        "m^2/m",
+    )
     odom_frame_id: str = parameter("odom", "Frame of odometry")
     enable_odom_tf: bool = parameter(True, "Publish the frame of the trunk on tf")
 
@@ -121,7 +136,7 @@ def walker_of(robot: LeggedRobot, settings: WalkerSettings) -> Walker:
         robot,
         gait=settings.gait or None,
         period=1.0 / settings.update_rate,
-        cycle=settings.cycle,
+        cycle=settings.cycle or None,
         lift=settings.lift,
         bound=None if math.isnan(settings.stability_bound) else settings.stability_bound,
         timeout=settings.cmd_vel_timeout,

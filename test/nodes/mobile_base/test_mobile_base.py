@@ -337,6 +337,11 @@ def test_limits_that_are_given_replace_those_of_the_robot_and_follow_one_another
         (replace(settings_of("diff"), left_wheel_names=("right",)), "each joint once"),
         (replace(settings_of("mecanum"), rear_left_wheel_command_joint_name=""), "rear_left"),
         (replace(settings_of("diff"), wheel_radius=0.0), "radius"),
+        (settings_of("diff", wheel_separation=0.0), "left and right .* in different places"),
+        (settings_of("omni", wheel_names=("a", "b")), "2, expected a number of wheels from 3"),
+        (settings_of("bicycle", wheelbase=0.0), "rear and front_wheel .* in different places"),
+        (settings_of("tricycle", traction_track_width=0.0), "right and left .* different places"),
+        (settings_of("ackermann", steering_track_width=0.0), "front_right_wheel and front_left"),
     ],
 )
 def test_what_makes_no_robot_is_refused(settings, text):

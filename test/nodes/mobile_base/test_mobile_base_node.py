@@ -14,10 +14,18 @@ from tf2_msgs.msg import TFMessage
 from twist_driver import Driver
 
 from robomech_ros.nodes.common.parameters import ParameterError
+from robomech_ros.nodes.mobile_base.drives import INTERFACES
 from robomech_ros.nodes.mobile_base.node import MobileBaseNode
 from robomech_ros.rolling import load_rolling
 
 FAST = {"update_rate": 50.0}
+BICYCLE = {
+    "drive": "bicycle",
+    "traction_joints_names": ["rear"],
+    "steering_joints_names": ["front"],
+    "wheelbase": 1.2,
+    "traction_wheels_radius": 0.15,
+}
 
 
 def speed(message):
@@ -116,6 +124,18 @@ def test_the_prefix_of_frames(graph, given, prefix):
     assert message.header.frame_id == f"{prefix}odom"
     # 8: no frames where none are wanted.
     assert not graph.client.get_publishers_info_by_topic("/tf")
+
+
+@pytest.mark.parametrize("wanted", [True, False])
+@pytest.mark.parametrize("drive", INTERFACES)
+def test_no_drive_has_frames_where_none_are_wanted(graph, drive, wanted):
+    # Asked of the node itself: from outside a publisher may be there and not be found yet.
+    names = {"diff": "differential"}
+    robot = BICYCLE if drive == "bicycle" else {"robot_description": names.get(drive, drive)}
+    node = graph.start(MobileBaseNode, enable_odom_tf=wanted, **robot)
+    found = [one.topic_name for one in node.publishers if one.msg_type is TFMessage]
+    topic = INTERFACES[drive].frames.replace("~", "/mobile_base")
+    assert found == ([topic] if wanted else [])
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,185 @@
+"""Pantograph legs: two slides drive the foot, forward and up, each by itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
+
+__all__ = ["PantographLeg"]
+
+Array = NDArray[np.float64]
+
+_KNEES = {"forward": 1.0, "back": -1.0}
+# Part of the length below which one is zero.
+_ZERO = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class PantographLeg:
+    r"""A leg that turns about an axis along x of the trunk, with a pantograph in its plane.
+
+    Its drives are the turn (rad), positive towards y, then two slides (m): h carries the lower
+    pivot B along x, v carries the upper pivot A upwards.  A, B and the foot F are on one line:
+
+    .. math::
+
+       F = A + m (B - A) = (m h, \; -(m - 1) v)
+
+    in the plane of the leg, so that each slide moves the foot in one direction, enlarged.  The
+    thigh goes from A to the knee D, the shank from D to F; two short links close a parallelogram,
+    E on the thigh, G on the shank.
+
+    Parameters
+    ----------
+    thigh, shank : float
+        Lengths of AD and DF (m).
+    ratio : float
+        m, above 1.
+    hip : array_like, shape (3,), optional
+        Where B is in the trunk when h is 0 (m), on the axis.  Default the origin.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not such numbers.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.4; S. M. Song and
+    K. J. Waldron, Machines That Walk (MIT Press, 1989), chapter 4.
+
+    Examples
+    --------
+    >>> from robomech_ros.walking import PantographLeg
+    >>> leg = PantographLeg(thigh=0.4, shank=0.4, ratio=5.0)
+    >>> leg.foot([0.0, 0.02, 0.1]).round(6).tolist()
+    [0.1, 0.0, -0.4]
+    """
+
+    thigh: float
+    shank: float
+    ratio: float
+    hip: ArrayLike = (0.0, 0.0, 0.0)
+    _hip: Array = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        for name, least in (("thigh", 0.0), ("shank", 0.0), ("ratio", 1.0)):
+            expected = f"a number above {least:g}"
+            value = real_number(name, getattr(self, name), expected)
+            if not least < value < np.inf:
+                raise BadValueError(name, value, expected)
+            object.__setattr__(self, name, float(value))
+        object.__setattr__(self, "_hip", _three("hip", self.hip).copy())
+
+    def foot(self, drives: ArrayLike) -> Array:
+        """Compute where the foot is in the trunk (m), shape (3,).
+
+        Parameters
+        ----------
+        drives : array_like, shape (3,)
+            Turn (rad), h and v (m).
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not such numbers, or slides so far apart that the links do not reach.
+        """
+        return self.points(drives)["F"]
+
+    def points(self, drives: ArrayLike, knee: str = "forward") -> dict[str, Array]:
+        """Compute where pivots A, B, D, E, G and the foot F are in the trunk (m).
+
+        Parameters
+        ----------
+        drives : array_like, shape (3,)
+            Turn (rad), h and v (m).
+        knee : {"forward", "back"}, optional
+            On which side of the line AF, seen with v above 0, the knee is.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            As for :meth:`foot`.
+        """
+        turn, h, v = _three("drives", drives)
+        side = _KNEES[as_choice("knee", knee, tuple(_KNEES))]
+        A, B = np.array([0.0, v]), np.array([h, 0.0])
+        F = A + self.ratio * (B - A)
+        far = float(np.hypot(*(F - A)))
+        least, most = abs(self.thigh - self.shank), self.thigh + self.shank
+        if not max(least, _ZERO * most) <= far <= most:
+            expected = f"slides that are {least / self.ratio:g} to {most / self.ratio:g} m apart"
+            raise BadValueError("drives", [turn, h, v], expected)
+        along = (F - A) / far
+        # The cosine theorem gives the foot of the knee on AF.
+        part = (far**2 + self.thigh**2 - self.shank**2) / (2.0 * far)
+        away = side * np.sqrt(max(self.thigh**2 - part**2, 0.0))
+        D = A + part * along + away * np.array([-along[1], along[0]])
+        E = A + (D - A) / self.ratio
+        plane = {"A": A, "B": B, "D": D, "E": E, "G": D + B - E, "F": F}
+        x, up = self._axes(turn)
+        return {name: self._hip + p[0] * x + p[1] * up for name, p in plane.items()}
+
+    def jacobian(self, drives: ArrayLike) -> Array:
+        """Compute what takes the rates of the drives to the velocity of the foot, (3, 3).
+
+        Forces of the drives for a force at the foot are its transpose times that force.
+
+        Parameters
+        ----------
+        drives : array_like, shape (3,)
+            Turn (rad), h and v (m).
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            As for :meth:`foot`.
+        """
+        values = _three("drives", drives)
+        x, up = self._axes(values[0])
+        away = self.foot(values) - self._hip
+        columns = [np.cross(x, away), self.ratio * x, -(self.ratio - 1.0) * up]
+        return np.column_stack(columns)
+
+    def drives(self, foot: ArrayLike) -> Array:
+        """Find the drives for a place of the foot, with A above B, shape (3,).
+
+        Parameters
+        ----------
+        foot : array_like, shape (3,)
+            In the trunk (m).
+
+        Returns
+        -------
+        ndarray, shape (3,)
+            Turn (rad), h and v (m).
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not such numbers, a foot on the axis, whose turn is undetermined, or out of reach.
+        """
+        x, y, z = _three("foot", foot) - self._hip
+        depth = float(np.hypot(y, z))
+        if depth <= _ZERO * (self.thigh + self.shank):
+            raise BadValueError("foot", foot, "a place that is not on the axis of the leg")
+        found = np.array([np.arctan2(y, -z), x / self.ratio, depth / (self.ratio - 1.0)])
+        self.foot(found)
+        return found
+
+    @staticmethod
+    def _axes(turn: float) -> tuple[Array, Array]:
+        """Give x and the way up in the plane of the leg, in the trunk."""
+        return np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(turn), np.cos(turn)])
+
+
+def _three(what: str, value: ArrayLike) -> Array:
+    array = as_finite(what, value, (3,))
+    if array.shape != (3,):
+        raise WrongSizeError(what, array.shape, (3,))
+    return array
