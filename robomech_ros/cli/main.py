@@ -30,7 +30,7 @@ COMMANDS = {
     "warmup": (_HERE, "compile the numeric kernels, once"),
     "doctor": (_HERE, "say what is missing on this machine, and how to fix it"),
     "calibrate-demo": (_WITH_ROS, "find a simulated camera with a simulated robot, with a plot"),
-    "demo": (_WITH_ROS, "solve, plan, execute and check a pick and place, with a plot"),
+    "demo": (_WITH_ROS, "show a robot at work and check it, with a plot and a page"),
 }
 
 EXIT_USAGE = 2
@@ -59,7 +59,9 @@ def _run(argv: list[str], chosen: str) -> int:
     parser.add_argument("--version", action="version", version=__version__)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, (package, summary) in COMMANDS.items():
-        sub = commands.add_parser(name, help=summary, description=summary.capitalize() + ".")
+        sub = commands.add_parser(
+            name, help=summary, description=f"{summary[:1].upper()}{summary[1:]}."
+        )
         if name == chosen:
             # Only the chosen command is imported, and ROS not before it runs: `robomech doctor`
             # and all help have to work where ROS is missing.
@@ -70,7 +72,7 @@ def _run(argv: list[str], chosen: str) -> int:
     try:
         return int(parsed.run(parsed))
     except RobomechError as error:
-        print(f"robomech {chosen}: {error}", file=sys.stderr)
+        print(f"robomech {chosen}: {_explained(error)}", file=sys.stderr)
         return EXIT_USAGE
     except ImportError as error:
         if COMMANDS[chosen][0] != _WITH_ROS:
@@ -78,6 +80,15 @@ def _run(argv: list[str], chosen: str) -> int:
         text = f"ROS 2 is needed and cannot be imported ({error}); see `robomech doctor`"
         print(f"robomech {chosen}: {text}", file=sys.stderr)
         return EXIT_WITHOUT_ROS
+
+
+def _explained(error: Exception) -> str:
+    """Give the text of an error; of a robot of another kind than a command takes, that kind."""
+    from robomech_ros.errors import UnknownRobotError
+    from robomech_ros.robots.kinds import kind_of
+
+    kind = kind_of(error.name) if isinstance(error, UnknownRobotError) else ""
+    return f"{error}; a robot of kind '{kind}' is not taken here" if kind else str(error)
 
 
 if __name__ == "__main__":

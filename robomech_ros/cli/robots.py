@@ -13,7 +13,7 @@ from robomech_ros.hands import load_hand
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.parallel import load_described
 from robomech_ros.robots import PRISMATIC, list_robots, load_description
-from robomech_ros.robots.kinds import documents_of
+from robomech_ros.robots.kinds import names_of
 from robomech_ros.rolling import rolling_robot
 from robomech_ros.walking import load_legged
 
@@ -35,7 +35,7 @@ def run(args: argparse.Namespace) -> int:
     table = Table("name", "joints", "inverse kinematics", "source")
     code = 0
     rows = [(name, _arm) for name in list_robots()]
-    rows += [(name, facts) for kind, facts in _FACTS.items() for name in sorted(documents_of(kind))]
+    rows += [(name, facts) for kind, facts in _FACTS.items() for name in names_of(kind)]
     for name, facts in rows:
         try:
             joints, family, source = facts(name)

@@ -7,11 +7,12 @@ import threading
 import webbrowser
 from typing import TYPE_CHECKING, Any
 
+from robomech_ros.errors import BadValueError
 from robomech_ros.parallel import load_described, load_parallel
 from robomech_ros.robots import main_chain, semantics_of
 from robomech_ros.robots.kinds import kind_of
-from robomech_ros.rvs.model.kinds.table import SEEN_KINDS
 from robomech_ros.rvs.opening import kind_page_of, page_of, platform_page_of
+from robomech_ros.rvs.seen_kinds import SEEN_KINDS
 from robomech_ros.rvs.serving.address import HOST, PORT
 from robomech_ros.stop_signals import leave_on_signals
 
@@ -54,6 +55,10 @@ def _page(args: argparse.Namespace) -> RobotPage:
     where: dict[str, Any] = {"port": args.port, "host": args.host}
     kind = kind_of(args.robot)
     if kind in SEEN_KINDS:
+        for option in ("base_link", "tip_link", "srdf", "group"):
+            if given := getattr(args, option):
+                expected = f"nothing: '{args.robot}' is a robot of kind '{kind}'"
+                raise BadValueError(f"--{option.replace('_', '-')}", given, expected)
         return kind_page_of(kind, args.robot, **where)
     described = load_described(args.robot)
     if described.mechanism is not None:

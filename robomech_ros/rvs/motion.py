@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.robots import SerialChain
+from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory import PiecewisePolynomial, interpolant
 
@@ -57,14 +57,14 @@ class Motion:
 
     Parameters
     ----------
-    chain : SerialChain or Mechanism
-        Of n joints.
+    chain : SerialChain, Mechanism or RobotDescription
+        Of n joints; of a whole robot those are its ``joint_names``.
     times : ndarray, shape (m,)
         Increasing (s).
     q : ndarray, shape (m, n)
         rad or m.
     choices : tuple of Choice
-        In the order of their times.
+        In the order of their times; without other postures where a whole robot moves.
     qd, qdd, qddd : ndarray, shape (m, n), optional
         Velocities, accelerations and jerks, rad or m over s, s^2 and s^3, where they are known.
     tau : ndarray, shape (m, n), optional
@@ -73,10 +73,11 @@ class Motion:
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        No time, times that do not increase, or arrays of another size or not finite.
+        No time, times that do not increase, arrays of another size or not finite, or other
+        postures of a whole robot.
     """
 
-    chain: SerialChain | Mechanism
+    chain: SerialChain | Mechanism | RobotDescription
     times: Array
     q: Array
     choices: tuple[Choice, ...] = ()
@@ -86,9 +87,11 @@ class Motion:
     tau: Array | None = None
 
     def __post_init__(self) -> None:
-        # Either refuses what are no positions of its joints.
+        # Each refuses what are no positions of its joints.
         if isinstance(self.chain, SerialChain):
             forward_kinematics(self.chain, self.q)
+        elif isinstance(self.chain, RobotDescription):
+            self._check_whole(self.chain)
         else:
             self.chain.pose(self.q)
         q = np.atleast_2d(np.asarray(self.q, dtype=np.float64))
@@ -111,11 +114,18 @@ class Motion:
         Raises
         ------
         BadValueError
-            It is a parallel robot.
+            It is a parallel robot, or a whole robot.
         """
         if not isinstance(self.chain, SerialChain):
-            raise BadValueError("what moves", self.chain.name, "an arm, not a parallel robot")
+            raise BadValueError("what moves", self.chain.name, "an arm, no other robot")
         return self.chain
+
+    def _check_whole(self, robot: RobotDescription) -> None:
+        rows = real_array("q", self.q)
+        _like_q("q", rows, (*rows.shape[:-1], len(robot.joint_names)))
+        others = next((choice.name for choice in self.choices if choice.others), None)
+        if others is not None:
+            raise BadValueError("choices", others, "none with other postures: a whole robot moves")
 
     @property
     def duration(self) -> float:

@@ -12,18 +12,21 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.parallel import Mechanism, ParallelRobot, load_described, load_parallel
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.robots.kinds import kind_of
-from robomech_ros.rvs.model.kinds.table import SEEN_KINDS
 from robomech_ros.rvs.motion import Motion
+from robomech_ros.rvs.seen_kinds import SEEN_KINDS
 from robomech_ros.rvs.serving.address import HOST, PORT
 
 if TYPE_CHECKING:
     from robomech_ros.rvs.model.live_robot import LiveRobot
+    from robomech_ros.rvs.model.running.followed import Followed
+    from robomech_ros.rvs.model.running.live_mover import LiveMover
     from robomech_ros.rvs.page.page import RobotPage
 
 __all__ = [
     "ViewUnavailableError",
     "kind_page_of",
     "live_page_of",
+    "mover_page_of",
     "page_of",
     "platform_page_of",
     "require_viser",
@@ -53,8 +56,10 @@ def view(
     ----------
     robot : str or path
         Name, path or text of a robot, as for :func:`~robomech_ros.robots.load_robot`, of a
-        parallel one, as for :func:`~robomech_ros.parallel.load_parallel`, or of a rolling one, as
-        for :func:`~robomech_ros.rolling.load_rolling`, which drives on the page.
+        parallel one, as for :func:`~robomech_ros.parallel.load_parallel`, of a rolling or walking
+        one, as for :func:`~robomech_ros.rolling.load_rolling` and
+        :func:`~robomech_ros.walking.load_legged`, which drives or walks on the page, or of a hand,
+        as for :func:`~robomech_ros.hands.load_hand`, which holds an object there.
     port : int, optional
         To listen on; 0 takes a free one.
     host : str, optional
@@ -177,8 +182,35 @@ def live_page_of(
     return RobotPage(description, SeenPlatform(moved), layers=[live, *PLATFORM_LAYERS], **where)
 
 
+def mover_page_of(followed: Followed, robot: LiveMover, *, port: int, host: str) -> RobotPage:
+    """Serve the page of a robot that runs over the ground; errors are those of :func:`view`.
+
+    Parameters
+    ----------
+    followed : Followed
+    robot : LiveMover
+        Carries out what the page asks for, and tells it how the robot is.
+    port, host : int, str
+    """
+    require_viser()
+    from robomech_ros.rvs.layers.camera import CameraLayer
+    from robomech_ros.rvs.layers.live_mover import LiveMoverLayer
+    from robomech_ros.rvs.page.layer import LayerMaker
+    from robomech_ros.rvs.page.page import RobotPage
+
+    live: LayerMaker = partial(LiveMoverLayer, robot=robot)
+    layers = [live, CameraLayer]
+    where: dict[str, Any] = {"port": port, "host": host, "fixed": True}
+    return RobotPage(followed.description, followed, layers=layers, **where)
+
+
 def write_motion(
-    path: str | os.PathLike[str], description: RobotDescription, motion: Motion, *, title: str = ""
+    path: str | os.PathLike[str],
+    description: RobotDescription,
+    motion: Motion,
+    *,
+    title: str = "",
+    trail: str = "",
 ) -> Path:
     """Write a motion as a page that plays it, in one file that needs nothing else.
 
@@ -191,9 +223,11 @@ def write_motion(
     description : RobotDescription
         The robot.
     motion : Motion
-        Of one of its chains.
+        Of one of its chains, or of all of it.
     title : str, optional
         Above the page; default the name of the robot.
+    trail : str, optional
+        Link whose way is drawn; empty for none.
 
     Returns
     -------
@@ -204,13 +238,15 @@ def write_motion(
     ------
     ViewUnavailableError
         viser is not installed.
+    UnknownLinkError, RobotDescriptionError
+        The link of the trail is none of the robot, or no chain leads to it.
     OSError
         The file cannot be written.
     """
     require_viser()
     from robomech_ros.rvs.page.recording import record_motion
 
-    return record_motion(Path(path), description, motion, title or description.name)
+    return record_motion(Path(path), description, motion, title or description.name, trail=trail)
 
 
 def require_viser() -> None:

@@ -6,8 +6,10 @@ import re
 import numpy as np
 import pytest
 
-from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.errors import BadValueError, RobomechError, UnknownLinkError
 from robomech_ros.robots import load_description
+from robomech_ros.rolling import load_rolling, rolling_description
+from robomech_ros.rolling.tree import BASE_JOINTS
 from robomech_ros.rvs import (
     Choice,
     Motion,
@@ -105,3 +107,50 @@ def test_rates_and_torques_of_another_size_are_refused(name):
         with pytest.raises(RobomechError):
             Motion(CHAIN, times, q, **{name: wrong})
     assert getattr(Motion(CHAIN, times, q, **{name: q}), name).shape == (2, 6)
+
+
+def test_a_whole_robot_moves_and_leaves_its_trail(tmp_path):
+    pytest.importorskip("viser")
+    cart = rolling_description(load_rolling("mecanum"))
+    assert cart.joint_names[:3] == BASE_JOINTS and len(cart.joint_names) == 7
+    times = np.linspace(0.0, 4.0, 101)
+    q = np.zeros((101, 7))
+    q[:, 0], q[:, 1], q[:, 3:] = 3.0 * np.sin(times), times, times[:, None]
+    whole = Motion(cart, times, q, (Choice(2.0, "a <way>", "", ()),))
+    plain, trailed = (
+        page_of(write_motion(tmp_path / f"{link}.html", cart, whole, trail=link))
+        for link in ("", "base_link")
+    )
+    assert "a &lt;way&gt;" in trailed[0] and b"trail" in trailed[1]
+    # The line goes through all places, the last of them among its numbers.
+    last = whole.at(4.0)[:2].astype(np.float32).tobytes()
+    assert last in trailed[1] and len(trailed[1]) > len(plain[1]) + 100 * 24
+    assert b"/trail" not in plain[1] and b"/trail" in trailed[1]
+
+
+def page_of(path):
+    """Give the text of a page, and its scene unpacked."""
+    text = path.read_text(encoding="utf-8")
+    packed = base64.b64decode(re.search('__VISER_EMBED_DATA__="([^"]+)"', text)[1])
+    zstandard = pytest.importorskip("zstandard")
+    return text, zstandard.ZstdDecompressor().decompress(packed[8:])
+
+
+@pytest.mark.parametrize(
+    ("q", "others", "said"),
+    [
+        (np.zeros((1, 6)), (), "q"),
+        (np.full((1, 7), np.nan), (), "q"),
+        (np.zeros((1, 7)), (NamedPosture("other", np.zeros(7)),), "'turn'.*whole robot"),
+    ],
+)
+def test_what_is_no_motion_of_a_whole_robot_is_refused(q, others, said):
+    cart = rolling_description(load_rolling("mecanum"))
+    with pytest.raises(RobomechError, match=said):
+        Motion(cart, [0.0], q, (Choice(0.0, "turn", "", others),))
+
+
+def test_a_trail_is_of_a_link_of_the_robot(tmp_path):
+    pytest.importorskip("viser")
+    with pytest.raises(UnknownLinkError, match="nose"):
+        write_motion(tmp_path / "motion.html", ROBOT, motion(), trail="nose")

@@ -100,16 +100,18 @@ def test_joints_that_slide_are_drawn_apart_and_missing_torques_are_named():
     curves = motion_curves(Motion(chain, np.linspace(0.0, 1.0, 11), q))
     assert [one.unit for one in curves.quantities[:4]] == ["rad", "m", "rad/s", "m/s"]
     assert curves.missing == ("No torques: the robot's description has no masses.",)
-    assert curves.missing[0].replace("'", "&#x27;") in curves_picture(chain, curves, ALL)
+    assert curves.missing[0].replace("'", "&#x27;") in curves_picture(
+        chain.joint_names, curves, ALL
+    )
 
 
 def test_the_picture_draws_every_joint_with_its_limits_and_a_cursor():
     curves = motion_curves(plan_between(ARM, HOME, THERE, JOINTS, "poly345").motion)
-    text = curves_picture(ARM, curves, "acceleration")
+    text = curves_picture(ARM.joint_names, curves, "acceleration")
     assert text.count("<polyline") == 6 and text.count("data-cursor") == 1
     assert "stroke-dasharray" in text and "limits dashed" in text and "shoulder pan" in text
-    assert curves_picture(ARM, curves, ALL).count("data-cursor") == len(QUANTITIES)
-    assert "nan" not in curves_picture(ARM, curves, ALL)
+    assert curves_picture(ARM.joint_names, curves, ALL).count("data-cursor") == len(QUANTITIES)
+    assert "nan" not in curves_picture(ARM.joint_names, curves, ALL)
     assert cursor_rule(0.25) == "<style>[data-cursor]{left:25.000%}</style>"
 
 

@@ -10,7 +10,7 @@ from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts, limb_points
 from robomech_ros.rvs.model.platforms.lists import LISTS, platform_list
 from robomech_ros.rvs.model.platforms.reach import platform_reach
 from robomech_ros.rvs.model.platforms.seen_platform import SeenPlatform
-from robomech_ros.spatial import pose_exponential
+from robomech_ros.spatial import matrix_from_axis_angle, pose_exponential
 
 ROBOTS = list_parallel()
 # Of limbs of any kind: what is found is not proved to be all.
@@ -177,6 +177,72 @@ def test_the_boundary_of_positions_is_where_the_limits_are(name):
                 T_near = T.copy()
                 T_near[:3, 3] = point + step * outwards
                 assert bool(pose_limits(robot, T_near).inside) is inside
+
+
+def test_the_boundary_of_positions_of_limbs_of_any_kind_is_where_the_limits_are():
+    """The tripod goes up and down only: its boundary is two lines from where it is."""
+    robot = load_parallel("tripod_3prs")
+    T = robot.mechanism.pose(robot.mechanism.home())
+    found = platform_reach(robot, robot.mechanism.home())
+    ends = np.concatenate(list(found.parts.values()))
+    assert found.flat and ends.shape == (2, 2, 3)
+    np.testing.assert_allclose(ends[:, 1], [T[:3, 3]] * 2, rtol=0.0, atol=1e-12)
+    for end in ends[:, 0]:
+        way = end - T[:3, 3]
+        np.testing.assert_allclose(way[:2], 0.0, rtol=0.0, atol=1e-9)
+        for step, inside in ((-1e-5, True), (1e-5, False)):
+            T_near = T.copy()
+            T_near[:3, 3] = end + step * way / np.linalg.norm(way)
+            assert bool(pose_limits(robot, T_near).inside) is inside
+
+
+def turned(T, axis, angle):
+    T_near = T.copy()
+    T_near[:3, :3] = matrix_from_axis_angle(axis, angle) @ T[:3, :3]
+    return T_near
+
+
+@pytest.mark.parametrize("name", ["hexapod", "agile_eye"])
+def test_the_boundary_of_turns_is_where_the_limits_are(name):
+    robot = load_parallel(name)
+    q = robot.mechanism.home()
+    found = platform_reach(robot, q, turns=True)
+    assert found.turns and not found.flat
+    assert sum(found.shares.values()) == pytest.approx(1.0)
+    assert 0.0 < found.least <= found.greatest <= np.pi
+    T, looked = robot.mechanism.pose(q), 0
+    for cause, part in found.parts.items():
+        if ":" not in cause:
+            continue
+        for point in part[:3, 0]:
+            way = point - T[:3, 3]
+            length = np.linalg.norm(way)
+            angle = length * np.pi / robot.mechanism.size
+            for step, inside in ((-1e-6, True), (1e-6, False)):
+                pose = turned(T, way / length, angle + step)
+                assert bool(pose_limits(robot, pose).inside) is inside
+                looked += 1
+    assert looked or name == "agile_eye"
+
+
+def test_turns_in_the_plane_are_drawn_as_an_arc():
+    robot = load_parallel("planar_3rpr")
+    q = robot.mechanism.home()
+    found = platform_reach(robot, q, turns=True)
+    T, size = robot.mechanism.pose(q), robot.mechanism.size
+    points = np.concatenate(list(found.parts.values()))[:, 0] - T[:3, 3]
+    radius = np.linalg.norm(points, axis=1)
+    np.testing.assert_allclose(radius, radius[0], rtol=1e-9)
+    assert found.flat and 0.1 * size < radius[0] < size
+    here = np.arctan2(T[1, 0], T[0, 0])
+    angles = np.unwrap(np.arctan2(points[:, 1], points[:, 0]) - here)
+    assert np.abs(angles).max() == pytest.approx(found.greatest, abs=1e-6)
+
+
+def test_a_platform_that_only_translates_has_no_boundary_of_turns():
+    robot = load_parallel("delta")
+    with pytest.raises(BadValueError, match="turns"):
+        platform_reach(robot, robot.mechanism.home(), turns=True)
 
 
 def test_a_platform_that_only_turns_has_no_boundary_of_positions():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from browsing import IN_CHROMIUM, browser
+from controls import field
 from raw_client import wait_until
 
 from robomech_ros.rvs import view
@@ -13,6 +14,7 @@ BOX = (
     "[...document.querySelectorAll('label')].find(l => l.textContent === '{label}')"
     ".closest('.mantine-Flex-root').querySelector('input[type=checkbox]')"
 )
+OPEN = "[...document.querySelectorAll('label')].some(l => l.textContent === '{label}')"
 WORKSPACE = (
     "[...document.querySelectorAll('div')].find(d => d.children.length <= 2 && "
     "d.textContent === 'Workspace')"
@@ -44,6 +46,8 @@ def test_all_assembly_modes_are_listed_and_one_beyond_limits_is_refused(shown):
 def test_an_assembly_mode_is_taken_by_a_click():
     with view("planar_3rpr", port=0) as page, browser(page.url) as tab:
         tab.wait_for("document.querySelectorAll('tr[data-posture]').length === 4")
+        # A row writes into this field, which comes after the table.
+        tab.wait_for(field("Take posture"))
         drives, other = page._arm.values, page._arm.study.postures[1].q
         tab.value("document.querySelectorAll('tr[data-posture]')[1].click()")
         wait_until(lambda: np.allclose(page._arm.q, other))
@@ -73,3 +77,18 @@ def test_positions_are_drawn_with_what_ends_them(shown):
     tab.value(f"{BOX.format(label='positions')}.click()")
     tab.wait_for("!__viserMutable.nodeRefFromName['/base/positions_0']")
     assert page._arm.faulty_links == ()
+
+
+def test_orientations_are_drawn_beside_positions(shown):
+    page, tab = shown
+    part, box = page._layers[1]._parts["orientations"], BOX.format(label="orientations")
+    tab.wait_for(WORKSPACE)
+    tab.value(f"if (!{OPEN.format(label='orientations')}) {WORKSPACE}.click()")
+    tab.wait_for(box)
+    tab.value(f"{box}.click()")
+    wait_until(lambda: part.reach is not None)
+    tab.wait_for(f"{POSITIONS}.innerText.includes('It turns here by')")
+    tab.wait_for("__viserMutable.nodeRefFromName['/base/orientations_0']")
+    tab.value(f"{box}.click()")
+    wait_until(lambda: not part.on)
+    tab.wait_for("!__viserMutable.nodeRefFromName['/base/orientations_0']")

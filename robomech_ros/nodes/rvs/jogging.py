@@ -3,8 +3,6 @@
 What ends a press, and in how much time, is in :mod:`robomech_ros.rvs.model.jog`.
 """
 
-import threading
-import time
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -13,9 +11,10 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.rvs.held_jog import HeldJog
 from robomech_ros.nodes.rvs.messages import joint_jog, twist_jog
 from robomech_ros.nodes.rvs.settings import RvsSettings
-from robomech_ros.rvs.model.jog import Beat, JogDirection, JogSwitch
+from robomech_ros.rvs.model.jog import Beat, JogDirection
 
 __all__ = ["Jogger"]
 
@@ -56,58 +55,35 @@ class Jogger:
         complain: Callable[[str], None],
     ) -> None:
         self._clock, self._model, self._settings = node.get_clock(), model, settings
-        self._servo_is_silent, self._complain = servo_is_silent, complain
-        self._logger = node.get_logger()
-        self._switch = JogSwitch[_Jog](settings.jog_silence, time.monotonic)
+        self._servo_is_silent = servo_is_silent
         servo = settings.servo
         self._twists = node.create_publisher(TwistStamped, f"{servo}/delta_twist_cmds", 10)
         self._joints = node.create_publisher(JointState, f"{servo}/joint_velocity_cmds", 10)
-        self._thread = threading.Thread(target=self._run, name="jog", daemon=True)
-        self._thread.start()
+        self._held = HeldJog[_Jog](
+            settings.jog_silence,
+            _PERIOD,
+            self._send,
+            lambda jog: self._missing(jog.direction),
+            complain,
+            node.get_logger(),
+        )
 
     def hold(self, beat: Beat, frame: str, speed: float) -> None:
         """Go on with a press, or begin one; see ``LiveRobot``."""
-        self._switch.hold(_Jog(beat.direction, frame, speed), beat.press, beat.age)
+        self._held.hold(_Jog(beat.direction, frame, speed), beat)
 
     def let_go(self) -> None:
         """End the press."""
-        self._switch.release()
+        self._held.let_go()
 
     @property
     def held(self) -> bool:
         """Whether a button is held."""
-        return self._switch.held() is not None
+        return self._held.held
 
     def close(self) -> None:
         """End what is held, and the thread."""
-        self._switch.close()
-        self._thread.join()
-
-    def _run(self) -> None:
-        while self._switch.wait():
-            try:
-                self._jog()
-            except Exception as error:
-                # The servo brakes without commands, and the next press is tried again.
-                self._switch.release()
-                self._logger.error(f"a jog failed: {error!r}")
-                self._complain(f"The jog failed: {error}")
-
-    def _jog(self) -> None:
-        """Command what is held, and then to stand."""
-        last: _Jog | None = None
-        while (jog := self._switch.held()) is not None:
-            missing = self._missing(jog.direction)
-            if missing or last is None:
-                self._complain(missing)
-            if missing:
-                self._switch.release()
-                break
-            self._send(jog)
-            last = jog
-            time.sleep(_PERIOD)
-        if last is not None:
-            self._send(last._replace(speed=0.0))
+        self._held.close()
 
     def _missing(self, direction: JogDirection) -> str:
         """Say what is missing of the servo; empty for nothing."""
@@ -118,7 +94,8 @@ class Jogger:
             return f"'{self._settings.servo}' has said nothing for some time: no jog."
         return ""
 
-    def _send(self, jog: _Jog) -> None:
+    def _send(self, jog: _Jog, moves: bool) -> None:
+        jog = jog if moves else jog._replace(speed=0.0)
         given, stamp, direction = self._settings, self._clock.now().to_msg(), jog.direction
         linear = jog.speed * given.jog_linear_speed
         if direction.kind == "joint":

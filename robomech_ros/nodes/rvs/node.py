@@ -6,13 +6,17 @@ from typing import Any
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.parameters import NodeParameters
+from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.common.status_report import NodeCondition, StatusReport
 from robomech_ros.nodes.process.run import run_node
+from robomech_ros.nodes.rvs.moving.movers import MOVERS, Mover
+from robomech_ros.nodes.rvs.moving.running_mover import RunningMover
 from robomech_ros.nodes.rvs.running_robot import RunningRobot
 from robomech_ros.nodes.rvs.settings import RvsSettings
-from robomech_ros.rvs.opening import live_page_of, require_viser
+from robomech_ros.robots.kinds import kind_of
+from robomech_ros.rvs.opening import live_page_of, mover_page_of, require_viser
 
 # How often it is looked whether who is to answer is still there (s).
 _LOOK = 1.0
@@ -27,20 +31,35 @@ class RvsNode(Node):
         super().__init__("rvs", **options)
         require_viser()
         self._settings = NodeParameters(self, RvsSettings).settings
-        when_robot_known(self, self._settings, self._serve, parallel=True)
+        load = MOVERS.get(kind_of(self._settings.robot_description))
+        if load is None:
+            when_robot_known(self, self._settings, self._serve, parallel=True)
+            return
+        self._serve_mover(load(self._settings))
+        Readiness(self)
 
     def _serve(self, model: RobotModel) -> None:
         settings = self._settings
         robot = RunningRobot(self, model, settings)
         described = model.description, model.robot or model.chain
         self._page = live_page_of(*described, robot, port=settings.port, host=settings.host)
-        self._robot = robot
-        StatusReport(self, "view", model.chain.name, self._condition)
+        self._robot: RunningRobot | RunningMover = robot
         self.create_timer(_LOOK, robot.look)
+        self._tell(model.chain.name, len(model.commanded.joint_names))
+
+    def _serve_mover(self, mover: Mover) -> None:
+        """Show a robot that moves over the ground."""
+        robot, settings = RunningMover(self, mover, self._settings), self._settings
+        where: dict[str, Any] = {"port": settings.port, "host": settings.host}
+        self._page = mover_page_of(mover.followed, robot, **where)
+        self._robot = robot
+        self._tell(mover.name, len(mover.followed.joints))
+
+    def _tell(self, name: str, joints: int) -> None:
+        StatusReport(self, "view", name, self._condition)
         # Not logged: the log goes to a topic that everybody reads, and the address has the token.
         print(f"{self.get_fully_qualified_name()}: open {self._page.url}", flush=True)
-        joints = len(model.commanded.joint_names)
-        self.get_logger().info(f"ready: {model.chain.name}, {joints} joints")
+        self.get_logger().info(f"ready: {name}, {joints} joints")
 
     @property
     def url(self) -> str:
@@ -49,6 +68,8 @@ class RvsNode(Node):
 
     def listen_to_markers(self) -> list[str]:
         """Listen to markers from now on, as a page may ask for; gives the topics."""
+        if not isinstance(self._robot, RunningRobot):
+            return []
         self._robot.want_markers(True)
         return [self.resolve_topic_name(topic) for topic in self._settings.marker_topics]
 

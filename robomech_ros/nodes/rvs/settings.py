@@ -35,6 +35,12 @@ class RvsSettings(RobotSettings):
         "joint_trajectory_controller", "Name of the controller, whose service hold stops the robot"
     )
     servo: str = parameter("servo", "Name of the servo, by which the robot is jogged")
+    mobile_base: str = parameter(
+        "mobile_base", "Name of the node of a rolling robot, whose topics are shown and commanded"
+    )
+    walker: str = parameter(
+        "walker", "Name of the node of a walking machine, whose topics are shown and commanded"
+    )
     marker_topics: tuple[str, ...] = parameter(
         ("kinematics/markers", "calibration/markers"),
         "Topics of visualization_msgs/MarkerArray that the page shows where that is wanted",
@@ -51,8 +57,12 @@ class RvsSettings(RobotSettings):
         0.5, "Greatest jogging speed of joints that turn", 1e-3, 10.0, "rad/s"
     )
     jog_linear_speed: float = parameter(
-        0.1, "Greatest jogging speed of the tip, and of joints that slide", 1e-3, 10.0, "m/s"
+        0.1,
+        "Greatest jogging speed of the tip, of joints that slide, and over the ground",
+        1e-3,
+        10.0,
+        "m/s",
     )
     jog_angular_speed: float = parameter(
-        0.5, "Greatest speed at which the tip is turned by jogging", 1e-3, 10.0, "rad/s"
+        0.5, "Greatest speed at which tip or robot are turned by jogging", 1e-3, 10.0, "rad/s"
     )

@@ -1,7 +1,6 @@
 """Tells the page where the joints are, and what the servo says, while somebody looks."""
 
 import math
-import threading
 import time
 
 from rclpy.node import Node
@@ -11,23 +10,22 @@ from robomech_ros.nodes.common.error_codes import NoStateError
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
+from robomech_ros.nodes.rvs.feed import Feed
 from robomech_ros.nodes.rvs.messages import servo_news
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.rvs.model.live_robot import LiveView, ServoNews
 
 __all__ = ["StateFeed"]
 
-# How often it is looked whether somebody looks, and what states and servo say (s).
-_IDLE, _SELDOM = 0.2, 0.1
+# How often it is looked what states and servo say (s).
+_SELDOM = 0.1
 # At rest the servo speaks once a second.
 _SERVO_GONE = 3.0
 # Statuses that wait at the most; the latest counts.
 _DEPTH = 10
-# How often a failure is logged at most (s).
-_LOG_PERIOD = 10.0
 
 
-class StateFeed:
+class StateFeed(Feed):
     """Reads joint states and the servo's status by hand, from a thread of its own.
 
     Parameters
@@ -43,7 +41,8 @@ class StateFeed:
     def __init__(
         self, node: Node, model: RobotModel, settings: RvsSettings, view: LiveView
     ) -> None:
-        self._view, self._settings, self._logger = view, settings, node.get_logger()
+        super().__init__(view, settings.rate, node.get_logger())
+        self._view, self._settings = view, settings
         # Of a parallel robot it takes all joints to say where it is.
         moved = model.chain if model.mechanism is None else model.mechanism
         self._chain, self._joints = moved.joint_names, model.joint_names
@@ -54,15 +53,7 @@ class StateFeed:
         self._heard, self._heard_at = 0, -math.inf
         self._servo: ServoNews | None = None
         self._servo_at, self._looked_at = -math.inf, -math.inf
-        self._condition = ""
-        self._closing = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="states", daemon=True)
-        self._thread.start()
-
-    @property
-    def condition(self) -> str:
-        """What is wrong with the joint states; empty for nothing, or if nobody looks."""
-        return self._condition
+        self.begin()
 
     @property
     def servo_is_silent(self) -> bool:
@@ -73,30 +64,8 @@ class StateFeed:
     def _since_servo(self) -> float:
         return time.monotonic() - self._servo_at
 
-    def close(self) -> None:
-        """End the thread."""
-        self._closing.set()
-        self._thread.join()
-
-    def _run(self) -> None:
-        period = 1.0 / self._settings.rate
-        due = time.monotonic()
-        while not self._closing.is_set():
-            if not self._view.wait_until_seen(_IDLE):
-                self._condition = ""
-                continue
-            now = time.monotonic()
-            try:
-                self._look(now)
-            except Exception as error:
-                # The thread goes on: it also says that states are old.
-                self._condition = f"The robot cannot be shown: {error!r}."
-                self._logger.error(self._condition, throttle_duration_sec=_LOG_PERIOD)
-            # What was missed is not made up for.
-            due = max(due + period, now)
-            self._closing.wait(max(due - time.monotonic(), 0.0))
-
-    def _look(self, now: float) -> None:
+    def look(self, now: float) -> None:
+        """Show what has come, and say what is wrong with it."""
         known = self._monitor.known_positions(self._joints)
         heard = self._monitor.heard(self._chain)
         if heard > self._heard:
@@ -104,8 +73,8 @@ class StateFeed:
             self._view.show_joints(known)
         if now - self._looked_at >= _SELDOM:
             self._looked_at = now
-            self._condition = self._fault(now)
-            self._view.show_state(self._condition)
+            self.condition = self._fault(now)
+            self._view.show_state(self.condition)
             self._hear_servo(now)
 
     def _fault(self, now: float) -> str:

@@ -5,12 +5,12 @@ from robomech_ros.rvs.layers.contours import ContoursLayer
 from robomech_ros.rvs.layers.dh_table import DHTableLayer
 from robomech_ros.rvs.layers.keeping import KeepingLayer
 from robomech_ros.rvs.layers.motions import MotionLayer
+from robomech_ros.rvs.layers.moving import MovingLayer
 from robomech_ros.rvs.layers.platform import PlatformLayer
 from robomech_ros.rvs.layers.platform_workspace import PlatformWorkspaceLayer
-from robomech_ros.rvs.layers.rolling import RollingLayer
 from robomech_ros.rvs.layers.understand import UnderstandLayer
 from robomech_ros.rvs.layers.workspace import WorkspaceLayer
-from robomech_ros.rvs.page.layer import LayerMaker
+from robomech_ros.rvs.page.layer import Layer, LayerMaker, Place
 
 __all__ = ["KIND_LAYERS", "LAYERS", "PLATFORM_LAYERS"]
 
@@ -29,10 +29,28 @@ LAYERS: tuple[LayerMaker, ...] = (
 PLATFORM_LAYERS: tuple[LayerMaker, ...] = (
     PlatformLayer,
     PlatformWorkspaceLayer,
+    MotionLayer,
     CameraLayer,
 )
 
+
+def _hand(place: Place) -> Layer:
+    # What is compiled for contacts is loaded only where there are some.
+    from robomech_ros.rvs.layers.hands import HandLayer
+
+    return HandLayer(place)
+
+
+def _walking(place: Place) -> Layer:
+    # What is compiled for legs is loaded only where there are some.
+    from robomech_ros.rvs.layers.walking import WalkingLayer
+
+    return WalkingLayer(place)
+
+
 # Of robots that are no arms, by the kind that their documents say.
 KIND_LAYERS: dict[str, tuple[LayerMaker, ...]] = {
-    "rolling": (RollingLayer, CameraLayer),
+    "rolling": (MovingLayer, CameraLayer),
+    "walking": (MovingLayer, _walking, CameraLayer),
+    "hand": (_hand, CameraLayer),
 }

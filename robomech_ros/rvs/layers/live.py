@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -16,9 +15,9 @@ from robomech_ros.rvs.model.following_goal import FollowingGoal
 from robomech_ros.rvs.model.live_robot import LiveRobot, SeenMarker, ServoNews
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.layer import Place
-from robomech_ros.rvs.page.live_controls import LiveControls
+from robomech_ros.rvs.page.live.live_controls import LiveControls
+from robomech_ros.rvs.page.live.news import News, Onlookers
 from robomech_ros.rvs.page.marker_nodes import MarkerNodes
-from robomech_ros.rvs.page.tables import STYLE, WARN
 
 __all__ = ["LiveLayer"]
 
@@ -43,15 +42,13 @@ class LiveLayer:
         # Whether ghosts and gizmo are to be hidden: the robot has left where they are.
         self._behind = False
         self._names = place.moved.state_joints
-        self._seen, self._clients = threading.Event(), set[int]()
-        self._speaking = threading.Lock()
-        self._lines = dict.fromkeys(("state", "servo", "jog", "result", "dropped"), "")
+        self._onlookers = Onlookers()
         # How often Stop was clicked; what was asked before a click is not done after it.
         self._stops, self._stopping = 0, threading.Lock()
         self._controls: LiveControls | None = None
         self._waiting, self._wants_markers = False, False
         gui = place.server.gui
-        self._html = gui.add_html("", order=-0.2)
+        self._news = News(gui, ("state", "servo", "jog", "result", "dropped"))
         hint = "Stops whatever moves the robot; every browser may"
         stop = gui.add_button("Stop", color="red", hint=hint, order=-0.15)
 
@@ -104,7 +101,7 @@ class LiveLayer:
         Not if Stop is clicked before, or the browser has lost command by then.
         """
         stops, controls = self._stops, self._controls
-        self._say("dropped", "")
+        self._news.say("dropped", "")
 
         def go() -> None:
             dropped = ""
@@ -116,7 +113,7 @@ class LiveLayer:
                 else:
                     way(self._place.moved.values.copy())
             if dropped:
-                self._say("dropped", f"{refusal}: {dropped}.")
+                self._news.say("dropped", f"{refusal}: {dropped}.")
 
         self._place.ask(kind, go)
 
@@ -142,13 +139,10 @@ class LiveLayer:
             self._goal.put(self._place.moved.q, followed=True)
 
     async def _came(self, client: Any) -> None:
-        self._clients.add(client.client_id)
-        self._seen.set()
+        self._onlookers.came(client.client_id)
 
     async def _left(self, client: Any) -> None:
-        self._clients.discard(client.client_id)
-        if not self._clients:
-            self._seen.clear()
+        self._onlookers.left(client.client_id)
         if self._controls is not None and self._controls.client_id == client.client_id:
             self._robot.let_go()
 
@@ -156,7 +150,7 @@ class LiveLayer:
 
     def wait_until_seen(self, seconds: float) -> bool:
         """Wait until somebody looks, at most so long; says whether somebody does."""
-        return self._seen.wait(seconds)
+        return self._onlookers.wait(seconds)
 
     def show_joints(self, positions: Mapping[str, float]) -> None:
         """Draw the robot with its joints there (rad or m, by name)."""
@@ -169,7 +163,7 @@ class LiveLayer:
 
     def show_state(self, text: str) -> None:
         """Say what is wrong with the joint states; empty for nothing."""
-        self._say("state", text)
+        self._news.say("state", text)
         if text:
             # Where the robot is, nobody knows: the goal is all that there is.
             self._leave_behind(False)
@@ -179,15 +173,15 @@ class LiveLayer:
         text = "" if news is None else news.text
         if news is not None and text and news.scale < 1.0:
             text = f"at {100.0 * news.scale:.0f} % of the speed: {text}"
-        self._say("servo", f"Servo: {text}" if text else "")
+        self._news.say("servo", f"Servo: {text}" if text else "")
 
     def show_result(self, text: str, *, failed: bool = False) -> None:
         """Say what came of a request."""
-        self._say("result", text, failed)
+        self._news.say("result", text, failed)
 
     def show_jog(self, text: str) -> None:
         """Say why a jog has ended, or does not begin; empty for nothing."""
-        self._say("jog", text)
+        self._news.say("jog", text)
 
     def show_plan(self, motion: Motion) -> None:
         """Show a planned motion."""
@@ -210,13 +204,3 @@ class LiveLayer:
         if self._behind != behind:
             self._behind = behind
             self._place.ask("behind", lambda: self._place.reveal(not self._behind))
-
-    def _say(self, line: str, text: str, failed: bool = True) -> None:
-        with self._speaking:
-            row = f'<div style="{WARN if failed else ""}" data-{line}>{html.escape(text)}</div>'
-            row = row if text else ""
-            if self._lines[line] == row:
-                return
-            self._lines[line] = row
-            rows = "".join(self._lines.values())
-            self._html.content = f'<div style="{STYLE}" data-live>{rows}</div>' if rows else ""

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Protocol
 
-from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.planning import WAYS
 from robomech_ros.rvs.model.player import FASTEST, SLOWEST, Player
 from robomech_ros.trajectory import PROFILES
@@ -69,14 +68,11 @@ class MotionControls:
     client : viser.ClientHandle
         The browser.
     layer : Played
-    chain : SerialChain
     curves : sequence of str
         Names of what can be drawn.
     """
 
-    def __init__(
-        self, client: Any, layer: Played, chain: SerialChain, curves: Sequence[str]
-    ) -> None:
+    def __init__(self, client: Any, layer: Played, curves: Sequence[str]) -> None:
         self._layer, self._gui, self._gone = layer, client.gui, False
         self._folder = client.gui.add_folder("Motion", order=40, expand_by_default=False)
         with self._folder:
@@ -125,7 +121,7 @@ class MotionControls:
         self._on(speed, "speed", layer.player.set_speed)
         loop = gui.add_checkbox("loop", layer.player.loop)
         self._on(loop, "loop", lambda value: setattr(layer.player, "loop", bool(value)))
-        hint = "The arm itself goes where the ghost at the time is"
+        hint = "The robot itself goes where the ghost at the time is"
         along = gui.add_checkbox("arm goes along", layer.along, hint=hint)
         self._on(along, "along", lambda value: setattr(layer, "along", bool(value)))
 

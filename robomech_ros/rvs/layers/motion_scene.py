@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.kinematics import link_poses
-from robomech_ros.rvs.model.ghosts import PALETTE, Ghosts, Rgb
+from robomech_ros.parallel import Mechanism
+from robomech_ros.rvs.model.ghosts import PALETTE, GhostMaker, Ghosts, Rgb
+from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
+from robomech_ros.rvs.model.platforms.seen_platform import SeenPlatform
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.ghost_nodes import GhostBatch
 from robomech_ros.rvs.page.layer import Place
@@ -49,10 +52,13 @@ class SweptPlan(NamedTuple):
 
 def swept(motion: Motion) -> SweptPlan:
     """Prepare what of a plan is seen at once."""
-    chain, first, last = motion.arm, motion.times[0], motion.times[-1]
-    links = chain.links
-    poses = link_poses(chain, motion.at(np.linspace(first, last, TRACE)), links)
+    robot, first, last = motion.chain, motion.times[0], motion.times[-1]
+    along = motion.at(np.linspace(first, last, TRACE))
     sweep = motion.at(np.linspace(first, last, SWEEP))
+    if isinstance(robot, Mechanism):
+        return SweptPlan(motion, sweep, {robot.platform_link: robot.pose(along)})
+    links = motion.arm.links
+    poses = link_poses(motion.arm, along, links)
     return SweptPlan(motion, sweep, {link: poses[:, k] for k, link in enumerate(links)})
 
 
@@ -67,15 +73,13 @@ class MotionScene:
     def __init__(self, place: Place) -> None:
         self._scene, self._root = place.server.scene, f"{place.base}/plan"
         self._reach = place.seen.reach
-        chain = place.chain
-        drawn = place.seen.tree.chain(chain.base, chain.tip)
         self._scene.add_frame(self._root, show_axes=False)
         ways = {"sweep": (SWEEP_SLIMNESS, SWEEP_OPACITY), "now": (NOW_SLIMNESS, NOW_OPACITY)}
         self._sweep, self._now = (
             GhostBatch(
                 self._scene,
                 f"{self._root}/{name}",
-                Ghosts(drawn, place.seen.shapes, slimness),
+                _ghosts(place, slimness),
                 opacity,
             )
             for name, (slimness, opacity) in ways.items()
@@ -130,3 +134,10 @@ def _between(part: float) -> Rgb:
         round((1.0 - part) * a + part * b) for a, b in zip(START_COLOUR, GOAL_COLOUR, strict=True)
     )
     return red, green, blue
+
+
+def _ghosts(place: Place, slimness: float) -> GhostMaker:
+    if isinstance(place.moved, SeenPlatform):
+        return PlatformGhosts(place.moved.mechanism, place.seen.reach, slimness)
+    chain = place.chain
+    return Ghosts(place.seen.tree.chain(chain.base, chain.tip), place.seen.shapes, slimness)

@@ -7,11 +7,21 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.parallel import Mechanism
 from robomech_ros.rvs.layers.motion_controls import MotionControls
 from robomech_ros.rvs.layers.motion_scene import MotionScene, SweptPlan, swept
-from robomech_ros.rvs.model.motion_curves import QUANTITIES, MotionCurves, motion_curves
+from robomech_ros.rvs.model.motion_curves import (
+    QUANTITIES,
+    MotionCurves,
+    driven_joints,
+    motion_curves,
+)
 from robomech_ros.rvs.model.planning import JOINTS, WAYS, MadePlan, plan_between
+from robomech_ros.rvs.model.platforms.planning import plan_platform_between
 from robomech_ros.rvs.model.player import Player
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.audience import Controls
@@ -22,6 +32,8 @@ from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES
 
 __all__ = ["MotionLayer"]
+
+Array = NDArray[np.float64]
 
 # A motion that plays moves on so often (s).
 BEAT = 0.04
@@ -39,7 +51,8 @@ class MotionLayer:
     """
 
     def __init__(self, place: Place) -> None:
-        self._place, self._chain = place, place.chain
+        self._place = place
+        self._robot = place.jogged or place.platform.mechanism
         self._scene = MotionScene(place)
         gui = place.server.gui
         # Below the folder of the controls, for all browsers.
@@ -48,8 +61,10 @@ class MotionLayer:
         self.player = Player()
         self.way, self.profile = JOINTS, "poly345"
         self.curves, self.sweep, self.along = QUANTITIES[0], True, False
-        self.traced = {link: link == self._chain.tip for link in self._chain.links}
-        self.status, self.warns = "No plan yet: press Start here, move the arm, Goal here.", False
+        end = place.moved.end
+        links = place.chain.links if place.jogged else (end,)
+        self.traced = {link: link == end for link in links}
+        self.status, self.warns = "No plan yet: press Start here, move it, Goal here.", False
         self._ends: dict[str, Any] = {}
         self._asked: Motion | None = None
         self._plan: SweptPlan | None = None
@@ -75,7 +90,7 @@ class MotionLayer:
 
     def controls(self, client: Any) -> Controls:
         """Give the browser that commands the folder Motion."""
-        self._controls = MotionControls(client, self, self._chain, CURVES)
+        self._controls = MotionControls(client, self, CURVES)
         return self._controls
 
     def close(self) -> None:
@@ -100,7 +115,7 @@ class MotionLayer:
 
     def remember(self, which: str) -> None:
         """Take the present posture as start or goal, and plan if both are there."""
-        self._ends[which] = self._place.arm.q.copy()
+        self._ends[which] = self._place.moved.q.copy()
         self.make_plan()
 
     def make_plan(self) -> None:
@@ -113,7 +128,7 @@ class MotionLayer:
 
         def compute() -> None:
             try:
-                made = plan_between(self._chain, start, goal, way, profile)
+                made = self._planned(start, goal, way, profile)
             except RobomechError as error:
                 made = MadePlan(None, str(error), False)
             self._place.ask("plan", lambda: self._take(made))
@@ -153,6 +168,17 @@ class MotionLayer:
 
     # What happens inside.
 
+    def _planned(self, start: Array, goal: Array, way: str, profile: str) -> MadePlan:
+        if isinstance(self._robot, Mechanism):
+            return plan_platform_between(self._robot, start, goal, way, profile)
+        return plan_between(self._robot, start, goal, way, profile)
+
+    def _closed(self, q: Array) -> Array:
+        """Close the loops of a posture between two samples of a plan."""
+        if isinstance(self._robot, Mechanism):
+            return self._robot.close(q[self._robot.drive_index], q).q
+        return q
+
     def _prepare(self, motion: Motion) -> None:
         plan, curves = swept(motion), motion_curves(motion)
 
@@ -185,7 +211,8 @@ class MotionLayer:
     def _draw(self) -> None:
         text = ""
         if self._drawn is not None and self.curves != NO_CURVES:
-            text = curves_picture(self._chain, self._drawn, self.curves)
+            names = [self._robot.joint_names[k] for k in driven_joints(self._robot)]
+            text = curves_picture(names, self._drawn, self.curves)
         self._picture.content = text
 
     def _say(self, sentence: str, warns: bool) -> None:
@@ -205,7 +232,7 @@ class MotionLayer:
             if self._controls is not None:
                 self._controls.update(keep_time=from_slider)
         if self.along:
-            self._place.ask("along", lambda: self._place.arm.move_to(q))
+            self._place.ask("along", lambda: self._place.moved.move_to(self._closed(q)))
 
     def _begin_to_beat(self) -> None:
         self._last = time.monotonic()

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import html
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.parallel import Mechanism
+from robomech_ros.errors import RobomechError
 from robomech_ros.rvs.model.platforms.reach import PlatformReach, platform_reach
 from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.fact_table import SMALL
@@ -20,9 +20,14 @@ from robomech_ros.spatial.arrays import as_flag
 __all__ = ["PlatformWorkspaceLayer"]
 
 ORDER = 20
-LABEL = "positions"
+# What can be shown, and its hint.
+LABELS = {
+    "positions": (
+        "Positions of the platform with its present orientation, in the colour of what ends them"
+    ),
+    "orientations": "Turns of the platform at its present place, each drawn along its axis",
+}
 OPACITY, WIDTH = 0.35, 0.006
-_HINT = "Positions of the platform with its present orientation, in the colour of what ends them"
 _SWATCH = (
     '<span style="display:inline-block;width:0.8em;height:0.8em;margin-right:0.5em;'
     'border-radius:2px;background:rgb{colour}"></span>'
@@ -39,20 +44,19 @@ class PlatformWorkspaceLayer:
 
     def __init__(self, place: Place) -> None:
         self._place, self._worker = place, Worker()
-        self._on, self._asked = False, np.empty(0)
-        self._reach: PlatformReach | None = None
-        self._reason = ""
-        self._nodes: list[Any] = []
+        self._parts = {label: _Part(label) for label in LABELS}
         self._folder: Folder | None = None
         self._text: Any = None
-        place.offered[LABEL] = Switch(lambda: self._on, self._turn)
+        for label, part in self._parts.items():
+            place.offered[label] = Switch(partial(getattr, part, "on"), partial(self._turn, label))
 
     def show(self) -> None:
         """Follow the robot, where it is wanted."""
         q = self._place.platform.q
-        if self._on and not np.array_equal(q, self._asked):
-            self._asked = q
-            self._worker.submit("reach", lambda: self._find(q))
+        for part in self._parts.values():
+            if part.on and not np.array_equal(q, part.asked):
+                part.asked = q
+                self._worker.submit(part.label, partial(self._find, part, q))
         if self._folder is not None and not self._folder.removed:
             self._text.content = self._written()
 
@@ -60,7 +64,8 @@ class PlatformWorkspaceLayer:
         """Give a browser the folder "Workspace"."""
         folder = self._folder = Folder(client.gui, "Workspace", ORDER)
         with folder:
-            folder.checkbox(LABEL, self._on, self._switch, _HINT)
+            for label, hint in LABELS.items():
+                folder.checkbox(label, self._parts[label].on, partial(self._switch, label), hint)
             self._text = folder.text()
         self.show()
         return folder
@@ -69,59 +74,55 @@ class PlatformWorkspaceLayer:
         """Stop what runs."""
         self._worker.close(wait=False)
 
-    def _switch(self, value: Any) -> None:
-        def switched() -> None:
-            self._set(as_flag(LABEL, value))
+    def _switch(self, label: str, value: Any) -> None:
+        self._place.ask((self, label, "on"), lambda: self._set(label, as_flag(label, value)))
 
-        self._place.ask((self, "shown"), switched)
-
-    def _turn(self, on: bool) -> None:
-        self._set(on)
+    def _turn(self, label: str, on: bool) -> None:
+        self._set(label, on)
         if self._folder is not None:
-            self._folder.mark(LABEL, on)
+            self._folder.mark(label, on)
 
-    def _set(self, on: bool) -> None:
-        self._on = on
+    def _set(self, label: str, on: bool) -> None:
+        part = self._parts[label]
+        part.on = on
         if not on:
-            self._reach, self._reason, self._asked = None, "", np.empty(0)
-            self._draw()
+            part.reach, part.reason, part.asked = None, "", np.empty(0)
+            self._draw(part)
 
-    def _find(self, q: Any) -> None:
+    def _find(self, part: _Part, q: Any) -> None:
         """Find the boundary; on the thread of the layer."""
         reach: PlatformReach | None = None
         reason = ""
         robot = self._place.platform.robot
         try:
-            if isinstance(robot, Mechanism):
-                raise BadValueError("robot", robot.name, "one that is not of limbs of any kind")
-            reach = platform_reach(robot, q)
+            reach = platform_reach(robot, q, turns=part.turns)
         except RobomechError as error:
-            reason = f"There is none: {error}."
+            reason = f"No {part.label}: {error}."
 
         def known() -> None:
-            if self._on:
-                self._reach, self._reason = reach, reason
-                self._draw()
+            if part.on:
+                part.reach, part.reason = reach, reason
+                self._draw(part)
 
-        self._place.ask((self, "reach"), known)
+        self._place.ask((self, part.label), known)
 
-    def _draw(self) -> None:
-        for node in self._nodes:
+    def _draw(self, part: _Part) -> None:
+        for node in part.nodes:
             node.remove()
-        self._nodes = []
-        if self._reach is None:
+        part.nodes = []
+        if part.reach is None:
             return
-        scene, root = self._place.server.scene, f"{self._place.base}/positions"
-        for number, (cause, part) in enumerate(self._reach.parts.items()):
-            name, colour = f"{root}_{number}", self._reach.colours[cause]
-            if self._reach.flat:
+        scene, root = self._place.server.scene, f"{self._place.base}/{part.label}"
+        for number, (cause, piece) in enumerate(part.reach.parts.items()):
+            name, colour = f"{root}_{number}", part.reach.colours[cause]
+            if part.reach.flat:
                 width = WIDTH * self._place.seen.reach
-                node = scene.add_line_segments(name, part, colour, thickness=width)
+                node = scene.add_line_segments(name, piece, colour, thickness=width)
             else:
                 node = scene.add_mesh_simple(
                     name,
-                    part.reshape(-1, 3),
-                    np.arange(3 * len(part)).reshape(-1, 3),
+                    piece.reshape(-1, 3),
+                    np.arange(3 * len(piece)).reshape(-1, 3),
                     color=colour,
                     opacity=OPACITY,
                     flat_shading=True,
@@ -129,26 +130,61 @@ class PlatformWorkspaceLayer:
                     cast_shadow=False,
                     receive_shadow=False,
                 )
-            self._nodes.append(node)
+            part.nodes.append(node)
 
     def _written(self) -> str:
         """Write what the colours are, as HTML."""
-        if not self._on:
-            lines = ["Where the platform gets with its present orientation, and what ends it."]
-        elif self._reason:
-            lines = [html.escape(self._reason)]
-        elif self._reach is None:
-            lines = ["Looking how far the platform gets ..."]
-        else:
-            reach = self._reach
-            lines = [
-                f"From here {reach.least:.3f} to {reach.greatest:.3f} m, as far as the way there "
-                "is straight. It ends at:"
-            ]
-            lines += [
-                _SWATCH.format(colour=reach.colours[cause])
-                + html.escape(f"{cause} ({100 * share:.0f} %)")
-                for cause, share in reach.shares.items()
-            ]
+        lines = [line for part in self._parts.values() for line in part.lines()]
+        if not lines:
+            lines = ["How far the platform gets, or turns, from where it is, and what ends it."]
         rows = "".join(f"<div>{line}</div>" for line in lines)
         return f'<div style="{SMALL}" data-positions>{rows}</div>'
+
+
+class _Part:
+    """What is shown of positions, or of orientations.
+
+    Attributes
+    ----------
+    on : bool
+        Whether it is shown.
+    asked : ndarray
+        The posture for which it was asked last (rad or m); empty for none.
+    reach : PlatformReach or None
+    reason : str
+        Why there is none, in a sentence.
+    nodes : list
+        In the scene.
+    """
+
+    def __init__(self, label: str) -> None:
+        self.label, self.turns = label, label == "orientations"
+        self.on, self.asked = False, np.empty(0)
+        self.reach: PlatformReach | None = None
+        self.reason = ""
+        self.nodes: list[Any] = []
+
+    def lines(self) -> list[str]:
+        """Write what the colours are, as HTML, a line each."""
+        if not self.on:
+            return []
+        if self.reason:
+            return [html.escape(self.reason)]
+        reach = self.reach
+        if reach is None:
+            return [f"Looking for {self.label} ..."]
+        says = (
+            f"It gets {reach.least:.3f} to {reach.greatest:.3f} m from here, as far as the way "
+            "there is straight. That ends at:"
+        )
+        if self.turns:
+            says = (
+                f"It turns here by {reach.least:.3f} to {reach.greatest:.3f} rad, as far as the "
+                "axis stays. That ends at:"
+            )
+        ends = [
+            _SWATCH.format(colour=reach.colours[cause])
+            + html.escape(f"{cause} ({100 * share:.0f} %)")
+            for cause, share in reach.shares.items()
+        ]
+        return [says, *ends]

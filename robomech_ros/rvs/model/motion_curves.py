@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.dynamics import inverse_dynamics
-from robomech_ros.errors import MissingInertiaError
+from robomech_ros.errors import BadValueError, MissingInertiaError
+from robomech_ros.parallel import Mechanism, ParallelDynamics
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.motion import Motion
 
-__all__ = ["QUANTITIES", "MotionCurves", "Quantity", "motion_curves"]
+__all__ = ["QUANTITIES", "MotionCurves", "Quantity", "driven_joints", "motion_curves"]
 
 Array = NDArray[np.float64]
 
@@ -61,7 +62,7 @@ class MotionCurves(NamedTuple):
 
 
 def motion_curves(motion: Motion) -> MotionCurves:
-    """Give the curves of a motion.
+    """Give the curves of a motion: of all joints of an arm, of the drives of a parallel robot.
 
     Rates that the motion does not bring are differences of what it brings; torques are those of
     the rigid bodies, without friction.
@@ -69,24 +70,54 @@ def motion_curves(motion: Motion) -> MotionCurves:
     Parameters
     ----------
     motion : Motion
+
+    Raises
+    ------
+    BadValueError
+        It is one of a whole robot.
     """
-    chain, times = motion.arm, motion.times - motion.times[0]
+    robot, times = motion.chain, motion.times - motion.times[0]
+    if not isinstance(robot, SerialChain | Mechanism):
+        raise BadValueError("what moves", robot.name, "an arm or a parallel robot")
     qd = _rate(motion.q, times) if motion.qd is None else motion.qd
     qdd = _rate(qd, times) if motion.qdd is None else motion.qdd
     qddd = _rate(qdd, times) if motion.qddd is None else motion.qddd
-    quantities = _of_unit(chain, "position", motion.q, (chain.lower, chain.upper))
+    shown = driven_joints(robot)
+    units = [robot.units[k] for k in shown]
+    quantities = _of_unit(units, "position", motion.q[:, shown], _ends(robot, shown))
     for name, values in (("velocity", qd), ("acceleration", qdd), ("jerk", qddd)):
-        most = np.asarray(getattr(chain, name), dtype=np.float64)
-        most = np.where(np.isnan(most), np.inf, most)
-        quantities += _of_unit(chain, name, values, (-most, most))
+        quantities += _of_unit(units, name, values[:, shown], _bounds(robot, name, shown))
     missing: tuple[str, ...] = ()
     try:
-        tau = inverse_dynamics(chain, motion.q, qd, qdd) if motion.tau is None else motion.tau
-        most = np.where(np.isnan(chain.effort), np.inf, chain.effort)
-        quantities += _of_unit(chain, "torque", tau, (-most, most))
+        tau = _torques(robot, motion.q, qd, qdd) if motion.tau is None else motion.tau[:, shown]
+        quantities += _of_unit(units, "torque", tau, _bounds(robot, "effort", shown))
     except MissingInertiaError:
         missing = ("No torques: the robot's description has no masses.",)
     return MotionCurves(times, tuple(quantities), missing)
+
+
+def driven_joints(robot: SerialChain | Mechanism) -> list[int]:
+    """Give the numbers of the joints whose curves are drawn."""
+    if isinstance(robot, SerialChain):
+        return list(range(robot.n))
+    return [int(k) for k in robot.drive_index]
+
+
+def _torques(robot: SerialChain | Mechanism, q: Array, qd: Array, qdd: Array) -> Array:
+    if isinstance(robot, SerialChain):
+        return inverse_dynamics(robot, q, qd, qdd)
+    drives = robot.drive_index
+    return ParallelDynamics(robot).inverse(q, qd[:, drives], qdd[:, drives])
+
+
+def _ends(robot: SerialChain | Mechanism, shown: list[int]) -> tuple[Array, Array]:
+    return robot.lower[shown], robot.upper[shown]
+
+
+def _bounds(robot: SerialChain | Mechanism, limit: str, shown: list[int]) -> tuple[Array, Array]:
+    most = np.asarray(getattr(robot, limit), dtype=np.float64)[shown]
+    most = np.where(np.isnan(most), np.inf, most)
+    return -most, most
 
 
 def _rate(values: Array, times: Array) -> Array:
@@ -97,12 +128,12 @@ def _rate(values: Array, times: Array) -> Array:
 
 
 def _of_unit(
-    chain: SerialChain, name: str, values: Array, limits: tuple[Array, Array]
+    units: list[str], name: str, values: Array, limits: tuple[Array, Array]
 ) -> list[Quantity]:
     """Tell joints that turn from those that slide."""
     quantities = []
-    for unit in dict.fromkeys(chain.units):
-        joints = tuple(k for k, other in enumerate(chain.units) if other == unit)
+    for unit in dict.fromkeys(units):
+        joints = tuple(k for k, other in enumerate(units) if other == unit)
         shown = ("N m" if unit == "rad" else "N") if name == "torque" else unit
         if name != "torque":
             shown += _PER[QUANTITIES.index(name)]

@@ -16,7 +16,16 @@ from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES, point_to_point
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 
-__all__ = ["JOINTS", "LINE", "WAYS", "MadePlan", "plan_between"]
+__all__ = [
+    "JOINTS",
+    "LINE",
+    "SAME",
+    "WAYS",
+    "MadePlan",
+    "of_goal",
+    "plan_between",
+    "sample_times",
+]
 
 Array = NDArray[np.float64]
 
@@ -83,13 +92,13 @@ def _along_line(chain: SerialChain, start: Array, goal: Array, profile: str) -> 
     try:
         path = path_through(T[0], T[1:])
     except BadValueError as error:
-        raise BadValueError(_of_goal(error.what), error.value, error.expected) from None
+        raise BadValueError(of_goal(error.what), error.value, error.expected) from None
     if path is None:
         raise BadValueError("goal", "the pose of the start", "another pose")
     plan = plan_along(chain, path, start, profile=profile)
     trajectory = plan.trajectory
     if trajectory is None or plan.stop is not None:
-        why = _of_goal(plan.stop.text) if plan.stop is not None else "the path does not begin"
+        why = of_goal(plan.stop.text) if plan.stop is not None else "the path does not begin"
         sentence = f"Followed to {plan.fraction:.0%}: {why}"
         if trajectory is None or not trajectory.duration > 0.0:
             return MadePlan(None, sentence, False)
@@ -101,15 +110,13 @@ def _along_line(chain: SerialChain, start: Array, goal: Array, profile: str) -> 
     return _made(chain, trajectory, sentence, True)
 
 
-def _of_goal(text: str) -> str:
+def of_goal(text: str) -> str:
     """Name the goal, which is the only waypoint of the path."""
     return text.replace("waypoints[0]", "the goal")
 
 
-def _made(
-    chain: SerialChain, trajectory: PiecewiseTrajectory, sentence: str, complete: bool
-) -> MadePlan:
-    """Sample a plan so that the steps of its derivatives are seen as steps."""
+def sample_times(trajectory: PiecewiseTrajectory) -> Array:
+    """Give times (k,) in s at which steps of the derivatives of a plan are seen as steps."""
     end = trajectory.duration
     inner = trajectory.pieces.breaks[1:-1]
     instants = [np.linspace(0.0, end, SAMPLES + 1), inner - BESIDE_BREAKS, inner + BESIDE_BREAKS]
@@ -117,7 +124,12 @@ def _made(
     # Nearer to the ends, and to each other, samples differ by their rounding alone.
     times = times[(times >= 0.0) & (times <= end)]
     keep = np.append(True, np.diff(times) > 0.5 * BESIDE_BREAKS)
-    times = times[keep]
-    sample = trajectory.sample(times)
-    q, *rates = sample
+    return np.asarray(times[keep])
+
+
+def _made(
+    chain: SerialChain, trajectory: PiecewiseTrajectory, sentence: str, complete: bool
+) -> MadePlan:
+    times = sample_times(trajectory)
+    q, *rates = trajectory.sample(times)
     return MadePlan(Motion(chain, times, q, (), *rates), sentence, complete)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.motion import Motion
 
 __all__ = ["SeenPlan", "check_same_joints"]
 
 
 class SeenPlan:
-    """The plan that is shown of an arm, or none.
+    """The plan that is shown of a robot, or none.
 
     Not for several threads at a time.
 
@@ -34,8 +33,8 @@ class SeenPlan:
         self.motion, self.name = None, ""
 
 
-def check_same_joints(motion: Motion, chain: SerialChain) -> None:
-    """Check that a motion is one of an arm.
+def check_same_joints(motion: Motion, joints: tuple[str, ...]) -> None:
+    """Check that a motion is one of these joints.
 
     Raises
     ------
@@ -45,5 +44,5 @@ def check_same_joints(motion: Motion, chain: SerialChain) -> None:
     if not isinstance(motion, Motion):
         raise BadValueError("motion", motion, "a Motion")
     names = tuple(motion.chain.joint_names)
-    if names != tuple(chain.joint_names):
-        raise BadValueError("joints of the motion", names, ", ".join(chain.joint_names))
+    if names != joints:
+        raise BadValueError("joints of the motion", names, ", ".join(joints))

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Solid", "box", "cylinder", "sphere"]
+__all__ = ["Solid", "box", "cone", "cylinder", "sphere"]
 
 Array = NDArray[np.float64]
 
@@ -51,6 +51,19 @@ def cylinder(radius: float, length: float) -> Solid:
         np.column_stack([bottom, there, here]),
         np.column_stack([top, here + SIDES, there + SIDES]),
     ]
+    return Solid(vertices, np.vstack(faces))
+
+
+def cone(radius: float, height: float) -> Solid:
+    """Make a cone along z, its tip at the origin and its base at the height (m)."""
+    angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
+    x, y = radius * np.cos(angles), radius * np.sin(angles)
+    ring = np.column_stack([x, y, np.full(SIDES, height)])
+    vertices = np.vstack([ring, [[0.0, 0.0, 0.0], [0.0, 0.0, height]]])
+    here = np.arange(SIDES)
+    there = (here + 1) % SIDES
+    tip, middle = np.full(SIDES, SIDES), np.full(SIDES, SIDES + 1)
+    faces = [np.column_stack([tip, there, here]), np.column_stack([middle, here, there])]
     return Solid(vertices, np.vstack(faces))
 
 

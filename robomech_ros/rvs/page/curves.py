@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.ghosts import PALETTE
 from robomech_ros.rvs.model.motion_curves import MotionCurves, Quantity
 from robomech_ros.rvs.page.tables import short_name
@@ -34,13 +34,13 @@ _CURSOR = (
 )
 
 
-def curves_picture(chain: SerialChain, curves: MotionCurves, shown: str) -> str:
+def curves_picture(joints: Sequence[str], curves: MotionCurves, shown: str) -> str:
     """Draw curves of a motion as HTML; a cursor is in it, which :func:`cursor_rule` places.
 
     Parameters
     ----------
-    chain : SerialChain
-        With the names of the joints.
+    joints : sequence of str
+        Their names.
     curves : MotionCurves
     shown : str
         The name of a quantity, or ``ALL``.
@@ -48,7 +48,7 @@ def curves_picture(chain: SerialChain, curves: MotionCurves, shown: str) -> str:
     chosen = [one for one in curves.quantities if shown in (ALL, one.name)]
     names = {one.name for one in chosen}
     height = AMONG_OTHERS if len(names) > 1 else ALONE
-    parts = [_legend(chain)]
+    parts = [_legend(joints)]
     parts += [_panel(one, curves.times, height) for one in chosen]
     if chosen:
         parts.append(_ends(f"0 s|{curves.times[-1]:.2f} s"))
@@ -65,12 +65,12 @@ def cursor_rule(part: float) -> str:
     return f"<style>[data-cursor]{{left:{100.0 * part:.3f}%}}</style>"
 
 
-def _legend(chain: SerialChain) -> str:
+def _legend(joints: Sequence[str]) -> str:
     entries = "".join(
         f'<span style="white-space:nowrap;margin-right:0.9em"><span style="display:inline-block;'
         f'width:1em;border-top:3px solid {_colour(k)};vertical-align:middle;margin-right:0.35em">'
         f"</span>{html.escape(short_name(name))}</span>"
-        for k, name in enumerate(chain.joint_names)
+        for k, name in enumerate(joints)
     )
     return f'<div style="line-height:1.5;padding-bottom:0.2em">{entries}</div>'
 

@@ -11,6 +11,7 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.arm import SeenArm
 from robomech_ros.rvs.model.moved import Moved
+from robomech_ros.rvs.model.platforms.seen_platform import SeenPlatform
 from robomech_ros.rvs.model.seen_plan import SeenPlan, check_same_joints
 from robomech_ros.rvs.model.seen_robot import SeenRobot, seen_robot
 from robomech_ros.rvs.motion import Motion
@@ -189,12 +190,12 @@ class RobotPage:
         self._ask("replace", lambda: self._replace(description, chain))
 
     def show_plan(self, motion: Motion, name: str = "plan") -> None:
-        """Show a motion of the arm: a sweep of ghosts, and its curves; returns at once.
+        """Show a motion of the robot: a sweep of ghosts, and its curves; returns at once.
 
         Parameters
         ----------
         motion : Motion
-            Of the joints of this page's arm.
+            Of the joints of this page's arm, or of all those of its parallel robot.
         name : str, optional
             What it is, for people.
 
@@ -203,7 +204,7 @@ class RobotPage:
         BadValueError
             It is no motion, or one of other joints.
         """
-        check_same_joints(motion, self._chain())
+        check_same_joints(motion, self._planned_joints())
         self._ask("plan", lambda: self._show_plan(motion, name))
 
     def forget_plan(self) -> None:
@@ -214,13 +215,13 @@ class RobotPage:
 
     def _show_plan(self, motion: Motion, name: str) -> None:
         # Another robot may have come meanwhile.
-        check_same_joints(motion, self._chain())
+        check_same_joints(motion, self._planned_joints())
         self._plan.show(motion, name)
 
-    def _chain(self) -> SerialChain:
-        if not isinstance(self._arm, SeenArm):
-            raise BadValueError("plan", self._arm.name, "one of an arm")
-        return self._arm.chain
+    def _planned_joints(self) -> tuple[str, ...]:
+        if not isinstance(self._arm, SeenArm | SeenPlatform):
+            raise BadValueError("plan", self._arm.name, "one of an arm or a parallel robot")
+        return self._arm.state_joints
 
     def _make_controls(self, client: Any) -> Controls:
         self._panel = None

@@ -112,7 +112,9 @@ class Panel:
 
     def _add_joints(self, arm: Moved) -> list[Any]:
         gui = self._client.gui
-        sliders = []
+        sliders: list[Any] = []
+        if not arm.joint_names:
+            return sliders
         folder = gui.add_folder("Joints", order=4)
         self._handles.append(folder)
         with folder:

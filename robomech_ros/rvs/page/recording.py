@@ -8,17 +8,21 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.parallel import Mechanism
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.eye import marker_points, seen_points
 from robomech_ros.rvs.model.ghosts import PALETTE, GhostMaker, Ghosts
+from robomech_ros.rvs.model.kinds.seen_tree import NoGhosts
 from robomech_ros.rvs.model.live_robot import SeenMarker
 from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
 from robomech_ros.rvs.model.seen_robot import SeenRobot, seen_robot
 from robomech_ros.rvs.motion import Choice, Motion
 from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
 from robomech_ros.rvs.page.marker_nodes import MarkerNodes
+from robomech_ros.rvs.page.path_nodes import PathNode
 from robomech_ros.rvs.page.robot_nodes import RobotNodes
 from robomech_ros.rvs.page.stage import BASE, add_base
 from robomech_ros.rvs.page.surroundings import add_surroundings, place_eye
@@ -26,9 +30,13 @@ from robomech_ros.rvs.serving.server import guarded_server
 
 __all__ = ["motion_page", "record_motion"]
 
+Array = NDArray[np.float64]
+
 # Pictures a second, of which the eye is placed by every so many.
 RATE = 25.0
 EVERY = 10
+# The colour of a trail, and how far it is over where the link is, in the reach of the robot.
+TRAIL, LIFT = (31, 119, 180), 0.01
 _LEGEND = (
     '<div style="position:fixed;right:1em;top:1em;max-width:22em;z-index:5;padding:0.6em 0.9em;'
     "border-radius:0.4em;background:rgba(255,255,255,0.85);color:#222;"
@@ -48,9 +56,10 @@ def record_motion(
     *,
     markers: Sequence[SeenMarker] = (),
     notes: Sequence[str] = (),
+    trail: str = "",
 ) -> Path:
     """Write a motion as a page; parameters and errors are those of :func:`motion_page`."""
-    page = motion_page(description, motion, title, markers=markers, notes=notes)
+    page = motion_page(description, motion, title, markers=markers, notes=notes, trail=trail)
     path.write_text(page, encoding="utf-8")
     return path
 
@@ -62,6 +71,7 @@ def motion_page(
     *,
     markers: Sequence[SeenMarker] = (),
     notes: Sequence[str] = (),
+    trail: str = "",
 ) -> str:
     """Give the page that plays a motion, as HTML.
 
@@ -73,11 +83,13 @@ def motion_page(
         Drawn beside the robot.
     notes : sequence of str, optional
         Written under the title.
+    trail : str, optional
+        As for ``write_motion``.
     """
     seen = seen_robot(description)
     server = guarded_server("127.0.0.1", 0, title)
     try:
-        page = _recorded(server.viser, seen, motion, markers)
+        page = _recorded(server.viser, seen, motion, markers, trail)
     finally:
         server.close()
     head = f"<title>{html.escape(title)}</title>"
@@ -86,14 +98,19 @@ def motion_page(
     return f"{begin}{legend}{tag}{rest}".replace("<title>Viser</title>", head, 1)
 
 
-def _recorded(server: Any, seen: SeenRobot, motion: Motion, markers: Sequence[SeenMarker]) -> str:
+def _recorded(
+    server: Any, seen: SeenRobot, motion: Motion, markers: Sequence[SeenMarker], trail: str
+) -> str:
     chain = motion.chain
-    add_surroundings(server, seen.reach)
+    times, q = motion.sampled(RATE)
+    way = _way_of(trail, seen, motion, q)
+    # The ground is also below a robot that goes away.
+    add_surroundings(server, max([seen.reach, *np.linalg.norm(way, axis=1).tolist()]))
     robot = RobotNodes(server.scene, seen)
     base, maker = _base_and_ghosts(seen, chain)
     add_base(server.scene, seen, base)
     ghosts = GhostNodes(server.scene, BASE, maker, seen.reach)
-    times, q = motion.sampled(RATE)
+    PathNode(server.scene, f"{robot.path(seen.tree.root)}/trail", TRAIL, seen.reach).show(way)
     others = [posture.q for choice in motion.choices for posture in choice.others]
     at_first = dict(zip(chain.joint_names, q[0].tolist(), strict=True))
     postures = [
@@ -115,8 +132,24 @@ def _recorded(server: Any, seen: SeenRobot, motion: Motion, markers: Sequence[Se
     return str(recording.as_html())
 
 
-def _base_and_ghosts(seen: SeenRobot, chain: SerialChain | Mechanism) -> tuple[str, GhostMaker]:
+def _way_of(link: str, seen: SeenRobot, motion: Motion, q: Array) -> Array:
+    """Give where a link is in postures (m, n), shape (m, 3), in the root (m); nothing of none."""
+    if not link:
+        return np.empty((0, 3))
+    to_link, rest = seen.tree.chain(None, link), seen.tree.joint_positions()
+    moved = {name: q[:, k] for k, name in enumerate(motion.chain.joint_names)}
+    columns = [moved.get(name, np.full(len(q), rest[name])) for name in to_link.joint_names]
+    places: Array = forward_kinematics(to_link, np.column_stack(columns))[:, :3, 3]
+    # A line on the ground would be lost in it.
+    return places + np.array([0.0, 0.0, LIFT * seen.reach])
+
+
+def _base_and_ghosts(
+    seen: SeenRobot, chain: SerialChain | Mechanism | RobotDescription
+) -> tuple[str, GhostMaker]:
     """Give the base link of what moves, and the pieces of its ghosts."""
+    if isinstance(chain, RobotDescription):
+        return chain.root, NoGhosts()
     if isinstance(chain, SerialChain):
         drawn = seen.tree.chain(chain.base, chain.tip)
         return chain.base, Ghosts(drawn, seen.shapes)

@@ -45,18 +45,19 @@ class Browser:
     @property
     def press_has_ended(self):
         """Whether the node takes the present press for over."""
-        switch = self.node._robot._jogger._switch
+        jogger = self.node._robot._jogger
+        switch = getattr(jogger, "_held", jogger)._switch
         return switch.held() is None and switch._ended == self._presses
 
     def hold(self, direction):
         """Say that a button is held."""
         age = round(1000 * (time.monotonic() - self._pressed_at))
         text = f"{direction} {self._presses} {age}"
-        self.set(self.layer._controls._field, text)
+        self.set(self.layer._controls._pad.handle, text)
 
     def said(self, line="result"):
         """What the page says."""
-        return html.unescape(self.layer._lines[line])
+        return html.unescape(self.layer._news._lines[line])
 
     def close(self):
         self._socket.close()

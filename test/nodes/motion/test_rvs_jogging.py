@@ -57,7 +57,7 @@ def test_a_button_moves_the_tip_while_it_is_held(jogged):
     # What belongs to a robot at rest has come to it, and is not seen while it moves on.
     wait_until(lambda: browser.layer._goal._brought is not None and gizmo.visible)
     hold_until(browser, "linear 2 +", lambda: left_behind() and tip()[2] > start[2] + 0.03)
-    browser.set(browser.layer._controls._field, "")
+    browser.set(browser.layer._controls._pad.handle, "")
     until_still(robot)
     wait_until(lambda: not browser.node._robot.jogs)
     moved = tip() - start
@@ -73,7 +73,7 @@ def test_a_joint_is_jogged_to_its_limit_and_no_further(jogged):
     upper = robot.chain.upper[4]
     hold_until(browser, "joint 4 +", lambda: robot.position[4] > upper - 0.05)
     hold_until(browser, "joint 4 +", lambda: robot.names[4] in browser.said("servo"))
-    browser.set(browser.layer._controls._field, "")
+    browser.set(browser.layer._controls._pad.handle, "")
     until_still(robot)
     for state in robot.states:
         assert state.position[4] <= upper + 1e-9
@@ -94,7 +94,7 @@ def test_a_page_that_goes_stops_the_robot(jogged, browse, how):
         other.set(button, True)
         wait_until(lambda: browser.page._audience.commander == number)
         # What it said last may come after.
-        lost._hold("joint 1 + 99 0")
+        lost._pad._take("joint 1 + 99 0")
         assert not browser.node._robot.jogs
         other.close()
     until_still(robot)
@@ -116,7 +116,7 @@ WILD = [
 def test_wild_jogs_are_refused(jogged, text):
     browser, robot = jogged
     start = robot.position
-    browser.set(browser.layer._controls._field, text)
+    browser.set(browser.layer._controls._pad.handle, text)
     wait_until(lambda: "Refused" in browser.said())
     controls = browser.layer._controls
     # A slider takes what can be read as a number.

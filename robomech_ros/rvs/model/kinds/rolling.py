@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-from collections import deque
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,22 +16,18 @@ from robomech_ros.rolling.library import RollingRobot
 from robomech_ros.rolling.simulated import SimulatedBase
 from robomech_ros.rolling.tree import BASE_JOINTS, rolling_description
 from robomech_ros.rvs.model.arm import Travel
+from robomech_ros.rvs.model.kinds.moving import twist_facts
 from robomech_ros.rvs.model.kinds.seen_tree import SeenTree
+from robomech_ros.rvs.model.kinds.trail import Trail, on_ground
 
-__all__ = ["AXES", "PERIOD", "SeenBase", "seen_base"]
+__all__ = ["PERIOD", "SeenBase", "seen_base"]
 
 Array = NDArray[np.float64]
 
-# Of a twist: its name, its unit, and the number of its limit.
-AXES = (("turn", "rad/s", 0), ("forward", "m/s", 1), ("sideways", "m/s", 2))
 # Of the steps of the simulation (s), and for how long the way ahead is drawn, in so many pieces.
 PERIOD, AHEAD, PIECES = 0.02, 3.0, 60
 # Between what the sliders of x and y move it (m); the greatest velocity where there is no limit.
 FAR, OPEN = 5.0, 2.0
-# Places of the trail that are kept, apart by so much (m, rad) at least.
-MOST_PLACES, APART = 2000, 0.01
-# Over the ground (m): a line on it would be lost in it.
-LIFT = 0.004
 # How many times larger its gizmo is, that it is seen beside the platform.
 GIZMO = 3.0
 # Side of the square that is seen, in the length or width between the wheels.
@@ -46,6 +42,11 @@ class SeenBase(SeenTree):
     robot : RollingRobot
     """
 
+    kind: ClassVar[str] = "rolling"
+    verb: ClassVar[str] = "drive"
+    period: ClassVar[float] = PERIOD
+    moved_joint = None
+
     def __init__(self, robot: RollingRobot) -> None:
         self.robot = robot
         x, y, heading = BASE_JOINTS
@@ -57,7 +58,7 @@ class SeenBase(SeenTree):
         self.motion = self.limiter.at_rest()
         self.command = np.zeros(3)
         self._simulated = SimulatedBase(robot, dynamic=False, wheel_position=0.0)
-        self._trail: deque[Array] = deque(maxlen=MOST_PLACES)
+        self._trail = Trail()
         self.preview()
 
     @property
@@ -112,7 +113,7 @@ class SeenBase(SeenTree):
         turn = math.remainder(heading, 2.0 * math.pi)
         self.place(dict(zip(BASE_JOINTS, (x, y, turn), strict=True)) | wheels)
         self.place(self._angles())
-        self.remember(simulated.pose)
+        self._trail.add(simulated.pose)
         self.preview()
 
     def preview(self) -> None:
@@ -133,12 +134,7 @@ class SeenBase(SeenTree):
         if not twist.any():
             return np.empty((0, 3))
         times = np.linspace(0.0, AHEAD, PIECES + 1)
-        return _on_ground(np.array([moved(self.pose, twist * time) for time in times]))
-
-    def remember(self, pose: Array) -> None:
-        """Add a place x, y, heading to the trail, unless it is where the last one is."""
-        if not self._trail or np.abs(self._trail[-1] - pose).max() > APART:
-            self._trail.append(np.array(pose))
+        return on_ground(np.array([moved(self.pose, twist * time) for time in times]))
 
     def forget(self) -> None:
         """Begin a new trail."""
@@ -147,14 +143,12 @@ class SeenBase(SeenTree):
     @property
     def trail(self) -> Array:
         """Where the base was, shape (m, 3) (m)."""
-        return _on_ground(np.array(self._trail).reshape(-1, 3))
+        return self._trail.points
 
     def facts(self) -> list[tuple[str, str]]:
         """Write twist, wheels and steering as they are, for people."""
-        base, twist = self.robot.base, self.motion.twist + 0.0
-        lines = [
-            (name, f"{twist[k]:.3f} {unit}") for name, unit, k in AXES if self.most[k] or twist[k]
-        ]
+        base = self.robot.base
+        lines = twist_facts(self.motion.twist, self.most)
         rates = self._simulated.rates
         for name, wheel, rate in zip(base.names, base.wheels, rates, strict=True):
             most = f" of {wheel.max_rate:.4g}" if math.isfinite(wheel.max_rate) else ""
@@ -175,7 +169,3 @@ class SeenBase(SeenTree):
 def seen_base(robot: str | os.PathLike[str]) -> SeenBase:
     """Load a rolling robot to be seen; errors are those of ``rolling_robot``."""
     return SeenBase(rolling_robot(robot))
-
-
-def _on_ground(places: Array) -> Array:
-    return np.column_stack([places[:, :2], np.full(len(places), LIFT)])

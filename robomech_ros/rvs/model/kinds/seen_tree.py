@@ -13,7 +13,7 @@ from robomech_ros.kinematics import Status
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.robots import RobotDescription
 from robomech_ros.rvs.model.arm import ROUNDING, Travel
-from robomech_ros.rvs.model.ghosts import GhostPieces, Rgb
+from robomech_ros.rvs.model.ghosts import GhostMaker, GhostPieces, Rgb
 from robomech_ros.rvs.model.postures import PoseStudy, ToldStudy
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.spatial import as_pose
@@ -42,13 +42,14 @@ class SeenTree:
     ) -> None:
         self.description, self._end = description, end
         self._travels = dict(travels)
-        moving = [joint for joint in description.joints if joint.moves and joint.mimic is None]
-        self._joints = tuple(joint.name for joint in moving)
-        self._units = {j.name: "m" if j.type == "prismatic" else "rad" for j in moving}
+        self._joints = description.joint_names
+        self._units = {
+            joint.name: "m" if joint.type == "prismatic" else "rad" for joint in description.joints
+        }
         at = description.joint_positions(description.home)
         self._at = {name: float(at[name]) for name in self._joints}
         self._home = dict(self._at)
-        self._text = ""
+        self._text, self._refused = "", False
         self._faulty: tuple[str, ...] = ()
 
     # See ``Moved``.
@@ -121,16 +122,17 @@ class SeenTree:
     @property
     def study(self) -> PoseStudy:
         """What is told of it."""
-        return ToldStudy(self.tip, (), True, Status.SUCCESS, "", text=self._text)
+        status = Status.OUT_OF_REACH if self._refused else Status.SUCCESS
+        return ToldStudy(self.tip, (), True, status, "", text=self._text)
 
     @property
     def faulty_links(self) -> tuple[str, ...]:
         """Links that are in the way of what was asked for."""
         return self._faulty
 
-    def tell(self, text: str, faulty: Sequence[str] = ()) -> None:
-        """Say what is known, in a sentence, and mark links."""
-        self._text, self._faulty = text, tuple(faulty)
+    def tell(self, text: str, faulty: Sequence[str] = (), *, refused: bool = False) -> None:
+        """Say what is known, in a sentence, or why something is refused; and mark links."""
+        self._text, self._faulty, self._refused = text, tuple(faulty), refused
 
     def place(self, positions: Mapping[str, float]) -> None:
         """Put joints where they are (rad or m); the others stay."""
@@ -216,7 +218,7 @@ class SeenTree:
         """
         raise BadValueError("self-motion", length, "an arm of more than six joints")
 
-    def ghosts(self, seen: SeenRobot) -> NoGhosts:
+    def ghosts(self, seen: SeenRobot) -> GhostMaker:
         """Give the pieces of ghosts: none."""
         return NoGhosts()
 

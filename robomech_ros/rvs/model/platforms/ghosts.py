@@ -75,10 +75,12 @@ class PlatformGhosts:
     mechanism : Mechanism
     reach : float
         Of the robot as it is seen (m).
+    slimness : float, optional
+        What is seen at one place together differs in it: the slimmer is inside.
     """
 
-    def __init__(self, mechanism: Mechanism, reach: float) -> None:
-        self._mechanism, self._reach = mechanism, reach
+    def __init__(self, mechanism: Mechanism, reach: float, slimness: float = 1.0) -> None:
+        self._mechanism, self._reach, self._slimness = mechanism, reach, slimness
         limbs, joints = limb_points(mechanism, mechanism.home()[None], reach).shape[1:3]
         # Rods along the limbs, and from limb to limb around the platform.
         self.pieces = limbs * (joints - 1) + limbs
@@ -106,7 +108,7 @@ class PlatformGhosts:
             (points[:, :, 1:].reshape(count, -1, 3), np.roll(last, -1, axis=1)), axis=1
         )
         T, length = rod_poses(starts, ends)
-        radius = np.where(length > SAME * size, RADIUS * size, NOTHING)
+        radius = np.where(length > SAME * size, self._slimness * RADIUS * size, NOTHING)
         scales = np.stack((radius, radius, np.maximum(length, NOTHING)), axis=-1)
         T = T.reshape(-1, 4, 4)
         return GhostPieces(

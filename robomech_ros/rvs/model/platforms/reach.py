@@ -1,4 +1,4 @@
-"""Where a platform can be with its present orientation, as a surface coloured by what ends it."""
+"""How far a platform can be moved or turned from where it is, as a surface coloured by its ends."""
 
 from __future__ import annotations
 
@@ -7,23 +7,34 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.parallel import ParallelRobot, platform_position_workspace
+from robomech_ros.parallel import (
+    Mechanism,
+    ParallelRobot,
+    Planar3RPR,
+    Planar3RRR,
+    platform_orientation_workspace,
+    platform_position_workspace,
+)
+from robomech_ros.parallel.kinetostatics.workspace import PlatformWorkspace
+from robomech_ros.parallel.kinetostatics.workspace_surface import neighbours
 from robomech_ros.rvs.model.ghosts import PALETTE, Rgb
-from robomech_ros.rvs.model.solids import Solid, sphere
 
 __all__ = ["PlatformReach", "platform_reach"]
 
 Array = NDArray[np.float64]
 
-# Directions in the plane.
-ROUND = 240
+# Directions in the space and in the plane, and of limbs of any kind, each of which takes a hundred
+# times as long; points of the arc of turns in the plane.
+ALL_ROUND, ROUND, FEW, ARC = 256, 240, 48, 60
+# A turn by pi is drawn so long, and the arc of turns in the plane has this radius, in sizes.
+HALF_TURN, RADIUS = 1.0, 0.4
 # What ends nothing within what is looked at, and a colour for it; and for singularities.
 FREE, FREE_COLOUR, SINGULAR_COLOUR = "nothing, as far as is looked", (170, 170, 170), (40, 40, 40)
 
 
 @dataclass(frozen=True, eq=False)
 class PlatformReach:
-    """The boundary of the positions that a platform gets to from where it is.
+    """The boundary of the positions or orientations that a platform gets to from where it is.
 
     Parameters
     ----------
@@ -34,7 +45,9 @@ class PlatformReach:
     shares : dict of str to float
         Part of the directions that each cause ends, from 0 to 1, the largest first.
     least, greatest : float
-        How far the platform gets from its position (m).
+        How far the platform gets (m, or rad).
+    turns : bool
+        Whether it is turned: each turn is drawn along its axis from the platform.
     """
 
     parts: dict[str, Array]
@@ -42,6 +55,7 @@ class PlatformReach:
     shares: dict[str, float]
     least: float
     greatest: float
+    turns: bool = False
 
     @property
     def flat(self) -> bool:
@@ -49,48 +63,74 @@ class PlatformReach:
         return any(part.shape[1] == 2 for part in self.parts.values())
 
 
-def platform_reach(robot: ParallelRobot, q: Array) -> PlatformReach:
-    """Find how far the platform gets from where it is, its orientation kept; takes some 0.1 to 3 s.
+def platform_reach(
+    robot: ParallelRobot | Mechanism, q: Array, *, turns: bool = False
+) -> PlatformReach:
+    """Find how far the platform gets from where it is; takes some 0.1 to 5 s.
 
     Parameters
     ----------
-    robot : StewartGough, Delta, Planar3RPR or Planar3RRR
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR, Spherical3RRR or Mechanism
     q : ndarray, shape (n,)
         All joints (rad or m), loops closed.
+    turns : bool, optional
+        Whether the platform is turned at its place, instead of moved with its orientation.
 
     Raises
     ------
     BadValueError
-        The platform does not move to places, or is outside its limits or singular where it is.
+        The platform does not move or turn so, or is outside its limits or singular where it is.
     """
-    T = robot.mechanism.pose(q)
-    if robot.mechanism.dof == 3 and _is_planar(robot):
-        angles = np.linspace(0.0, 2.0 * np.pi, ROUND, endpoint=False)
-        rays = np.stack((np.cos(angles), np.sin(angles), 0.0 * angles), axis=1)
-        here = np.arange(ROUND)
-        pieces = np.stack((here, (here + 1) % ROUND), axis=1)
+    T, planar = robot.mechanism.pose(q), isinstance(robot, Planar3RPR | Planar3RRR)
+    if turns and planar:
+        return _arc(robot, T)
+    explore = platform_orientation_workspace if turns else platform_position_workspace
+    if isinstance(robot, Mechanism):
+        found = explore(robot, T, directions=FEW)
     else:
-        ball: Solid = sphere(1.0)
-        rays, pieces = ball.vertices, ball.faces
-    found = platform_position_workspace(robot, T, directions=rays)
-    causes = np.where(found.causes == "", FREE, found.causes)
+        found = explore(robot, T, directions=ROUND if planar else ALL_ROUND)
     points = found.points
+    if turns:
+        along = HALF_TURN * robot.mechanism.size / np.pi * found.distances
+        points = T[:3, 3] + along[:, None] * found.directions
+    pieces = neighbours(found.directions)
+    corners = points[pieces]
+    if pieces.shape[1] == 1:
+        corners = np.concatenate([corners, np.broadcast_to(T[:3, 3], corners.shape)], axis=1)
     # A piece has the cause of its first corner.
-    of_piece = causes[pieces[:, 0]]
+    of_piece = _causes(found)[pieces[:, 0]]
+    return _reach(found, {name: corners[of_piece == name] for name in np.unique(of_piece)})
+
+
+def _arc(robot: ParallelRobot | Mechanism, T: Array) -> PlatformReach:
+    """Draw how far a platform turns in the plane, from the x axis of its present orientation."""
+    found = platform_orientation_workspace(robot, T, directions=[[0, 0, 1], [0, 0, -1]])
+    start = np.arctan2(T[1, 0], T[0, 0])
+    radius, parts = RADIUS * robot.mechanism.size, dict[str, Array]()
+    for way, angle, cause in zip((1.0, -1.0), found.distances, _causes(found), strict=True):
+        at = start + way * np.linspace(0.0, angle, ARC)
+        points = T[:3, 3] + radius * np.stack((np.cos(at), np.sin(at), 0.0 * at), axis=1)
+        points = np.vstack([points, T[:3, 3]])
+        lines = np.stack([points[:-1], points[1:]], axis=1)
+        parts[cause] = np.concatenate([parts[cause], lines]) if cause in parts else lines
+    return _reach(found, parts)
+
+
+def _causes(found: PlatformWorkspace) -> NDArray[np.str_]:
+    return np.where(found.causes == "", FREE, found.causes)
+
+
+def _reach(found: PlatformWorkspace, parts: dict[str, Array]) -> PlatformReach:
+    """Add to what is drawn the colours, and what is said."""
     shares = {name or FREE: share for name, share in found.shares().items()}
     return PlatformReach(
-        {name: points[pieces[of_piece == name]] for name in shares if (of_piece == name).any()},
+        {name: parts[name] for name in shares if name in parts},
         _colours(list(shares)),
         shares,
         float(found.distances.min()),
         float(found.distances.max()),
+        found.turns,
     )
-
-
-def _is_planar(robot: ParallelRobot) -> bool:
-    from robomech_ros.parallel import Planar3RPR, Planar3RRR
-
-    return isinstance(robot, Planar3RPR | Planar3RRR)
 
 
 def _colours(causes: list[str]) -> dict[str, Rgb]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Sequence
 
-__all__ = ["BEAT", "jog_pad"]
+__all__ = ["BEAT", "hold_pad", "jog_pad"]
 
 # How often a page says that a button is still held (s).
 BEAT = 0.1
@@ -57,17 +57,32 @@ def jog_pad(field: str, joints: Sequence[str]) -> str:
     joints : sequence of str
         What the joints are called.
     """
+    return hold_pad(field, [[(name, "joint", k) for k, name in enumerate(joints)], _TIP])
+
+
+def hold_pad(field: str, columns: Sequence[Sequence[tuple[str, str, int]]]) -> str:
+    """Write columns of buttons that are held, two a row, as HTML.
+
+    Parameters
+    ----------
+    field : str
+        Identifier of the text field that they write into, which is not seen.
+    columns : sequence of sequences of (str, str, int)
+        Of each row what it is called, and kind and number of what is jogged.
+    """
     script = _PRESS.replace("FIELD", field).replace("PERIOD", str(round(1000 * BEAT)))
-    left = "".join(_row(html.escape(name), "joint", k) for k, name in enumerate(joints))
-    right = "".join(_row(*row) for row in _TIP)
     hidden = (
         f'<style>.mantine-Flex-root:has(> div > .mantine-Text-root > label[for="{field}"])'
         "{display:none}</style>"
     )
-    table = '<table style="border-collapse:collapse">{}</table>'
+    written = [
+        "".join(_row(html.escape(name), kind, index) for name, kind, index in rows)
+        for rows in columns
+    ]
+    tables = "".join(f'<table style="border-collapse:collapse">{text}</table>' for text in written)
     return (
         f'{hidden}<div style="{_STYLE}" data-jog-pad onpointerdown="{html.escape(script)}">'
-        f"{table.format(left)}{table.format(right)}</div>"
+        f"{tables}</div>"
     )
 
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import threading
 from typing import Any, Protocol
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.jog import read_beat
 from robomech_ros.rvs.model.live_robot import LiveRobot
-from robomech_ros.rvs.page.jog_pad import jog_pad
+from robomech_ros.rvs.page.live.hold_field import HoldField
+from robomech_ros.rvs.page.live.jog_pad import jog_pad
 from robomech_ros.rvs.page.tables import short_name
 from robomech_ros.spatial.arrays import as_choice
 
@@ -73,8 +73,9 @@ class LiveControls:
         self._robot, self._commands = robot, commands
         self.client_id = client.client_id
         self._handles: list[Any] = []
-        # Whether the browser commands no more; changed while nothing is jogged.
-        self.gone, self._jogging = False, threading.Lock()
+        # Whether the browser commands no more.
+        self.gone = False
+        self._pad: HoldField | None = None
         gui = client.gui
         self._add_goal(gui)
         if chain is not None:
@@ -124,35 +125,17 @@ class LiveControls:
             self._speed = gui.add_slider("speed", SLOWEST, 1.0, 0.05, AT_FIRST, hint=hint)
             hint = "Axes along and about which the tip is jogged"
             self._frame = gui.add_dropdown("axes of", FRAMES, hint=hint)
-            self._field = gui.add_text("jog", "")
+            self._pad = HoldField(gui, self._hold, self._robot.let_go, self._commands.refuse)
             names = [short_name(name) for name in chain.joint_names]
-            gui.add_html(jog_pad(self._field._impl.uuid, names))
-
-        # On the server's own thread: no other request of the page may delay the end of a jog.
-        @self._field.on_update
-        async def _(event: Any) -> None:
-            if event.client is not None:
-                self._hold(self._field.value)
+            gui.add_html(jog_pad(self._pad.identifier, names))
 
     def _hold(self, text: str) -> None:
-        """Go on with a jog, or end it, as the text says."""
-        with self._jogging:
-            # What a browser said before it lost command may come after.
-            if self.gone:
-                return
-            if not text.strip():
-                self._robot.let_go()
-                return
-            try:
-                beat = read_beat(text, self._joints)
-                speed = self._speed.value
-                if not SLOWEST <= speed <= 1.0:
-                    raise BadValueError("speed", speed, f"{SLOWEST:g} to 1")
-                frame = as_choice("axes", self._frame.value, FRAMES)
-                self._robot.hold(beat, frame, speed)
-            except BadValueError as error:
-                self._robot.let_go()
-                self._commands.refuse(error)
+        """Go on with a jog."""
+        beat = read_beat(text, self._joints)
+        speed = self._speed.value
+        if not SLOWEST <= speed <= 1.0:
+            raise BadValueError("speed", speed, f"{SLOWEST:g} to 1")
+        self._robot.hold(beat, as_choice("axes", self._frame.value, FRAMES), speed)
 
     def show_waiting(self, waiting: bool) -> None:
         """Show whether plans wait to be executed on request."""
@@ -161,8 +144,10 @@ class LiveControls:
 
     def remove(self) -> None:
         """Take the controls from the browser, and end its jog."""
-        with self._jogging:
-            self.gone = True
+        self.gone = True
+        if self._pad is not None:
+            self._pad.end()
+        else:
             self._robot.let_go()
         for handle in reversed(self._handles):
             handle.remove()

@@ -1,0 +1,1 @@
+"""Robots that run over the ground: heard, and commanded by twists."""

@@ -1,0 +1,70 @@
+"""Rolling robots and walking machines: what is shown of them, and on which topics they are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from robomech_ros.nodes.mobile_base.drives import INTERFACES
+from robomech_ros.nodes.rvs.settings import RvsSettings
+from robomech_ros.rolling import rolling_robot
+from robomech_ros.rvs.model.running.followed import Followed, followed_base, followed_walker
+
+if TYPE_CHECKING:
+    from robomech_ros.walking import LeggedRobot
+
+__all__ = ["MOVERS", "Mover"]
+
+# How often twists are sent while a button is held (s).
+_BASE_PERIOD, _WALKER_PERIOD = 0.005, 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Mover:
+    """A robot over the ground, and how it is heard and commanded.
+
+    Parameters
+    ----------
+    name : str
+        Of the robot.
+    followed : Followed
+    node : str
+        Name of its node, which says on /diagnostics what limits it.
+    command, odometry : str
+        Topics, of stamped twists and of odometry.
+    period : float
+        How often twists are sent while a button is held (s): some drives follow each of them for
+        one of their periods alone.
+    legged : LeggedRobot, optional
+        If it walks.
+    """
+
+    name: str
+    followed: Followed
+    node: str
+    command: str
+    odometry: str
+    period: float
+    legged: LeggedRobot | None = None
+
+
+def _rolling(settings: RvsSettings) -> Mover:
+    robot = rolling_robot(settings.robot_description)
+    topics, node = INTERFACES[robot.drive], settings.mobile_base
+    command, odometry = (name.replace("~", node, 1) for name in (topics.command, topics.odometry))
+    followed = followed_base(robot)
+    return Mover(robot.base.name, followed, node, command, odometry, _BASE_PERIOD)
+
+
+def _walking(settings: RvsSettings) -> Mover:
+    # What is compiled for legs is loaded only where there are some.
+    from robomech_ros.walking import load_legged
+
+    legs, node = load_legged(settings.robot_description), settings.walker
+    followed = followed_walker(legs)
+    return Mover(legs.name, followed, node, "cmd_vel", "odom", _WALKER_PERIOD, legs)
+
+
+# By the kinds of robots; each loads the robot of the parameters, or raises a RobomechError.
+MOVERS: dict[str, Callable[[RvsSettings], Mover]] = {"rolling": _rolling, "walking": _walking}

@@ -1,0 +1,108 @@
+"""A robot of a page that runs over the ground: it is jogged by twists, and stopped by one."""
+
+from geometry_msgs.msg import TwistStamped
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from robomech_ros.nodes.rvs.held_jog import HeldJog
+from robomech_ros.nodes.rvs.messages import twist_jog
+from robomech_ros.nodes.rvs.moving.mover_feed import MoverFeed
+from robomech_ros.nodes.rvs.moving.movers import Mover
+from robomech_ros.nodes.rvs.settings import RvsSettings
+from robomech_ros.rvs.model.jog import Beat, JogDirection
+from robomech_ros.rvs.model.running.live_mover import MoverView
+
+__all__ = ["RunningMover"]
+
+_DEPTH = 10
+_Jog = tuple[JogDirection, float]
+
+
+class RunningMover:
+    """Carries out what a page asks for, see ``LiveMover``, and tells it what is heard.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of all that it needs.
+    mover : Mover
+    settings : RvsSettings
+    """
+
+    def __init__(self, node: Node, mover: Mover, settings: RvsSettings) -> None:
+        self._node, self._mover, self._settings = node, mover, settings
+        self._clock = node.get_clock()
+        self._twists = node.create_publisher(TwistStamped, mover.command, _DEPTH)
+        self._gaits = None
+        if mover.legged is not None:
+            self._gaits = node.create_publisher(String, f"{mover.node}/gait", _DEPTH)
+
+    def begin(self, view: MoverView) -> None:
+        """Tell this page, from now on."""
+        self._view = view
+        self._feed = MoverFeed(self._node, self._mover, self._settings, view)
+        self._jogger = HeldJog[_Jog](
+            self._settings.jog_silence,
+            self._mover.period,
+            self._send,
+            lambda _: self._missing(),
+            view.show_jog,
+            self._node.get_logger(),
+        )
+
+    @property
+    def condition(self) -> str:
+        """What is wrong with odometry or joint states."""
+        return self._feed.condition
+
+    @property
+    def jogs(self) -> bool:
+        """Whether a button is held."""
+        return self._jogger.held
+
+    def hold(self, beat: Beat, speed: float) -> None:
+        """Jog while this is said again and again, at a part of the greatest jogging speed."""
+        self._jogger.hold((beat.direction, speed), beat)
+
+    def let_go(self) -> None:
+        """End the jog."""
+        self._jogger.let_go()
+
+    def stop(self) -> None:
+        """End the jog, and command to stand."""
+        self._jogger.let_go()
+        missing = self._missing()
+        self._publish(TwistStamped())
+        text = f"Stop may have failed: {missing}" if missing else "Commanded to stand."
+        self._view.show_result(text, failed=bool(missing))
+
+    def choose_gait(self, gait: str) -> None:
+        """Have it walk in another gait."""
+        if self._gaits is not None:
+            heard = self._gaits.get_subscription_count()
+            self._gaits.publish(String(data=gait))
+            nobody = f"Nobody listens on '{self._gaits.topic_name}'."
+            text = f"Gait '{gait}': as soon as it stands." if heard else nobody
+            self._view.show_result(text, failed=not heard)
+
+    def close(self) -> None:
+        """End what was begun; the topics go with the node."""
+        self._jogger.close()
+        self._feed.close()
+
+    def _missing(self) -> str:
+        """Say what is missing to move; empty for nothing."""
+        if not self._twists.get_subscription_count():
+            return f"Nobody listens on '{self._twists.topic_name}'."
+        return ""
+
+    def _send(self, jog: _Jog, moves: bool) -> None:
+        direction, part = jog
+        part = part if moves else 0.0
+        given = self._settings
+        speeds = part * given.jog_linear_speed, part * given.jog_angular_speed
+        self._publish(twist_jog("", direction, *speeds))
+
+    def _publish(self, twist: TwistStamped) -> None:
+        twist.header.stamp = self._clock.now().to_msg()
+        self._twists.publish(twist)

@@ -1,0 +1,113 @@
+"""The folders of the browser that commands a hand: what is held, and where it is touched."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Any, Protocol
+
+from robomech_ros.hands.contacts import MODELS
+from robomech_ros.rvs.model.hands.held_object import SHAPES
+from robomech_ros.rvs.model.hands.seen_hand import SPOT, SeenHand
+from robomech_ros.rvs.page.fact_table import fact_table
+from robomech_ros.rvs.page.folder import Folder
+
+__all__ = ["LOADS", "HandControls"]
+
+# Among the folders; steps of sliders, and of the numbers of a load.
+ORDER, STEP, LOAD_STEP = 3.5, 0.001, 0.1
+MODEL_HINT = "frictionless, with friction, or soft: with a moment about the normal, too"
+# Of sliders from 0: the greatest value, and what it is.
+SHARES = {
+    "friction": (2.0, "Largest tangential force as a share of the normal force"),
+    "torsional": (0.1, "m: largest moment of a soft finger for 1 N of normal force"),
+}
+LOADS = {
+    "force": (slice(3, 6), "N, on the object at its centre, in the axes of the palm"),
+    "moment": (slice(0, 3), "N m, on the object about its centre, in the axes of the palm"),
+}
+
+
+class Grasping(Protocol):
+    """What the folders show and ask for; each request returns at once."""
+
+    hand: SeenHand
+    on: dict[str, bool]
+
+    def choose_shape(self, value: Any) -> None:
+        """Let the fingers touch an object of another shape."""
+
+    def choose_size(self, value: Any) -> None:
+        """Let the fingers touch a larger or smaller object (m)."""
+
+    def choose_contact(self, name: str, value: Any) -> None:
+        """Change the model of contacts, or a number of it."""
+
+    def choose_load(self, name: str, value: Any) -> None:
+        """Change the force (N) or the moment (N m) of the load."""
+
+    def choose_spot(self, finger: int, name: str, value: Any) -> None:
+        """Change whether and where a finger touches."""
+
+    def choose_part(self, part: str, value: Any) -> None:
+        """Show a part of the scene, or not."""
+
+
+class HandControls:
+    """The folders "Grasp" and "Contacts" of one browser.
+
+    Parameters
+    ----------
+    gui : viser.GuiApi
+    layer : Grasping
+    """
+
+    def __init__(self, gui: Any, layer: Grasping) -> None:
+        self._grasp = Folder(gui, "Grasp", ORDER, expanded=True)
+        with self._grasp:
+            self._table = self._grasp.text()
+            self._add_object(gui, layer)
+            for part, shown in layer.on.items():
+                self._grasp.checkbox(part, shown, partial(layer.choose_part, part))
+        self._contacts = Folder(gui, "Contacts", ORDER + 0.1)
+        with self._contacts:
+            for k, name in enumerate(layer.hand.hand.finger_names):
+                self._add_spot(gui, layer, k, name)
+
+    def write(self, lines: Sequence[tuple[str, str]]) -> None:
+        """Show what is known."""
+        if not self._grasp.removed:
+            self._table.content = fact_table("grasp", lines)
+
+    def mark(self, part: str, shown: bool) -> None:
+        """Mark what is shown."""
+        self._grasp.mark(part, shown)
+
+    def remove(self) -> None:
+        """Take the folders from the browser."""
+        self._contacts.remove()
+        self._grasp.remove()
+
+    def _add_object(self, gui: Any, layer: Grasping) -> None:
+        hand, listen = layer.hand, self._grasp.listen
+        shape = gui.add_dropdown("shape", SHAPES, initial_value=hand.held.shape)
+        listen(shape, layer.choose_shape)
+        hint = "m: radius of a ball or cylinder, half the side of a box"
+        size = gui.add_slider("size", *hand.sizes, STEP, hand.held.size, hint=hint)
+        listen(size, layer.choose_size)
+        model = gui.add_dropdown("contacts", MODELS, initial_value=hand.model, hint=MODEL_HINT)
+        listen(model, partial(layer.choose_contact, "model"))
+        for name, (most, hint) in SHARES.items():
+            slider = gui.add_slider(name, 0.0, most, STEP, getattr(hand, name), hint=hint)
+            listen(slider, partial(layer.choose_contact, name))
+        for name, (part, hint) in LOADS.items():
+            value = gui.add_vector3(name, hand.load[part].tolist(), step=LOAD_STEP, hint=hint)
+            listen(value, partial(layer.choose_load, name))
+
+    def _add_spot(self, gui: Any, layer: Grasping, finger: int, name: str) -> None:
+        spot, choose = layer.hand.spots[finger], partial(layer.choose_spot, finger)
+        self._contacts.checkbox(f"{name} touches", spot.touches, partial(choose, "touches"))
+        for what, (low, high, unit) in SPOT.items():
+            label = f"{name} {what}"
+            slider = gui.add_slider(label, low, high, STEP, getattr(spot, what), hint=unit)
+            self._contacts.listen(slider, partial(choose, what))

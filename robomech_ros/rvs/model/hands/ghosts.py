@@ -1,0 +1,89 @@
+"""Postures of a hand as ghosts, finger by finger."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.kinematics import link_poses
+from robomech_ros.robots import SerialChain
+from robomech_ros.robots.urdf.shapes import Shape
+from robomech_ros.rvs.model.ghosts import GhostPieces, Ghosts, Rgb
+
+__all__ = ["HandGhosts"]
+
+Array = NDArray[np.float64]
+
+# Fingers nearer to each other than this are in one posture (rad or m).
+SAME = 1e-6
+
+
+class HandGhosts:
+    """The pieces of a hand, for as many postures as there are.
+
+    Parameters
+    ----------
+    fingers : sequence of SerialChain
+        In the tree that is drawn.
+    shapes : mapping of str to sequence of Shape
+        Bodies of its links.
+    present : callable
+        Gives the posture of the hand (rad or m).
+    """
+
+    def __init__(
+        self,
+        fingers: Sequence[SerialChain],
+        shapes: Mapping[str, Sequence[Shape]],
+        present: Callable[[], Array],
+    ) -> None:
+        self._present = present
+        self._fingers = [Ghosts(finger, shapes) for finger in fingers]
+        self._chains = tuple(fingers)
+        self._ends = np.cumsum([finger.n for finger in fingers])
+        self.pieces = sum(one.pieces for one in self._fingers)
+
+    def middles(self, postures: Sequence[Array]) -> Array:
+        """Give where numbers are written (k, 3), in the palm (m): amid fingers that differ.
+
+        At the last joints of these, where postures are farthest from each other.
+        """
+        parts, here = self._split(postures), self._split([self._present()])
+        at = np.array([_last_joints(one, p) for one, p in zip(self._chains, parts, strict=True)])
+        moved = [np.abs(np.array(p) - h[0]).max(axis=1) for p, h in zip(parts, here, strict=True)]
+        differs = np.array(moved) > SAME
+        weights = np.where(differs.any(axis=0), differs, True).astype(np.float64)
+        mean: Array = (weights[..., None] * at).sum(axis=0) / weights.sum(axis=0)[:, None]
+        return mean
+
+    def placed(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> GhostPieces:
+        """Place the pieces of ghosts; those of the first posture come first.
+
+        Parameters
+        ----------
+        postures : sequence of ndarray, each shape (n,)
+            All joints, finger by finger, and what places the object (rad or m).
+        colours : sequence of tuple of int
+            One for each.
+        """
+        count, parts = len(postures), self._split(postures)
+        placed = [one.placed(part, colours) for one, part in zip(self._fingers, parts, strict=True)]
+        columns = []
+        for rows in zip(*placed, strict=True):
+            width = rows[0].shape[1]
+            together = np.concatenate([row.reshape(count, -1, width) for row in rows], axis=1)
+            columns.append(together.reshape(-1, width))
+        return GhostPieces(*columns)
+
+    def _split(self, postures: Sequence[Array]) -> list[list[Array]]:
+        """Give the postures of each finger."""
+        parts = np.split(np.array(postures), self._ends, axis=1)
+        return [list(part) for part in parts[: len(self._fingers)]]
+
+
+def _last_joints(finger: SerialChain, postures: Sequence[Array]) -> Array:
+    """Give where the last joint of a finger is in postures, shape (k, 3) (m)."""
+    link = f"{finger.joint_names[-1]}_link"
+    return np.asarray(link_poses(finger, np.array(postures), [link])[:, 0, :3, 3])

@@ -1,0 +1,142 @@
+"""A robot that runs, and moves over the ground: it is seen where it is heard to be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.robots import RobotDescription
+from robomech_ros.rolling.library import RollingRobot
+from robomech_ros.rolling.tree import BASE_JOINTS
+from robomech_ros.rvs.model.kinds.rolling import SeenBase
+from robomech_ros.rvs.model.kinds.seen_tree import SeenTree
+from robomech_ros.rvs.model.kinds.trail import Trail
+
+if TYPE_CHECKING:
+    from robomech_ros.walking import LeggedRobot
+
+__all__ = ["WAYS", "Followed", "Way", "followed_base", "followed_walker", "on_plane"]
+
+Array = NDArray[np.float64]
+
+
+class Way(NamedTuple):
+    """A direction in which it is jogged.
+
+    Parameters
+    ----------
+    name : str
+        For people.
+    kind : {"linear", "angular"}
+    axis : int
+        Of its twist.
+    """
+
+    name: str
+    kind: str
+    axis: int
+
+
+WAYS = (Way("forward", "linear", 0), Way("sideways", "linear", 1), Way("turn", "angular", 2))
+
+
+class Followed(SeenTree):
+    """A robot that is not moved on the page.
+
+    Parameters
+    ----------
+    description : RobotDescription
+        With the joints that place it.
+    end : str
+        The link that says where it is.
+    verb : str
+        What it does: drive, or walk.
+    joints : sequence of str
+        Those that are heard of.
+    placed : callable
+        Gives the joints that place it, for its pose over the ground (4, 4).
+    ways : sequence of Way
+        In which it can be jogged.
+    gaits : sequence of str, optional
+        In which it can walk.
+    room : float, optional
+        Side of the square that is seen (m).
+
+    Attributes
+    ----------
+    trail : Trail
+        Where it was.
+    """
+
+    def __init__(
+        self,
+        description: RobotDescription,
+        end: str,
+        verb: str,
+        joints: Sequence[str],
+        placed: Callable[[Array], Mapping[str, float]],
+        ways: Sequence[Way],
+        gaits: Sequence[str] = (),
+        room: float = 0.0,
+    ) -> None:
+        super().__init__(description, {}, end)
+        self.verb, self.ways, self.gaits = verb, tuple(ways), tuple(gaits)
+        self.joints, self.placed = tuple(joints), placed
+        self._room = room
+        self.trail = Trail()
+
+    @property
+    def room(self) -> float:
+        """Side of the square in which it is seen to move (m)."""
+        return self._room
+
+    def hear(self, positions: Mapping[str, float], place: ArrayLike) -> None:
+        """Be where the robot is.
+
+        Parameters
+        ----------
+        positions : mapping of str to float
+            rad or m, by joint.
+        place : array_like, shape (3,)
+            x, y (m) and heading (rad).
+        """
+        self.place(positions)
+        self.trail.add(place)
+
+
+def followed_base(robot: RollingRobot) -> Followed:
+    """Give a rolling robot that runs; its brackets of casters are not heard of."""
+    base = robot.base
+    ways = WAYS if base.axle is None else (WAYS[0], WAYS[2])
+    seen = SeenBase(robot)
+    joints = (*base.names, *(f"{name}_steering" for name in base.steered))
+
+    def placed(T: Array) -> Mapping[str, float]:
+        return dict(zip(BASE_JOINTS, on_plane(T).tolist(), strict=True))
+
+    what = seen.description, seen.end, seen.verb, joints, placed, ways
+    return Followed(*what, room=seen.room)
+
+
+def followed_walker(robot: LeggedRobot) -> Followed:
+    """Give a walking machine that runs; errors are those of ``SeenWalker``."""
+    # What is compiled for legs is loaded only where there are some.
+    from robomech_ros.rvs.model.walking.placed_tree import placing
+    from robomech_ros.rvs.model.walking.seen_walker import SeenWalker
+
+    seen = SeenWalker(robot)
+
+    def placed(T: Array) -> Mapping[str, float]:
+        return placing(on_plane(T), T, seen.height)
+
+    what = seen.description, seen.end, seen.verb, robot.joint_names, placed, WAYS
+    return Followed(*what, seen.gaits, seen.room)
+
+
+def on_plane(T: Array) -> Array:
+    """Give x, y (m) and heading (rad) of a pose (4, 4) over the ground."""
+    return np.array([T[0, 3], T[1, 3], math.atan2(T[1, 0], T[0, 0])])

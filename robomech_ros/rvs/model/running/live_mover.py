@@ -1,0 +1,85 @@
+"""A robot that runs and moves over the ground: what a page asks of it, and what it tells a page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.rvs.model.jog import Beat
+
+if TYPE_CHECKING:
+    from robomech_ros.rvs.model.walking.support import Support
+
+__all__ = ["LiveMover", "MoverView", "Stance"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Stance:
+    """How safely a walking machine stands.
+
+    Parameters
+    ----------
+    support : Support
+        On which feet.
+    margin : float
+        As it says itself (m).
+    bound : float
+        That it keeps (m).
+    gait : str
+        In which it walks; empty if that is not known.
+    """
+
+    support: Support
+    margin: float
+    bound: float
+    gait: str
+
+
+class MoverView(Protocol):
+    """What a robot tells a page; methods may be called from any thread, and return soon."""
+
+    def wait_until_seen(self, seconds: float) -> bool:
+        """Wait until somebody looks, at most so long; says whether somebody does."""
+
+    def show_place(self, positions: Mapping[str, float], place: Array) -> None:
+        """Draw the robot with its joints there (rad or m), at x, y (m) and heading (rad)."""
+
+    def show_stance(self, stance: Stance) -> None:
+        """Draw on which feet it stands, and say how safely."""
+
+    def show_state(self, text: str) -> None:
+        """Say what is wrong with odometry or joint states; empty for nothing."""
+
+    def show_condition(self, text: str, links: Sequence[str], *, warns: bool) -> None:
+        """Say how it is, or warn of what limits it, and mark links."""
+
+    def show_result(self, text: str, *, failed: bool = False) -> None:
+        """Say what came of a request."""
+
+    def show_jog(self, text: str) -> None:
+        """Say why a jog has ended, or does not begin; empty for nothing."""
+
+
+class LiveMover(Protocol):
+    """What a page asks of a robot; methods return at once, and answers go to the view."""
+
+    def begin(self, view: MoverView) -> None:
+        """Tell this page, from now on."""
+
+    def stop(self) -> None:
+        """End the jog, and command to stand."""
+
+    def choose_gait(self, gait: str) -> None:
+        """Have it walk in another gait."""
+
+    def hold(self, beat: Beat, speed: float) -> None:
+        """Jog while this is said again and again, at a part of the greatest jogging speed."""
+
+    def let_go(self) -> None:
+        """End the jog."""

@@ -1,0 +1,118 @@
+"""The tree of a walking machine, with joints that place its trunk over the ground."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.robots import RobotDescription, urdf_from_description
+from robomech_ros.robots.documents.guarded_xml import parse_xml
+from robomech_ros.robots.joint import Joint
+from robomech_ros.robots.urdf.document import description_from_urdf
+from robomech_ros.robots.urdf.elements import element, joint_element
+from robomech_ros.rolling.tree import BASE_JOINTS
+from robomech_ros.spatial import roll_pitch_yaw_from_matrix
+from robomech_ros.spatial.poses import assembled, rigid_inverse
+
+__all__ = ["BODY_JOINTS", "GROUND", "placed_tree", "placing"]
+
+Array = NDArray[np.float64]
+
+# The root, and the joints of the trunk beside its level pose, as sliders have them.
+GROUND = "odom"
+BODY_JOINTS = ("body_x", "body_y", "body_z", "body_roll", "body_pitch", "body_yaw")
+
+_X, _Y, _Z = np.eye(3)
+# From the ground to the trunk: name, whether it slides, axis.
+_PLACE = tuple(zip(BASE_JOINTS, (True, True, False), (_X, _Y, _Z), strict=True))
+_BODY = (
+    ("body_x", True, _X),
+    ("body_y", True, _Y),
+    ("body_z", True, _Z),
+    ("body_yaw", False, _Z),
+    ("body_pitch", False, _Y),
+    ("body_roll", False, _X),
+)
+# How far it may go (m).
+_FAR = 1e4
+# Of the disc that marks where it begins: its radius in the height of the trunk, and its colour.
+_DISC, _COLOUR = 0.15, (0.93, 0.55, 0.14, 1.0)
+
+
+def placed_tree(robot: RobotDescription, trunk: str, height: float) -> RobotDescription:
+    """Put a machine on the ground, by its place there and by the pose of its trunk.
+
+    Parameters
+    ----------
+    robot : RobotDescription
+        Its legs and its trunk.
+    trunk : str
+        Its link.
+    height : float
+        Of the trunk that is level (m).
+
+    Raises
+    ------
+    RobotDescriptionError
+        A link or joint of the machine has the name of one of these joints, or of the ground.
+    """
+    document = urdf_from_description(robot)
+    data = document.encode()
+    last = parse_xml(document, robot.where).last_byte
+    added = "\n".join(_parts(robot, trunk, height)).encode()
+    text = b"".join([data[:last], added, b"\n", data[last:]]).decode()
+    tree = description_from_urdf(text, robot.where)
+    return replace(tree, source=robot.source, home=robot.home)
+
+
+def placing(base: Array, T: Array, height: float) -> dict[str, float]:
+    """Give the joints that place the trunk.
+
+    Parameters
+    ----------
+    base : ndarray, shape (3,)
+        x, y (m) and heading (rad) of the machine.
+    T : ndarray, shape (4, 4)
+        The trunk over the ground (m).
+    height : float
+        Of the trunk that is level (m).
+    """
+    c, s = np.cos(base[2]), np.sin(base[2])
+    away = T[:3, 3] - (base[0], base[1], height)
+    turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    offset = [*(turn @ away).tolist(), *roll_pitch_yaw_from_matrix(turn @ T[:3, :3]).tolist()]
+    names = (*BASE_JOINTS, *BODY_JOINTS)
+    return dict(zip(names, (*base.tolist(), *offset), strict=True))
+
+
+def _parts(robot: RobotDescription, trunk: str, height: float) -> list[str]:
+    """Write the joints that place the root, and their links."""
+    # Links without bodies would get some along the way of their slides.
+    nothing = _visual("sphere", {"radius": 1e-4}, (0.0, 0.0, 0.0, 0.0))
+    disc = _visual("cylinder", {"radius": _DISC * height, "length": 1e-3}, _COLOUR)
+    parts, above = [element("link", {"name": GROUND}, [disc])], GROUND
+    for name, slides, axis in (*_PLACE, *_BODY):
+        link = f"{name}_link"
+        parts.append(element("link", {"name": link}, [nothing]))
+        lift = height if name == _BODY[0][0] else 0.0
+        origin = assembled(np.eye(3), np.array([0.0, 0.0, lift]))
+        parts.append(joint_element(_joint(name, slides, above, link, axis, origin)))
+        above = link
+    origin = rigid_inverse(robot.link_poses()[trunk])
+    parts.append(joint_element(Joint("body_trunk", "fixed", above, robot.root, origin)))
+    return parts
+
+
+def _joint(name: str, slides: bool, above: str, below: str, axis: Array, origin: Array) -> Joint:
+    if not slides:
+        return Joint(name, "continuous", above, below, origin, axis)
+    return Joint(name, "prismatic", above, below, origin, axis, lower=-_FAR, upper=_FAR)
+
+
+def _visual(
+    shape: str, measures: dict[str, object], colour: tuple[float, float, float, float]
+) -> str:
+    material = element("material", {"name": ""}, [element("color", {"rgba": colour})])
+    return element("visual", {}, [element("geometry", {}, [element(shape, measures)]), material])

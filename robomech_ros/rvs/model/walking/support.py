@@ -1,0 +1,87 @@
+"""On which feet a machine stands, and where it is next to tipping."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.rvs.model.kinds.trail import on_ground
+from robomech_ros.walking import stability_margin, support_polygon
+
+__all__ = ["Support"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Support:
+    """Feet, and the mass centre above them.
+
+    Parameters
+    ----------
+    legs : tuple of str
+        Their names.
+    feet : ndarray, shape (k, 3)
+        Over the ground (m).
+    contacts : ndarray of bool, shape (k,)
+        Which of them stand; at least one.
+    centre : ndarray, shape (2,)
+        The mass centre, projected to the ground (m).
+    """
+
+    legs: tuple[str, ...]
+    feet: Array
+    contacts: NDArray[np.bool_]
+    centre: Array
+
+    @cached_property
+    def corners(self) -> Array:
+        """Corners of the support polygon, counter-clockwise, shape (m, 2) (m)."""
+        return support_polygon(self.feet[self.contacts, :2])
+
+    @property
+    def margin(self) -> float:
+        """Distance of the mass centre to the border (m), negative outside."""
+        return float(stability_margin(self.centre, self.feet[self.contacts, :2]))
+
+    @cached_property
+    def _nearest(self) -> tuple[int, Array]:
+        """The corner at which the nearest edge begins, and the point of it that is nearest."""
+        begins = self.corners
+        along = np.roll(begins, -1, axis=0) - begins
+        length = np.maximum(np.einsum("ij,ij->i", along, along), np.finfo(float).tiny)
+        part = np.einsum("ij,ij->i", self.centre - begins, along) / length
+        points = begins + np.clip(part, 0.0, 1.0)[:, None] * along
+        edge = int(np.argmin(np.linalg.norm(points - self.centre, axis=1)))
+        return edge, points[edge]
+
+    @property
+    def edge(self) -> tuple[str, str]:
+        """The legs between which the nearest edge is."""
+        first = self._nearest[0]
+        ends = self.corners[[first, (first + 1) % len(self.corners)]]
+        return self._leg_at(ends[0]), self._leg_at(ends[1])
+
+    def _leg_at(self, corner: Array) -> str:
+        away = np.linalg.norm(self.feet[:, :2] - corner, axis=1)
+        return self.legs[int(np.argmin(np.where(self.contacts, away, np.inf)))]
+
+    def facts(self, margin: str) -> list[tuple[str, str]]:
+        """Write how safely it stands, for people, with what is to be said of the margin."""
+        down = [leg for leg, stands in zip(self.legs, self.contacts, strict=True) if stands]
+        return [
+            ("stability margin", margin),
+            ("nearest edge", " to ".join(self.edge)),
+            ("feet that stand", ", ".join(down)),
+        ]
+
+    def border(self) -> Array:
+        """Give the border of the polygon, closed, on the ground, shape (m + 1, 3) (m)."""
+        return on_ground(np.vstack([self.corners, self.corners[:1]]))
+
+    def shortest_way(self) -> Array:
+        """Give the line from the mass centre to the nearest edge, on the ground, (2, 3) (m)."""
+        return on_ground(np.vstack([self.centre, self._nearest[1]]))
