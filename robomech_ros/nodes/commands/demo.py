@@ -1,15 +1,16 @@
-"""``robomech demo``: solve, plan, execute and check a pick and place, with a plot."""
+"""``robomech demo``: a robot at work, checked, with a plot and a page."""
 
 import argparse
 import signal
 import sys
 from importlib import import_module
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from robomech_ros.cli.warmup import warm
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.commands.bringup import refuse_of_arms
-from robomech_ros.nodes.process.kind_nodes import KIND_NODES
+from robomech_ros.nodes.process.kind_nodes import KIND_NODES, KindNodes
 from robomech_ros.robots.kinds import kind_of
 
 __all__ = ["add_arguments", "run"]
@@ -48,6 +49,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _refuse_of_drives(args: argparse.Namespace, kind: KindNodes) -> None:
+    """Refuse what is for robots that pick and place."""
+    for option, given in (("--dynamic", args.dynamic), ("--payload", args.payload)):
+        if given:
+            expected = f"nothing: '{args.robot}' is a {kind.called}, which picks nothing"
+            raise BadValueError(option, given, expected)
+
+
+def _check_folder(folder: Path) -> None:
+    """Make the folder, and refuse one that takes no files: a demonstration runs for a minute."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        expected = f"a folder that can be written ({error.strerror})"
+        raise BadValueError("--output", str(folder), expected) from None
+
+
 def run(args: argparse.Namespace) -> int:
     """Run the demonstration; returns 0 if every step of it succeeded, else 1."""
     # Contexts are left in order on SIGTERM, too: no node outlives the demonstration.
@@ -55,6 +75,7 @@ def run(args: argparse.Namespace) -> int:
         raise BadValueError("--payload", args.payload, "0 without --dynamic: nothing has mass")
     if not 0.0 <= args.payload <= HEAVIEST_PAYLOAD:
         raise BadValueError("--payload", args.payload, f"0 to {HEAVIEST_PAYLOAD:g} kg")
+    _check_folder(args.output)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     warm(silent_if_quick=True)
     from robomech_ros.nodes.demonstration.limits import Which
@@ -62,7 +83,11 @@ def run(args: argparse.Namespace) -> int:
 
     try:
         own = KIND_NODES.get(kind_of(args.robot))
-        if own is not None and own.demonstration:
+        if own is not None:
+            if not own.demonstration:
+                expected = f"a robot with a demonstration: a {own.called} has none"
+                raise BadValueError("--robot", args.robot, expected)
+            _refuse_of_drives(args, own)
             refuse_of_arms(args, own)
             import_module(own.demonstration).demonstrate(args.robot, args.output)
             return 0

@@ -14,7 +14,7 @@ import numpy as np
 import yaml
 
 from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.robots.guarded_yaml import UniqueKeyLoader
+from robomech_ros.robots.documents.guarded_yaml import UniqueKeyLoader
 
 __all__ = ["UnknownFieldError", "fill_message", "interface_class", "parse_yaml", "to_yaml"]
 
@@ -33,9 +33,6 @@ class UnknownFieldError(RobomechError):
         close = difflib.get_close_matches(field, available, n=1)
         hint = f" (did you mean '{close[0]}'?)" if close else ""
         super().__init__(f"{kind} has no field '{field}'{hint}; it has: {', '.join(available)}")
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.field, self.kind, list(self.available))
 
 
 def interface_class(name: str) -> Any:

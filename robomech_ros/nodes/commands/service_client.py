@@ -11,6 +11,7 @@ from rclpy.node import Node
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.commands.message_yaml import fill_message, interface_class
 from robomech_ros.nodes.middleware.deep_queues import ask
+from robomech_ros.nodes.middleware.questions import Question
 from robomech_ros.nodes.process.memory import bounded_memory
 
 __all__ = ["NoAnswerError", "call_service"]
@@ -27,6 +28,8 @@ class NoAnswerError(RobomechError):
 
 def call_service(service: str, kind: str, values: Mapping[str, Any], timeout: float) -> Any:
     """Call a service from a node of its own.
+
+    A request that changes nothing is sent again while no answer comes.
 
     Parameters
     ----------
@@ -79,17 +82,18 @@ def _answer(
     client = ask(node, interface, service)
     if not client.wait_for_service(timeout_sec=max(0.0, deadline - time.monotonic())):
         raise NoAnswerError(f"service '{service}' is not there after {timeout:g} s")
-    future = client.call_async(request)
-    while not future.done():
+    question = Question(client, interface, request)
+    while not question.answered.done():
         left = deadline - time.monotonic()
         if left < 0.0:
             raise NoAnswerError(f"service '{service}' did not answer within {timeout:g} s")
         there = client.service_is_ready()
-        rclpy.spin_until_future_complete(node, future, timeout_sec=min(left, _LOOK))
+        rclpy.spin_until_future_complete(node, question.answered, timeout_sec=min(left, _LOOK))
         # An answer may come just before its server goes.
-        if not (there or future.done()):
+        if not (there or question.answered.done()):
             raise NoAnswerError(f"service '{service}' has gone before it answered")
-    return future.result()
+        question.repeat_if_due()
+    return question.answer()
 
 
 def _type_in_graph(node: Node, service: str, deadline: float) -> str:

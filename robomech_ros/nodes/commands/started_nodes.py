@@ -58,7 +58,10 @@ def _looked_at(nodes: Sequence[Node]) -> list[NodeRights]:
     others = Node("other_publisher", start_parameter_services=False)
     spinner.start()
     try:
-        awaited = _others_on_tf(others, nodes[0])
+        awaited = []
+        for node in nodes:
+            if node.get_name() == "joint_trajectory_controller":
+                awaited += _others_on_tf(others, node)
         if any(node.get_name() == "servo" for node in nodes):
             servo = next(node for node in nodes if node.get_name() == "servo")
             awaited.append((servo, "reply", f"{servo.get_fully_qualified_name()}/pause_servo"))

@@ -92,9 +92,6 @@ class OutcomeError(RobomechError):
         self.code = code
         super().__init__(text)
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.code, str(self))
-
 
 class ShutdownError(RobomechError):
     """A node ends before it has answered."""
@@ -118,6 +115,7 @@ _CODES: dict[type[BaseException], Code] = {
     errors.MissingInertiaError: Code.MISSING_INERTIA,
     errors.UndeterminedError: Code.UNDETERMINED,
     errors.ContradictionError: Code.CONTRADICTORY,
+    errors.SingularPostureError: Code.SINGULAR,
     errors.LimitExceededError: Code.LIMIT,
     errors.DurationTooShortError: Code.LIMIT,
     TrajectoryRefusedError: Code.REJECTED,

@@ -20,7 +20,7 @@ from robomech_ros.errors import MissingLimitsError, RobomechError, RobotDescript
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.regular_files import read_regular
 from robomech_ros.robots.description import RobotDescription
-from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
+from robomech_ros.robots.documents.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.robot_yaml import with_yaml_limits
 

@@ -15,6 +15,7 @@ from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 
+from robomech_ros.errors import shown
 from robomech_ros.nodes.common.error_codes import NoStateError, RobotMovesError
 from robomech_ros.nodes.common.pauses import pause
 from robomech_ros.nodes.middleware.polled_subscription import Unattended
@@ -225,7 +226,7 @@ def _read(data: bytes) -> tuple[dict[str, _Seen], str]:
     states = _states_in(message)
     usable = {name: state for name, state in states.items() if math.isfinite(state.position)}
     for name in states.keys() - usable.keys():
-        fault = f"the position of '{name}' is {states[name].position}"
+        fault = f"the position of {shown(name)} is {states[name].position}"
     return usable, fault
 
 
@@ -236,7 +237,7 @@ def _fault_of(message: JointState) -> str:
         return f"{len(positions)} positions for {len(names)} names"
     if len(set(names)) < len(names):
         twice = next(name for i, name in enumerate(names) if name in names[:i])
-        return f"'{twice}' is in it twice"
+        return f"{shown(twice)} is in it twice"
     return ""
 
 

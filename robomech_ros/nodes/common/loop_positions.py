@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import WrongSizeError
 from robomech_ros.nodes.common.error_codes import OutcomeError
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.outcomes import Code
@@ -62,7 +62,7 @@ class LoopPositions:
         ------
         WrongSizeError, UnknownJointError, NonFiniteError
             Not positions of all joints, or of the drives.
-        BadValueError
+        OpenLoopsError
             They leave the loops open.
         OutcomeError
             The drives can hold the platform nowhere, or a singular posture is in their way.
@@ -85,7 +85,7 @@ class LoopPositions:
             followed = mechanism.close(drives, present)
             if followed.status != Code.NONE:
                 way = "on the straight way of the drives from the present posture"
-                raise OutcomeError(Code.SINGULAR, f"{what}: {way}, {followed.reason}")
+                raise OutcomeError(followed.status, f"{what}: {way}, {followed.reason}")
             return followed.q
         modes = mechanism.direct(drives, seed=mechanism.home())
         if not len(modes):
@@ -98,14 +98,18 @@ class LoopPositions:
         errors = mechanism.loop_errors(q)
         if errors.max() < _EXACT:
             return q
-        found = mechanism.close(q[mechanism.drive_index], q)
-        if errors.max() > _OPEN or found.status != Code.NONE:
-            limb = int(np.argmax(errors.max(axis=1)))
-            distance, angle = errors[limb]
+        if errors.max() > _OPEN:
+            # What else is compiled for parallel robots is loaded where there is one.
+            from robomech_ros.parallel.mechanism.gaps import open_loops
+
+            drives = ", ".join(mechanism.actuated)
             expected = (
-                f"loops closed to {_OPEN:g}: limb {limb + 1} ends {distance:.3g} m and "
-                f"{angle:.3g} rad from where limb 1 holds the platform; give the drives alone, "
-                f"{', '.join(mechanism.actuated)}, to have the others found"
+                f"loops closed to {_OPEN:g}; give the drives alone, {drives}, to have the other "
+                "joints found"
             )
-            raise BadValueError(f"{what}.position", q.tolist(), expected)
+            raise open_loops(mechanism, q, f"{what}.position", expected)
+        found = mechanism.close(q[mechanism.drive_index], q)
+        if found.status != Code.NONE:
+            text = f"{what}.position is too close to a singular posture for loops to be closed"
+            raise OutcomeError(Code.SINGULAR, f"{text}, which are open by {errors.max():.3g}")
         return found.q

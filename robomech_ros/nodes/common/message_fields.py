@@ -1,4 +1,4 @@
-"""Lists of numbers and durations as the fields of messages take them."""
+"""Lists of numbers, times and durations as the fields of messages take them."""
 
 from array import array
 from typing import Any
@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from builtin_interfaces.msg import Duration
 from numpy.typing import NDArray
+from std_msgs.msg import Header
 
 from robomech_ros.errors import BadValueError
 
@@ -13,6 +14,7 @@ __all__ = [
     "NANO",
     "append_numbers",
     "duration_from_seconds",
+    "fill_header",
     "floats",
     "seconds_from_duration",
 ]
@@ -47,6 +49,12 @@ def seconds_from_duration(duration: Duration, what: str) -> float:
     if seconds < 0.0:
         raise BadValueError(what, seconds, "a duration that is not negative (s)")
     return seconds
+
+
+def fill_header(header: Header, frame: str, stamp: int) -> None:
+    """Write a frame and a ROS time (ns) to a header."""
+    header.frame_id = frame
+    header.stamp.sec, header.stamp.nanosec = divmod(stamp, NANO)
 
 
 def duration_from_seconds(seconds: float) -> Duration:

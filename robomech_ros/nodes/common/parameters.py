@@ -58,9 +58,6 @@ class ParameterError(RobomechError):
             shown = shown[:_SHORTENED] + "..."
         super().__init__(f"parameter '{name}' is {shown}; allowed is {allowed}")
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.name, self.value, self.allowed)
-
 
 @dataclass(frozen=True)
 class ParameterRow:

@@ -11,7 +11,7 @@ from std_msgs.msg import String
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.sparing_log import SparingLog
 from robomech_ros.robots import RobotDescription, SemanticDescription, semantics_of
-from robomech_ros.robots.guarded_xml import is_xml
+from robomech_ros.robots.documents.guarded_xml import is_xml
 
 __all__ = ["SEMANTIC_TOPIC", "SemanticSource"]
 

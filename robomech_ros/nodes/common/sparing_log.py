@@ -29,6 +29,13 @@ class SparingLog:
 
     def error(self, text: str) -> None:
         """Log a text as an error, unless it or enough others were logged a moment ago."""
+        self._say(self._logger.error, text)
+
+    def warning(self, text: str) -> None:
+        """Log a text as a warning, unless it or enough others were logged a moment ago."""
+        self._say(self._logger.warning, text)
+
+    def _say(self, log: Callable[[str], object], text: str) -> None:
         now = self._clock()
         while self._said and now - self._said[0][0] >= PERIOD:
             self._said.popleft()
@@ -37,4 +44,4 @@ class SparingLog:
             return
         self._said.append((now, text))
         left_out, self._left_out = self._left_out, 0
-        self._logger.error(f"{text} ({left_out} such lines left out)" if left_out else text)
+        log(f"{text} ({left_out} such lines left out)" if left_out else text)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,6 @@ import numpy as np
 
 from robomech_interfaces.srv import ListSamples, SaveCalibration
 from robomech_ros.calibration import hand_eye
-from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.calibration.settings import MOUNT_OF_TYPE
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.demonstration.calibration_task import SERVICES, CalibrationTask
@@ -24,11 +22,10 @@ from robomech_ros.nodes.demonstration.camera import (
     SimulatedCamera,
     scene_of,
 )
-from robomech_ros.nodes.demonstration.client import DemoClient
+from robomech_ros.nodes.demonstration.client import DemoClient, running_client
 from robomech_ros.nodes.demonstration.limits import Which, robot_with_limits
 from robomech_ros.nodes.demonstration.postures import pick_and_place
 from robomech_ros.nodes.demonstration.report import Reporter
-from robomech_ros.nodes.demonstration.suite import running_suite
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.plotting.calibrations import plot_calibration
 from robomech_ros.robots import SerialChain, load_description
@@ -86,33 +83,26 @@ def _session(
     reporter.heading(f"{chain.name}: where is the camera? ({mount})")
     on_tf = _tf_is_there()
     began = time.perf_counter()
-    with running_suite(_commands(which, wanted, output, on_tf)) as suite:
-        client = DemoClient(suite, chain)
-        try:
-            client.wait_until_up(SERVICES)
-            up = time.perf_counter()
-            reporter.say(
-                f"up after {up - began:.1f} s, each a process of its own in ROS domain "
-                f"{suite.domain}: {', '.join(suite.names)}"
-            )
-            reporter.say(
-                f"the camera's noise: {wanted.noise[1] * 1e3:g} mm and {wanted.noise[0] * 1e3:g} "
-                f"mrad in each coordinate; it speaks {'on /tf' if on_tf else 'on topics'}, and "
-                "once takes the target for one that is turned by 90 degrees"
-            )
-            start, _ = pick_and_place(chain)
-            scene = scene_of(chain, start, mount == "eye-in-hand")
-            camera = SimulatedCamera(client, chain, scene, wanted.noise, on_tf)
-            task = CalibrationTask(client, chain, camera, scene, reporter)
-            task.run(start, wanted.samples)
-            _tell(client, task, chain, reporter, output)
-            reporter.say(_page(client, which, chain, mount, output))
-            reporter.say(f"everything worked, in {time.perf_counter() - up:.1f} s")
-        except RobomechError:
-            print(f"last words of the nodes:\n{suite.last_words()}", file=sys.stderr)
-            raise
-        finally:
-            client.close()
+    with running_client(_commands(which, wanted, output, on_tf), chain) as (suite, client):
+        client.wait_until_up(SERVICES)
+        up = time.perf_counter()
+        reporter.say(
+            f"up after {up - began:.1f} s, each a process of its own in ROS domain "
+            f"{suite.domain}: {', '.join(suite.names)}"
+        )
+        reporter.say(
+            f"the camera's noise: {wanted.noise[1] * 1e3:g} mm and {wanted.noise[0] * 1e3:g} "
+            f"mrad in each coordinate; it speaks {'on /tf' if on_tf else 'on topics'}, and "
+            "once takes the target for one that is turned by 90 degrees"
+        )
+        start, _ = pick_and_place(chain)
+        scene = scene_of(chain, start, mount == "eye-in-hand")
+        camera = SimulatedCamera(client, chain, scene, wanted.noise, on_tf)
+        task = CalibrationTask(client, chain, camera, scene, reporter)
+        task.run(start, wanted.samples)
+        _tell(client, task, chain, reporter, output)
+        reporter.say(_page(client, which, chain, mount, output))
+        reporter.say(f"everything worked, in {time.perf_counter() - up:.1f} s")
 
 
 def _tf_is_there() -> bool:

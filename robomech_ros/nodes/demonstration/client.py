@@ -1,8 +1,9 @@
 """The demonstration's own node: calls services and records the joints."""
 
+import sys
 import time
-from collections.abc import Callable, Sequence
-from queue import SimpleQueue
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any, Protocol
 
 import numpy as np
@@ -12,22 +13,20 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
+from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.demonstration.failure import DemoFailedError
-from robomech_ros.nodes.demonstration.suite import Suite
+from robomech_ros.nodes.demonstration.suite import Suite, running_suite
 from robomech_ros.nodes.middleware.deep_queues import ask
+from robomech_ros.nodes.middleware.questions import Question
 from robomech_ros.nodes.process.run import Spinner
 from robomech_ros.outcomes import name_of
 
-__all__ = ["DemoClient"]
+__all__ = ["DemoClient", "running_client"]
 
 Array = NDArray[np.float64]
 
 _START_SECONDS = 60.0
 _CALL_SECONDS = 20.0
-# A server may not know yet who asks when its client knows the server already: the first question is
-# lost then.  Those that change nothing are asked again.
-_AGAIN_SECONDS = 2.0
-_HARMLESS = ("kinematics/",)
 _LOOK = 0.02
 
 
@@ -60,6 +59,7 @@ class DemoClient:
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         self._node = Node("robomech_demo", start_parameter_services=False)
         self._clients: dict[str, Any] = {}
+        self._kinds: dict[str, Any] = {}
         self._rows: list[tuple[float, Array, Array]] = []
         self._node.create_subscription(JointState, "joint_states", self._record, 100)
         self._spinner = Spinner([self._node])
@@ -101,6 +101,11 @@ class DemoClient:
         positions, velocities = (np.array([row[i] for row in rows])[keep] for i in (1, 2))
         return times[keep] - times[keep[0]], positions, velocities
 
+    @property
+    def began(self) -> float:
+        """ROS time (s) of the first joint state heard, from which the recording counts."""
+        return self._rows[0][0]
+
     def now(self) -> float:
         """Give the time of the recording, s: that of the last joint state heard."""
         return self._rows[-1][0] - self._rows[0][0] if self._rows else 0.0
@@ -108,8 +113,8 @@ class DemoClient:
     def wait_until_up(self, services: dict[str, Any]) -> None:
         """Wait for services, name to type, and for the first joint state."""
         for name, kind in services.items():
-            self._clients[name] = ask(self._node, kind, name)
-        if not self._wait(lambda: not self._missing(), _START_SECONDS):
+            self._clients[name], self._kinds[name] = ask(self._node, kind, name), kind
+        if not self.wait(lambda: not self._missing(), _START_SECONDS):
             missing = ", ".join(self._missing())
             raise DemoFailedError(f"not up after {_START_SECONDS:g} s: {missing}")
 
@@ -139,12 +144,10 @@ class DemoClient:
         DemoFailedError
             It did not answer.
         """
-        answered: SimpleQueue[Any] = SimpleQueue()
-        patience = _AGAIN_SECONDS if service.startswith(_HARMLESS) else _CALL_SECONDS
-        for _ in range(round(_CALL_SECONDS / patience)):
-            self._clients[service].call_async(request).add_done_callback(answered.put)
-            if self._wait(lambda: not answered.empty(), patience):
-                return answered.get().result()
+        question = Question(self._clients[service], self._kinds[service], request)
+        if self.wait(question.answered.done, _CALL_SECONDS, question.repeat_if_due):
+            return question.answer()
+        question.give_up()
         raise DemoFailedError(f"{service} did not answer within {_CALL_SECONDS:g} s")
 
     def wait_until_at(
@@ -173,20 +176,35 @@ class DemoClient:
             _, q, qd = self._rows[-1]
             return bool(np.abs(q - goal).max() <= tolerance and np.abs(qd).max() <= tolerance)
 
-        if not self._wait(arrived, seconds, look):
+        if not self.wait(arrived, seconds, look):
             off = np.abs(self._rows[-1][1] - goal)
             worst = int(np.argmax(off))
             amount = f"{off[worst]:.3g} {self._units[worst]}"
             text = f"after {seconds:.1f} s joint '{self._names[worst]}' is {amount} from its goal"
             raise DemoFailedError(f"the motion did not arrive: {text}")
 
-    def _wait(
+    def wait(
         self,
         condition: Callable[[], bool],
         seconds: float,
         look: Callable[[], None] = lambda: None,
     ) -> bool:
-        """Wait for a condition while all nodes live; False if the time is over before."""
+        """Wait for a condition while all nodes live; False if the time (s) is over before.
+
+        Parameters
+        ----------
+        condition : callable
+            Whether it holds.
+        seconds : float
+            How long to wait.
+        look : callable, optional
+            Called again and again meanwhile.
+
+        Raises
+        ------
+        DemoFailedError
+            A node has ended.
+        """
         deadline = time.monotonic() + seconds
         while not condition():
             look()
@@ -195,3 +213,27 @@ class DemoClient:
                 return False
             time.sleep(_LOOK)
         return True
+
+
+@contextmanager
+def running_client(
+    commands: Mapping[str, Sequence[str]], robot: Joints
+) -> Iterator[tuple[Suite, DemoClient]]:
+    """Run nodes and a client of theirs; if something fails, print what the nodes said last.
+
+    Parameters
+    ----------
+    commands : mapping of str to sequence of str
+        Of each node, by name.
+    robot : Joints
+        Whose joint states the client records.
+    """
+    with running_suite(commands) as suite:
+        client = DemoClient(suite, robot)
+        try:
+            yield suite, client
+        except RobomechError:
+            print(f"last words of the nodes:\n{suite.last_words()}", file=sys.stderr)
+            raise
+        finally:
+            client.close()

@@ -20,6 +20,10 @@ _PIPE_WIDTH = 150
 _TABLE_WIDTH = 130
 
 
+def _joints(q: Array) -> str:
+    return " ".join(f"{value:+.3f}" for value in q)
+
+
 class Way(NamedTuple):
     """A path of the tip.
 
@@ -118,16 +122,23 @@ class Reporter:
         self._console.print(table)
 
     @contextmanager
-    def progress(self, name: str) -> Iterator[Shown]:
+    def progress(self, name: str, words: Callable[[Array], str] = _joints) -> Iterator[Shown]:
         """Show how far a motion is: a live bar, or a line each quarter.
+
+        Parameters
+        ----------
+        name : str
+            Of the motion.
+        words : callable, optional
+            Writes where the robot is; by default joint positions (rad, m).
 
         Yields
         ------
         callable
-            Takes how much of the motion is done, 0 to 1, and the present joint positions.
+            Takes how much of the motion is done, 0 to 1, and where the robot is, as for ``words``.
         """
         if not self._console.is_terminal:
-            yield self._quarters(name)
+            yield self._quarters(name, words)
             return
         columns = (
             TextColumn("{task.description}"),
@@ -139,11 +150,11 @@ class Reporter:
             task = bar.add_task(name, total=1.0, joints="")
 
             def show(done: float, q: Array) -> None:
-                bar.update(task, completed=done, joints=_joints(q))
+                bar.update(task, completed=done, joints=words(q))
 
             yield show
 
-    def _quarters(self, name: str) -> Shown:
+    def _quarters(self, name: str, words: Callable[[Array], str]) -> Shown:
         shown = [0]
 
         def show(done: float, q: Array) -> None:
@@ -151,7 +162,7 @@ class Reporter:
             quarter = int(4.0 * done + 1e-3)
             if quarter > shown[0]:
                 shown[0] = quarter
-                self.say(f"{name} {quarter * 25:3d} %  {_joints(q)}")
+                self.say(f"{name} {quarter * 25:3d} %  {words(q)}")
 
         return show
 
@@ -178,7 +189,3 @@ def _rows(response: Any, shown: Sequence[int]) -> Iterator[_Row]:
             distance=f"{response.seed_distances[i]:.3f}",
             condition=f"{response.condition_numbers[i]:.1f}",
         )
-
-
-def _joints(q: Array) -> str:
-    return " ".join(f"{value:+.3f}" for value in q)

@@ -1,6 +1,5 @@
 """One run of the demonstration, from the start of the nodes to the plot."""
 
-import sys
 import time
 from pathlib import Path
 
@@ -8,14 +7,13 @@ import numpy as np
 
 from robomech_interfaces.srv import Execute, PlanCartesian, PlanJoint, SolveFK, SolveIK
 from robomech_ros.dynamics import mass_matrix
-from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.nodes.demonstration.client import DemoClient
+from robomech_ros.errors import BadValueError
+from robomech_ros.nodes.demonstration.client import DemoClient, running_client
 from robomech_ros.nodes.demonstration.demo_robots import ArmToShow, RobotToShow
 from robomech_ros.nodes.demonstration.limits import Which, robot_with_limits
 from robomech_ros.nodes.demonstration.load import CARRYING, TRACKED, Load
 from robomech_ros.nodes.demonstration.pick_and_place import PickAndPlace
 from robomech_ros.nodes.demonstration.report import Reporter
-from robomech_ros.nodes.demonstration.suite import running_suite
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.parallel import Mechanism, ParallelDynamics, load_described
 from robomech_ros.plotting.joint_motions import plot_motion
@@ -94,32 +92,25 @@ def _session(
 ) -> list[str]:
     reporter.heading(robot.title)
     start = time.perf_counter()
-    with running_suite(_commands(which, payload is not None)) as suite:
-        client = DemoClient(suite, robot)
-        try:
-            client.wait_until_up(_SERVICES if payload is None else _SERVICES | CARRYING)
-            seconds = time.perf_counter() - start
-            reporter.say(
-                f"up after {seconds:.1f} s, each a process of its own in ROS domain "
-                f"{suite.domain}: {', '.join(suite.names)}"
-            )
-            load = None if payload is None else Load(client, payload)
-            task = PickAndPlace(client, robot, reporter, load)
-            if which.srdf:
-                task.stands_at_home()
-            task.run()
-            if which.srdf:
-                task.go_home()
-            reporter.heading("summary")
-            reporter.summary(task.legs)
-            output.mkdir(parents=True, exist_ok=True)
-            plot = _plot(robot, client, task, output)
-            return [f"plot: {plot}", _page(which, moved, client, task, output)]
-        except RobomechError:
-            print(f"last words of the nodes:\n{suite.last_words()}", file=sys.stderr)
-            raise
-        finally:
-            client.close()
+    with running_client(_commands(which, payload is not None), robot) as (suite, client):
+        client.wait_until_up(_SERVICES if payload is None else _SERVICES | CARRYING)
+        seconds = time.perf_counter() - start
+        reporter.say(
+            f"up after {seconds:.1f} s, each a process of its own in ROS domain "
+            f"{suite.domain}: {', '.join(suite.names)}"
+        )
+        load = None if payload is None else Load(client, payload)
+        task = PickAndPlace(client, robot, reporter, load)
+        if which.srdf:
+            task.stands_at_home()
+        task.run()
+        if which.srdf:
+            task.go_home()
+        reporter.heading("summary")
+        reporter.summary(task.legs)
+        output.mkdir(parents=True, exist_ok=True)
+        plot = _plot(robot, client, task, output)
+        return [f"plot: {plot}", _page(which, moved, client, task, output)]
 
 
 def _commands(which: Which, dynamic: bool) -> dict[str, list[str]]:

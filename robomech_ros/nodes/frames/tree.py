@@ -39,9 +39,6 @@ class NoTransformError(RobomechError):
         self.may_come = may_come
         super().__init__(why)
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (str(self), self.may_come)
-
 
 class Found(NamedTuple):
     """Where a frame is in another one.

@@ -33,9 +33,6 @@ class RefusedError(RobomechError):
         self.reason = reason
         super().__init__(reason)
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.code, self.reason)
-
 
 @contextmanager
 def refused_as(code: int) -> Iterator[None]:

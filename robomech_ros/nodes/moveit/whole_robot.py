@@ -12,6 +12,7 @@ from robomech_ros.errors import (
     NonFiniteError,
     UnknownJointError,
     WrongSizeError,
+    shown,
 )
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
@@ -80,9 +81,9 @@ class WholeRobot:
         for field in ("joint_names", "transforms", "twist", "wrench"):
             entries = getattr(compound, field)
             if entries:
-                shown = list(compound.joint_names) or f"{len(entries)} entries"
+                given = list(compound.joint_names) or f"{len(entries)} entries"
                 expected = "none: the robot has no joint of several freedoms"
-                raise BadValueError(f"{what}.multi_dof_joint_state.{field}", shown, expected)
+                raise BadValueError(f"{what}.multi_dof_joint_state.{field}", given, expected)
         return self._checked(state.joint_state, what)
 
     def _checked(self, joints: Any, what: str) -> dict[str, float]:
@@ -93,7 +94,7 @@ class WholeRobot:
         values = dict(zip(names, positions, strict=True))
         if len(values) < len(names):
             twice = next(name for i, name in enumerate(names) if name in names[:i])
-            expected = f"every name once; '{twice}' is repeated"
+            expected = f"every name once; {shown(twice)} is repeated"
             raise WrongSizeError(f"{what}.joint_state.name", len(names), expected)
         for name, value in values.items():
             if name not in self._middle and name not in self._followers:

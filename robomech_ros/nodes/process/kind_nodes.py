@@ -34,6 +34,9 @@ class KindNodes:
         ``simulation``; empty for none.
     frame_prefix : str, optional
         The parameter with what names of frames begin with.
+    variant : callable, optional
+        Names the variant of a robot by name or path, such as its drive: its nodes also get the
+        parameters in ``config/<node>.<variant>.yaml``, if there is such a file.
     demonstration : str, optional
         The module of the demonstration, with ``demonstrate(robot, output)``; empty for none.
     """
@@ -44,11 +47,16 @@ class KindNodes:
     refused: tuple[str, ...]
     simulator: str = ""
     frame_prefix: str = "frame_prefix"
+    variant: Callable[[str], str] | None = None
     demonstration: str = ""
 
 
 # What only arms have.
 _OF_ARMS = ("joint_limits", "srdf", "group", "base_link", "tip_link", "calibration")
+
+
+def _drive(robot: str) -> str:
+    return rolling_robot(robot).drive
 
 
 def _legged(robot: str) -> object:
@@ -64,8 +72,10 @@ KIND_NODES = {
         nodes=("mobile_base",),
         simulator="mobile_base",
         load=rolling_robot,
-        refused=(*_OF_ARMS, "view"),
+        refused=_OF_ARMS,
         frame_prefix="tf_frame_prefix",
+        variant=_drive,
+        demonstration="robomech_ros.nodes.demonstration.rolling_session",
     ),
     "hand": KindNodes(
         called="hand",
@@ -78,6 +88,7 @@ KIND_NODES = {
         nodes=("joint_trajectory_controller", "walker"),
         simulator="joint_trajectory_controller",
         load=_legged,
-        refused=(*_OF_ARMS, "dynamic", "view"),
+        refused=(*_OF_ARMS, "dynamic"),
+        demonstration="robomech_ros.nodes.demonstration.walk_session",
     ),
 }

@@ -99,14 +99,14 @@ class LaunchOptions:
         """Give the command line of each node's process."""
         shared, own = _apart(self.ros_arguments())
         return {
-            node: node_command(node, [*config_file(node), *shared, *_given(own.get(node, {}))])
-            for node in self.nodes
+            node: node_command(node, [*shipped, *shared, *_given(own.get(node, {}))])
+            for node, shipped in self._shipped().items()
         }
 
     @contextmanager
     def arguments_of_one_process(self) -> Iterator[list[str]]:
         """Give the ROS arguments for all nodes in one process, as long as it needs them."""
-        files = [argument for node in self.nodes for argument in config_file(node)]
+        files = [argument for shipped in self._shipped().values() for argument in shipped]
         shared, own = _apart(self.ros_arguments())
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "parameters.yaml"
@@ -133,7 +133,7 @@ class LaunchOptions:
         own = KIND_NODES.get(self.kind)
         if own is not None:
             described = {"robot_description": values["robot_description"]}
-            values = {**described, own.frame_prefix: values["frame_prefix"]}
+            values = {**described, **self._prefixes(own.frame_prefix)}
         for name, value in values.items():
             if value:
                 # Quoted: YAML would read a robot called 7 as a number.
@@ -151,6 +151,25 @@ class LaunchOptions:
         if self.view and self.view_host is not None:
             result += ["-p", f"rvs:host:={json.dumps(self.view_host)}"]
         return [*result, *self._addressed()]
+
+    def _shipped(self) -> dict[str, list[str]]:
+        """Give each node the ROS arguments for the files that the package ships for it.
+
+        They come first, so that all else replaces what is in them.
+        """
+        own = KIND_NODES.get(self.kind)
+        variant = own.variant(self._robot()) if own and own.variant and self.robot else ""
+        return {
+            node: [*config_file(node), *(config_file(f"{node}.{variant}") if variant else ())]
+            for node in self.nodes
+        }
+
+    def _prefixes(self, name: str) -> dict[str, str]:
+        """Give the prefix of frames by the parameter of those nodes that have it."""
+        owners = [node for node in self.nodes if name in _parameter_names(node)]
+        every = len(owners) == len(self.nodes)
+        names = [name] if every else [f"{node}:{name}" for node in owners]
+        return dict.fromkeys(names, self._frame_prefix())
 
     def _addressed(self) -> list[str]:
         """Give the other arguments, with parameters addressed to the nodes that have them.
@@ -228,10 +247,10 @@ def _parameter_names(node: str) -> set[str]:
     return {row.name for row in table_rows(tables[0])}
 
 
-def config_file(node: str) -> list[str]:
-    """Give the ROS arguments for the parameters that the package ships for a node."""
+def config_file(name: str) -> list[str]:
+    """Give the ROS arguments for parameters that the package ships, for a node or a variant."""
     for folder in robot_folders():
-        path = folder.parent / f"{node}.yaml"
+        path = folder.parent / f"{name}.yaml"
         if path.is_file():
             return ["--params-file", str(path)]
     return []

@@ -22,7 +22,7 @@ from typing import Any
 from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.regular_files import read_regular
 from robomech_ros.robots import SemanticDescription, SerialChain
-from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml, shown
+from robomech_ros.robots.documents.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml, shown
 
 __all__ = ["Program", "Step", "read_program"]
 

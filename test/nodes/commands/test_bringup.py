@@ -241,9 +241,21 @@ def test_a_walking_machine_has_the_walker_and_its_controller():
         assert {'robot_description:="phantomx"', 'frame_prefix:="left/"'} <= set(words)
     assert "publish_rate:=50.0" in every["joint_trajectory_controller"]
     assert "publish_rate:=50.0" not in every["walker"]
-    for option in (["--group", "arm"], ["--dynamic"], ["--view"]):
+    for option in (["--group", "arm"], ["--dynamic"]):
         with pytest.raises(BadValueError, match="expected nothing: 'phantomx' is a walking"):
             bringup.run(parsed("--robot", "phantomx", *option))
+    viewed = commands("--robot", "phantomx", "--view", "--namespace", "left")
+    assert list(viewed) == ["joint_trajectory_controller", "walker", "rvs"]
+    for words in viewed.values():
+        assert {'robot_description:="phantomx"', 'frame_prefix:="left/"'} <= set(words)
+
+
+def test_the_view_of_a_rolling_robot_gets_no_parameter_of_another_node():
+    every = commands("--robot", "mecanum", "--view", "--namespace", "left", "--view-port", "0")
+    assert list(every) == ["mobile_base", "rvs"]
+    assert 'tf_frame_prefix:="left/"' in every["mobile_base"]
+    assert not [word for word in every["rvs"] if "frame_prefix" in word]
+    assert {'robot_description:="mecanum"', "port:=0"} <= set(every["rvs"])
 
 
 @pytest.mark.parametrize("node", NODE_MODULES)

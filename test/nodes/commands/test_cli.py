@@ -275,6 +275,39 @@ def test_payloads_that_the_demo_refuses(capfd, options, said):
     assert said in err
 
 
+def test_the_demo_refuses_a_folder_that_takes_no_files_before_it_starts(capfd, tmp_path):
+    taken = tmp_path / "taken"
+    taken.write_text("a file")
+    code, out, err = run(capfd, "demo", "--robot", "mecanum", "--output", f"{taken}")
+    assert (code, out) == (2, "")
+    assert f"--output is '{taken}', expected a folder that can be written" in err
+
+
+def test_the_demo_says_of_a_hand_that_it_has_none(capfd, tmp_path):
+    code, _, err = run(capfd, "demo", "--robot", "three_fingered", "--output", f"{tmp_path}")
+    assert code == 1
+    assert "--robot is 'three_fingered'" in err and "a hand has none" in err
+
+
+def test_a_robot_of_another_kind_is_named_as_such(capfd):
+    code, out, err = run(capfd, "export-urdf", "mecanum")
+    assert (code, out) == (2, "")
+    assert err.strip().endswith("a robot of kind 'rolling' is not taken here")
+
+
+def test_policies_of_robots_that_are_no_arms_are_written(tmp_path):
+    file = tmp_path / "policy.xml"
+    command = [sys.executable, "-m", "robomech_ros.cli.main", "security-policies"]
+    done = subprocess.run(
+        [*command, "--robot", "three_fingered", "--output", file],
+        capture_output=True,
+        text=True,
+        timeout=300.0,
+    )
+    assert done.returncode == 0, done.stderr
+    assert 'node="grasping"' in file.read_text("utf-8")
+
+
 @pytest.mark.parametrize("module", ["robomech_ros", "robomech_ros.cli.main"])
 def test_import_pulls_in_neither_ros_nor_numba(module):
     code = (

@@ -55,6 +55,16 @@ def test_bad_joint_states(names, positions, error, text):
         joint_messages.positions_by_name(given, NAMES, "seed")
 
 
+def test_a_long_name_that_comes_twice_is_shortened():
+    """All of it came back: 100 kB in the answer to a request."""
+    name = "x" * 100_000
+    with pytest.raises(
+        WrongSizeError, match=r"x\.\.\. \(100002 characters\) is repeated"
+    ) as refused:
+        joint_messages.positions_by_name(state([name, name], [1.0, 2.0]), NAMES, "seed")
+    assert len(str(refused.value)) < 400
+
+
 def rotations():
     rng = np.random.default_rng(7)
     some = Rotation.random(200, random_state=7).as_matrix()

@@ -11,6 +11,9 @@ class Recorder:
     def error(self, text):
         self.lines.append(text)
 
+    def warning(self, text):
+        self.lines.append(f"WARN {text}")
+
     def log(self):
         return SparingLog(self, lambda: self.now)
 
@@ -25,6 +28,14 @@ def test_the_same_complaint_comes_once_a_period_with_the_count_of_those_left_out
     log.error("bad")
     log.error("bad")
     assert recorder.lines == ["bad", "bad (999 such lines left out)"]
+
+
+def test_warnings_are_as_sparing():
+    recorder = Recorder()
+    log = recorder.log()
+    for _ in range(3):
+        log.warning("odd")
+    assert recorder.lines == ["WARN odd"]
 
 
 def test_another_complaint_comes_at_once():

@@ -12,11 +12,11 @@ from rclpy.task import Future
 
 from robomech_interfaces.action import ExecuteTrajectory
 from robomech_interfaces.srv import SolveFK
-from robomech_ros.robots import load_robot
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "fuzz"))
 
 import attack
+from known_robot import known_robot
 from messages import MessageMaker
 
 COUNT, TIMEOUT = 10, 60.0
@@ -46,7 +46,7 @@ def attack_on(graph):
         server.create_service(SolveFK, SERVICE, lambda request, response: response)
         wait_until_seen(attacker)
         rng = np.random.default_rng(0)
-        maker = MessageMaker(rng, load_robot("puma560"), (0.0,))
+        maker = MessageMaker(rng, known_robot("puma560"), (0.0,))
         return attack.Attack(attacker, [server.get_name()], maker, rng, lambda: True, {kind: 1.0})
 
     yield make

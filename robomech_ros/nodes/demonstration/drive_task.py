@@ -1,0 +1,195 @@
+"""Driving closed paths through the node of a rolling robot, by what it publishes."""
+
+from __future__ import annotations
+
+import math
+import threading
+from typing import Any, NamedTuple
+
+import numpy as np
+from geometry_msgs.msg import PoseStamped, TwistStamped
+from nav_msgs.msg import Odometry
+from numpy.typing import NDArray
+from rclpy.qos import qos_profile_sensor_data
+
+from robomech_ros.nodes.common.message_fields import NANO
+from robomech_ros.nodes.demonstration.client import DemoClient
+from robomech_ros.nodes.demonstration.closed_paths import ClosedPath
+from robomech_ros.nodes.demonstration.failure import DemoFailedError
+from robomech_ros.nodes.demonstration.path_follower import PathFollower
+from robomech_ros.nodes.demonstration.report import Reporter
+from robomech_ros.nodes.demonstration.rolling_paths import speed_on
+from robomech_ros.nodes.mobile_base.drives import Interface
+from robomech_ros.rolling import RollingRobot
+
+__all__ = ["DriveTask", "Driven"]
+
+Array = NDArray[np.float64]
+
+# How long a path may take, in the time that it needs at its speed, and besides (s).
+_PATIENCE, _BESIDES = 5.0, 60.0
+_UP = 60.0
+# At the end: how far off its beginning the base may be (m, rad), and odometry off the base.
+_OFF, _TURNED, _APART = 0.02, 0.02, 1e-6
+# Quiet wheels: what rounding leaves of a twist (rad/s, m/s).
+_REST = 1e-9
+
+
+class Driven(NamedTuple):
+    """A path that was driven.
+
+    Parameters
+    ----------
+    path : ClosedPath
+    begin, end : float
+        ROS times (s).
+    """
+
+    path: ClosedPath
+    begin: float
+    end: float
+
+
+class DriveTask:
+    """Drives a base and keeps where it was.
+
+    Parameters
+    ----------
+    client : DemoClient
+    robot : RollingRobot
+    interface : Interface
+        Topics of its drive.
+    reporter : Reporter
+    """
+
+    def __init__(
+        self, client: DemoClient, robot: RollingRobot, interface: Interface, reporter: Reporter
+    ) -> None:
+        self._client, self._robot, self._reporter = client, robot, reporter
+        self._told: list[Array] = []
+        self._true: list[Array] = []
+        self._follower: PathFollower | None = None
+        self._rests = False
+        self._lock = threading.Lock()
+        node = client.node
+        command, odometry = (
+            topic.replace("~", "mobile_base") for topic in (interface.command, interface.odometry)
+        )
+        self._commands = node.create_publisher(TwistStamped, command, 1)
+        node.create_subscription(Odometry, odometry, self._hear, qos_profile_sensor_data)
+        truth = "mobile_base/simulated_base"
+        node.create_subscription(PoseStamped, truth, self._see, qos_profile_sensor_data)
+
+    def wait_until_up(self) -> None:
+        """Wait for odometry and for who takes commands.
+
+        Raises
+        ------
+        DemoFailedError
+        """
+        if not self._client.wait(self._is_up, _UP):
+            topic = self._commands.topic_name
+            raise DemoFailedError(f"after {_UP:g} s no odometry comes, or nobody hears '{topic}'")
+
+    def _is_up(self) -> bool:
+        return bool(self._told and self._true and self._commands.get_subscription_count())
+
+    @property
+    def places(self) -> Array:
+        """Where the base was, shape (n, 4): ROS time (s), x, y (m), heading (rad), continuous."""
+        with self._lock:
+            rows = np.array(self._true)
+        rows = rows[np.diff(rows[:, 0], prepend=-np.inf) > 0.0]
+        return np.column_stack([rows[:, :3], np.unwrap(rows[:, 3])])
+
+    def drive(self, path: ClosedPath, radius: float) -> Driven:
+        """Drive a path, and check where the base arrives.
+
+        Raises
+        ------
+        DemoFailedError
+            It does not arrive, or elsewhere.
+        """
+        speed, acceleration = speed_on(self._robot, path, radius)
+        follower = PathFollower(self._robot.base.axle, path, speed, acceleration, radius)
+        begin = self._told[-1][0]
+        seconds = path.length / speed
+        say = f"{path.name}: {path.length:.1f} m at {speed:.2f} m/s, about {seconds:.0f} s"
+        self._reporter.say(say)
+        self._follower = follower
+        with self._reporter.progress(path.name, _words) as show:
+
+            def look() -> None:
+                show(follower.gone / path.length, self._told[-1][1:])
+
+            arrived = self._client.wait(
+                lambda: follower.arrived and self._rests, _PATIENCE * seconds + _BESIDES, look
+            )
+            look()
+        self._follower = None
+        if not arrived:
+            raise DemoFailedError(
+                f"{path.name}: after {_PATIENCE * seconds + _BESIDES:.0f} s the base has gone "
+                f"{follower.gone:.2f} of {path.length:.2f} m"
+            )
+        end = self._told[-1][0]
+        self._check(path, follower.off)
+        return Driven(path, begin, end)
+
+    def _check(self, path: ClosedPath, off: float) -> None:
+        """Compare the end with the beginning, by odometry and by the base itself."""
+        if not self._client.wait(lambda: self._true[-1][0] >= self._told[-1][0] - 1e-6, _UP):
+            raise DemoFailedError("the simulated base is no longer told")
+        stamp = self._told[-1][0]
+        true = min(self._true[-50:], key=lambda row: abs(row[0] - stamp))
+        for what, row in (("odometry", self._told[-1]), ("the simulated base", true)):
+            away, turned = math.hypot(row[1], row[2]), abs(math.remainder(row[3], 2.0 * math.pi))
+            if away > _OFF or turned > _TURNED:
+                raise DemoFailedError(
+                    f"{path.name}: by {what} the base is {away:.3g} m and {turned:.3g} rad from "
+                    f"where it began, expected at most {_OFF} m and {_TURNED} rad"
+                )
+        apart = float(np.abs(self._told[-1][1:3] - true[1:3]).max())
+        if apart > _APART:
+            raise DemoFailedError(f"odometry is {apart:.3g} m off the simulated base")
+        away, turned = math.hypot(true[1], true[2]), abs(math.remainder(true[3], 2.0 * math.pi))
+        self._reporter.say(
+            f"{path.name}: back after {path.length:.1f} m, {away * 1e3:.1f} mm and "
+            f"{turned * 1e3:.1f} mrad off; never more than {off * 1e3:.1f} mm beside the path; "
+            f"odometry {apart:.0e} m off the simulated base"
+        )
+
+    def _hear(self, message: Odometry) -> None:
+        """Take odometry, and answer it with a command."""
+        twist = message.twist.twist
+        moves = (twist.angular.z, twist.linear.x, twist.linear.y)
+        row = _row(message.header.stamp, message.pose.pose)
+        self._rests = max(map(abs, moves)) < _REST
+        follower = self._follower
+        if follower is not None:
+            self._command(follower.command(row[0], row[1:]))
+        with self._lock:
+            self._told.append(row)
+
+    def _see(self, message: PoseStamped) -> None:
+        with self._lock:
+            self._true.append(_row(message.header.stamp, message.pose))
+
+    def _command(self, twist: Array) -> None:
+        message = TwistStamped()
+        message.header.stamp = self._client.node.get_clock().now().to_msg()
+        message.twist.angular.z, message.twist.linear.x, message.twist.linear.y = twist.tolist()
+        self._commands.publish(message)
+
+
+def _words(place: Array) -> str:
+    """Write a place, as x, y (m) and heading (rad)."""
+    x, y = place[:2]
+    return f"x {x:+.3f} m, y {y:+.3f} m, heading {math.remainder(place[2], 2.0 * math.pi):+.3f} rad"
+
+
+def _row(stamp: Any, pose: Any) -> Array:
+    """Give time (s), x, y (m) and heading (rad) of a pose on the ground."""
+    heading = 2.0 * math.atan2(pose.orientation.z, pose.orientation.w)
+    time = stamp.sec + stamp.nanosec / NANO
+    return np.array([time, pose.position.x, pose.position.y, heading])

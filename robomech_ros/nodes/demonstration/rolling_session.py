@@ -1,0 +1,120 @@
+"""The demonstration of a rolling robot: closed paths, driven across processes."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.nodes.demonstration.client import DemoClient, running_client
+from robomech_ros.nodes.demonstration.drive_task import Driven, DriveTask
+from robomech_ros.nodes.demonstration.report import Reporter
+from robomech_ros.nodes.demonstration.rolling_paths import paths_for
+from robomech_ros.nodes.mobile_base.drives import INTERFACES, joints_of
+from robomech_ros.nodes.process.launch_options import LaunchOptions
+from robomech_ros.plotting.drives import plot_ways
+from robomech_ros.rolling import RollingRobot, rolling_description, rolling_robot
+from robomech_ros.rolling.tree import BASE_JOINTS
+from robomech_ros.rvs import Choice, Motion, ViewUnavailableError, write_motion
+
+__all__ = ["demonstrate"]
+
+Array = NDArray[np.float64]
+
+
+class _Joints(NamedTuple):
+    """The joints that the node publishes."""
+
+    joint_names: tuple[str, ...]
+    units: tuple[str, ...]
+
+
+def demonstrate(robot: str, output: Path) -> None:
+    """Drive closed paths with a rolling robot, and tell about it.
+
+    Parameters
+    ----------
+    robot : str
+        Name or path.
+    output : Path
+        Folder for the plot and the page.
+
+    Raises
+    ------
+    RobomechError
+        A step failed; the text says which and why.
+    """
+    start = time.perf_counter()
+    reporter, rolling = Reporter(), rolling_robot(robot)
+    base = rolling.base
+    reporter.heading(
+        f"{base.name}: {rolling.drive} drive, {len(base.wheels)} wheels, {len(base.driven)} of "
+        f"them driven, mobility {base.mobility.type}"
+    )
+    interface = INTERFACES[rolling.drive]
+    commands = LaunchOptions(robot, kind="rolling").commands()
+    joints = joints_of(base)
+    names = (*(name for name, _ in joints.rolling), *joints.steering)
+    with running_client(commands, _Joints(names, ("rad",) * len(names))) as (suite, client):
+        client.wait_until_up({})
+        task = DriveTask(client, rolling, interface, reporter)
+        task.wait_until_up()
+        seconds = time.perf_counter() - start
+        reporter.say(
+            f"up after {seconds:.1f} s, a process of its own in ROS domain {suite.domain}: "
+            f"{', '.join(suite.names)}"
+        )
+        radius, paths = paths_for(base)
+        driven = [task.drive(path, radius) for path in paths]
+        output.mkdir(parents=True, exist_ok=True)
+        written = [
+            f"plot: {_plot(base.name, task, driven, output)}",
+            _page(rolling, client, task, driven, output),
+        ]
+    for line in written:
+        reporter.say(line)
+    reporter.say(f"everything worked, in {time.perf_counter() - start:.1f} s")
+
+
+def _plot(name: str, task: DriveTask, driven: list[Driven], output: Path) -> Path:
+    places = task.places
+    ways = [places[(places[:, 0] >= one.begin) & (places[:, 0] <= one.end), 1:] for one in driven]
+    return plot_ways(
+        output / f"{name}.png",
+        [one.path.name for one in driven],
+        [one.path.places for one in driven],
+        ways,
+        title=f"{name}: closed paths, as published on simulated_base",
+    )
+
+
+def _page(
+    robot: RollingRobot, client: DemoClient, task: DriveTask, driven: list[Driven], output: Path
+) -> str:
+    """Write the motion as a page, and say where; or why not."""
+    times, turned, _ = client.recording()
+    places = task.places
+    times = times + client.began
+    keep = (times >= max(driven[0].begin, places[0, 0])) & (times <= places[-1, 0])
+    times, turned = times[keep], turned[keep]
+    joints = joints_of(robot.base)
+    known = dict(zip((name for name, _ in joints.rolling), turned.T, strict=False))
+    known |= dict(zip(joints.steering, turned.T[len(joints.rolling) :], strict=True))
+    for name, column in zip(BASE_JOINTS, places.T[1:], strict=True):
+        known[name] = np.interp(times, places[:, 0], column)
+    description = rolling_description(robot.base)
+    # Brackets of casters are not told by the node.
+    still = np.zeros(len(times))
+    q = np.column_stack([known.get(name, still) for name in description.joint_names])
+    choices = tuple(Choice(one.begin, one.path.name, "", ()) for one in driven)
+    name = robot.base.name
+    path, title = output / f"{name}.html", f"{name}: closed paths"
+    motion = Motion(description, times, q, choices)
+    try:
+        write_motion(path, description, motion, title=title, trail="base_link")
+    except ViewUnavailableError as error:
+        return f"no page: {error}"
+    return f"page: {path}"

@@ -1,0 +1,165 @@
+"""One walk of the demonstration: twists that follow a path, and what the robot says of itself."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry
+from numpy.typing import NDArray
+from std_msgs.msg import Float64
+
+from robomech_interfaces.msg import FootContacts
+from robomech_ros.nodes.common.message_fields import NANO
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.demonstration.client import DemoClient
+from robomech_ros.nodes.demonstration.failure import DemoFailedError
+from robomech_ros.nodes.demonstration.path_follower import PathFollower
+from robomech_ros.rolling.arcs import moved
+from robomech_ros.spatial.poses import rigid_inverse
+
+__all__ = ["Walk"]
+
+Array = NDArray[np.float64]
+
+_DEPTH = 1000
+# So often (s) a twist is sent.
+_SENT = 0.05
+# So much longer than planned (s, and parts of the plan) a walk may take.
+_PATIENCE, _LONGER = 60.0, 3.0
+
+
+class Walk:
+    """Walks along a path, and keeps what is published meanwhile.
+
+    Parameters
+    ----------
+    client : DemoClient
+        Whose node publishes and listens.
+    lead : float
+        Parameter of the walker: twists take effect that much later (s).
+    """
+
+    def __init__(self, client: DemoClient, lead: float) -> None:
+        self._client, self._lead, node = client, lead, client.node
+        self._sent: deque[tuple[float, Array]] = deque()
+        self._poses: list[tuple[float, Array]] = []
+        self._contacts: list[tuple[float, NDArray[np.bool_], Array]] = []
+        self._margins: list[float] = []
+        self._still = False
+        self._twists = node.create_publisher(TwistStamped, "cmd_vel", 10)
+        node.create_subscription(Odometry, "odom", self._odometry, _DEPTH)
+        node.create_subscription(FootContacts, "foot_contacts", self._feet, _DEPTH)
+        node.create_subscription(Float64, "walker/stability_margin", self._margin, _DEPTH)
+
+    def _odometry(self, message: Odometry) -> None:
+        twist = message.twist.twist
+        parts = (twist.linear, twist.angular)
+        self._still = not any(abs(v) for part in parts for v in (part.x, part.y, part.z))
+        self._poses.append((_seconds(message), matrix_from_pose(message.pose.pose)))
+
+    def _feet(self, message: FootContacts) -> None:
+        places = np.array([(one.x, one.y, one.z) for one in message.feet])
+        self._contacts.append((_seconds(message), np.array(message.contacts), places))
+
+    def _margin(self, message: Float64) -> None:
+        self._margins.append(float(message.data))
+
+    def wait_until_it_stands(self, seconds: float = _PATIENCE) -> None:
+        """Wait until all feet are down and the trunk is at rest.
+
+        Raises
+        ------
+        DemoFailedError
+            They are not in time.
+        """
+        known = len(self._poses)
+
+        def stands() -> bool:
+            heard = len(self._poses) > known and self._contacts and self._margins
+            return bool(heard and self._still and self._contacts[-1][1].all())
+
+        if not self._client.wait(stands, seconds):
+            raise DemoFailedError(f"after {seconds:g} s the robot does not stand on all feet")
+
+    def follow(self, follower: PathFollower, seconds: float) -> float:
+        """Walk along a path from where the robot stands, and stop.
+
+        Parameters
+        ----------
+        follower : PathFollower
+        seconds : float
+            That it should take.
+
+        Returns
+        -------
+        float
+            The time that it took (s).
+
+        Raises
+        ------
+        DemoFailedError
+            It does not arrive, or does not stop.
+        """
+        begin, started = rigid_inverse(self._poses[-1][1]), self._now()
+        patience = _PATIENCE + _LONGER * seconds
+
+        def look() -> None:
+            now = self._now()
+            if self._sent and now < self._sent[-1][0] + _SENT:
+                return
+            stamp, trunk = self._poses[-1]
+            away = begin @ trunk
+            heading = float(np.arctan2(away[1, 0], away[0, 0]))
+            pose = self._ahead(np.array([*away[:2, 3], heading]), stamp - self._lead, now)
+            self._send(follower.command(stamp, pose), now)
+
+        if not self._client.wait(lambda: follower.arrived, patience, look):
+            text = f"after {patience:.0f} s {follower.gone:.2f} m of the way are done"
+            raise DemoFailedError(f"the walk did not arrive: {text}")
+        self._send(np.zeros(3), self._now())
+        took = self._now() - started
+        self.wait_until_it_stands()
+        return took
+
+    def _now(self) -> float:
+        """Give the ROS time (s)."""
+        return float(self._client.node.get_clock().now().nanoseconds / NANO)
+
+    def _ahead(self, pose: Array, since: float, now: float) -> Array:
+        """Give the pose (x, y, heading) to which twists lead that were sent from a time on."""
+        while len(self._sent) > 1 and self._sent[1][0] <= since:
+            self._sent.popleft()
+        times = [*(max(one, since) for one, _ in self._sent), now]
+        for (_, twist), begin, end in zip(self._sent, times, times[1:], strict=False):
+            pose = moved(pose, twist * (end - begin))
+        return pose
+
+    def _send(self, twist: Array, now: float) -> None:
+        message = TwistStamped()
+        message.twist.angular.z = float(twist[0])
+        message.twist.linear.x, message.twist.linear.y = float(twist[1]), float(twist[2])
+        self._twists.publish(message)
+        self._sent.append((now, twist))
+
+    @property
+    def trunk(self) -> tuple[Array, Array]:
+        """ROS times (s), shape (m,), and poses of the trunk by odometry (m), (m, 4, 4)."""
+        return np.array([one for one, _ in self._poses]), np.array([T for _, T in self._poses])
+
+    @property
+    def feet(self) -> tuple[Array, NDArray[np.bool_], Array]:
+        """ROS times (s), (m,), which feet stand, (m, k), and where all are (m), (m, k, 3)."""
+        times, contacts, places = zip(*self._contacts, strict=True)
+        return np.array(times), np.array(contacts), np.array(places)
+
+    @property
+    def margins(self) -> Array:
+        """The stability margins (m), shape (m,)."""
+        return np.array(self._margins)
+
+
+def _seconds(message: Odometry | FootContacts) -> float:
+    stamp = message.header.stamp
+    return float(stamp.sec + stamp.nanosec / NANO)

@@ -1,0 +1,239 @@
+"""The demonstration of a walking machine: an eight is walked, and every foot looked at."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.demonstration.client import DemoClient, running_client
+from robomech_ros.nodes.demonstration.closed_paths import ClosedPath, figure_of_eight
+from robomech_ros.nodes.demonstration.failure import DemoFailedError
+from robomech_ros.nodes.demonstration.path_follower import PathFollower
+from robomech_ros.nodes.demonstration.report import Reporter
+from robomech_ros.nodes.demonstration.walk import Walk
+from robomech_ros.nodes.process.launch_options import LaunchOptions
+from robomech_ros.plotting.walks import plot_walk
+from robomech_ros.rvs import Motion, ViewUnavailableError, write_motion
+from robomech_ros.rvs.model.walking.placed_tree import placed_tree, placing
+from robomech_ros.walking import GAITS, LeggedRobot, Walker, load_legged
+
+__all__ = ["demonstrate", "eight_for", "quickest"]
+
+Array = NDArray[np.float64]
+
+# How long the walk should take (s), the parts of the greatest twists that it uses, and the
+# acceleration on the way (m/s^2).
+_SECONDS, _SPEED, _TURN, _ACCELERATION = 15.0, 0.5, 0.2, 0.2
+# How far the walk is ahead of its time, and joints may lag (s): a busy machine does not end it.
+_LEAD, _LAG = 1.0, 2.0
+# How far from its beginning the trunk may end (m, rad), by odometry.
+_ARRIVED, _ARRIVED_ANGLE = 0.005, 0.01
+# How far a foot that stands may be from where it is said to be (m), as the joints have it, on the
+# way and at rest; where the trunk is between messages is known if they are not further apart (s).
+_SLIPPED, _FOOT, _NEIGHBOURS = 0.002, 1e-4, 0.045
+
+
+def demonstrate(robot: str, output: Path) -> None:
+    """Walk an eight with a walking machine, and tell about it.
+
+    Parameters
+    ----------
+    robot : str
+        Name or path.
+    output : Path
+        Folder for the plot and the page.
+
+    Raises
+    ------
+    RobomechError
+        A step failed; the text says which and why.
+    """
+    reporter, start = Reporter(), time.perf_counter()
+    legged = load_legged(robot)
+    walker = quickest(legged)
+    path, radius, speed = eight_for(walker)
+    reporter.heading(
+        f"{legged.name}: {len(legged.legs)} legs, {legged.n} joints, gait {walker.gait}, "
+        f"a cycle of {walker.cycle:.2f} s"
+    )
+    commands = LaunchOptions(robot, kind="walking").commands()
+    given = {"gait": walker.gait, "lead": _LEAD, "tracking_delay": _LAG}
+    for name, value in given.items():
+        commands["walker"] += ["-p", f"{name}:={value}"]
+    with running_client(commands, legged) as (suite, client):
+        client.wait_until_up({})
+        walk = Walk(client, _LEAD)
+        walk.wait_until_it_stands()
+        reporter.say(
+            f"up after {time.perf_counter() - start:.1f} s, each a process of its own in ROS "
+            f"domain {suite.domain}: {', '.join(suite.names)}"
+        )
+        reporter.say(
+            f"{path.name}: {path.length:.2f} m at {speed * 1e3:.0f} mm/s, by twists on cmd_vel"
+        )
+        follower = PathFollower(None, path, speed, _ACCELERATION, radius)
+        took = walk.follow(follower, path.length / speed)
+        reporter.say(
+            f"walked in {took:.1f} s, never more than {_off(walk, path) * 1e3:.1f} mm off it"
+        )
+        _check(walker, walk, client, reporter)
+        output.mkdir(parents=True, exist_ok=True)
+        reporter.say(f"plot: {_plot(walker, walk, path, output)}")
+        reporter.say(_page(legged, walk, client, output))
+    reporter.say(f"everything worked, in {time.perf_counter() - start:.1f} s")
+
+
+def quickest(robot: LeggedRobot) -> Walker:
+    """Give the gait that is fastest; the trunk does not sway in it.
+
+    Raises
+    ------
+    BadValueError
+        No gait is for so many legs.
+    """
+    own = [gait for gait in GAITS.values() if len(robot.legs) in gait.offsets]
+    return Walker(robot, gait=min(own, key=lambda gait: gait.duty).name if own else None)
+
+
+def eight_for(walker: Walker) -> tuple[ClosedPath, float, float]:
+    """Give a path that suits a walker, on which it looks about, its radius (m) and speed (m/s)."""
+    turn, ahead = walker.fastest[:2]
+    speed = _SPEED * float(ahead)
+    # Its length is in proportion to its radius.
+    radius = speed * _SECONDS / figure_of_eight(1.0, looking_ahead=False).length
+    path = figure_of_eight(radius, looking_ahead=False)
+    swings = 2.0 * np.pi * path.lengths / path.length
+    amplitude = _TURN * float(turn) * _SECONDS / (2.0 * np.pi)
+    headings = amplitude * np.sin(swings)
+    return replace(path, name="eight, looking about", headings=headings), radius, speed
+
+
+def _planned(walk: Walk, path: ClosedPath) -> Array:
+    """Give the path over the ground (m), shape (p, 2): it begins where the walk does."""
+    begin = walk.trunk[1][0]
+    return np.asarray(path.places @ begin[:2, :2].T + begin[:2, 3])
+
+
+def _off(walk: Walk, path: ClosedPath) -> float:
+    """Give how far the trunk was from the path (m)."""
+    places = _planned(walk, path)
+    return float(max(np.hypot(*(places - T[:2, 3]).T).min() for T in walk.trunk[1]))
+
+
+def _check(walker: Walker, walk: Walk, client: DemoClient, reporter: Reporter) -> None:
+    """See that the trunk is where it began, by odometry and by legs, and that nothing tipped.
+
+    Raises
+    ------
+    DemoFailedError
+        It is not, or the margin has left its bound.
+    """
+    robot = walker.robot
+    _, trunk = walk.trunk
+    _closed("odometry", trunk[0], trunk[-1], reporter)
+    _, contacts, places = walk.feet
+    at_rest = np.abs(_on_ground(robot, client.present[None], trunk[-1:]) - places[-1]).max()
+    count, off = _slip(robot, walk, client)
+    text = (
+        f"by the joints, standing feet are at most {off * 1e3:.2f} mm from where they are said to "
+        f"be, seen {count} times, and {at_rest * 1e3:.4f} mm at the end"
+    )
+    if not count or off > _SLIPPED or at_rest > _FOOT or not contacts[-1].all():
+        raise DemoFailedError(text)
+    reporter.say(text)
+    least = walk.margins.min()
+    text = f"stability margin: at least {least * 1e3:.1f} mm, bound {walker.bound * 1e3:.0f} mm"
+    if least < walker.bound - 1e-9:
+        raise DemoFailedError(text)
+    reporter.say(text)
+
+
+def _slip(robot: LeggedRobot, walk: Walk, client: DemoClient) -> tuple[int, float]:
+    """Compare where feet are by joints, and where they are said to stand; give the worst (m)."""
+    moments, trunk = walk.trunk
+    times, contacts, places = walk.feet
+    both, of_trunk, of_feet = np.intersect1d(moments, times, return_indices=True)
+    trunk, contacts, places = trunk[of_trunk], contacts[of_feet], places[of_feet]
+    sampled, q, _ = client.recording()
+    sampled = sampled + client.began
+    after = np.searchsorted(both, sampled)
+    inside = (after > 0) & (after < len(both))
+    sampled, q, after = sampled[inside], q[inside], after[inside]
+    lasted = both[after] - both[after - 1]
+    near = lasted < _NEIGHBOURS
+    sampled, q, after, lasted = sampled[near], q[near], after[near], lasted[near]
+    part = ((sampled - both[after - 1]) / lasted)[:, None, None]
+    # So near, the trunk moves evenly.
+    T = (1.0 - part) * trunk[after - 1] + part * trunk[after]
+    stands = contacts[after - 1] & contacts[after]
+    off = np.linalg.norm(_on_ground(robot, q, T) - places[after], axis=2)[stands]
+    return off.size, float(off.max(initial=0.0))
+
+
+def _on_ground(robot: LeggedRobot, q: Array, T: Array) -> Array:
+    """Give where the feet are over the ground (m), (m, k, 3), by joints and by the trunk."""
+    feet = [
+        forward_kinematics(leg, q[:, 3 * k : 3 * k + 3])[:, :3, 3]
+        for k, leg in enumerate(robot.legs)
+    ]
+    seen = np.stack(feet, axis=1) @ T[:, :3, :3].transpose(0, 2, 1)
+    return np.asarray(seen + T[:, None, :3, 3])
+
+
+def _closed(what: str, begin: Array, end: Array, reporter: Reporter) -> None:
+    away = np.linalg.inv(begin) @ end
+    off = float(np.linalg.norm(away[:2, 3]))
+    turned = abs(float(np.arctan2(away[1, 0], away[0, 0])))
+    text = f"by {what} it is {off * 1e3:.2f} mm and {turned * 1e3:.2f} mrad from where it began"
+    if off > _ARRIVED or turned > _ARRIVED_ANGLE:
+        raise DemoFailedError(text)
+    reporter.say(text)
+
+
+def _plot(walker: Walker, walk: Walk, path: ClosedPath, output: Path) -> Path:
+    robot = walker.robot
+    times, trunk = walk.trunk
+    _, contacts, places = walk.feet
+    footholds = [
+        np.unique(places[contacts[:, k], k, :2].round(6), axis=0) for k in range(len(robot.legs))
+    ]
+    count = min(len(times), len(walk.margins))
+    return plot_walk(
+        output / f"{robot.name}.png",
+        robot.leg_names,
+        times[:count] - times[0],
+        trunk[:count, :2, 3],
+        footholds,
+        walk.margins[:count],
+        bound=walker.bound,
+        planned=_planned(walk, path),
+        title=f"{robot.name}: an eight in the gait {walker.gait}, by odom and foot_contacts",
+    )
+
+
+def _page(robot: LeggedRobot, walk: Walk, client: DemoClient, output: Path) -> str:
+    """Write the walk as a page that plays it, and say where; or why not."""
+    height = -float(robot.feet(robot.home)[:, 2].mean())
+    tree = placed_tree(robot.description, robot.trunk, height)
+    times, trunk = walk.trunk
+    sampled, q, _ = client.recording()
+    joints = [np.interp(times, sampled + client.began, column) for column in q.T]
+    columns = dict(zip(robot.joint_names, joints, strict=True))
+    heading = np.unwrap(np.arctan2(trunk[:, 1, 0], trunk[:, 0, 0]))
+    bases = np.column_stack([trunk[:, :2, 3], heading])
+    placed = [placing(base, T, height) for base, T in zip(bases, trunk, strict=True)]
+    columns |= {name: np.array([one[name] for one in placed]) for name in placed[0]}
+    moved = np.column_stack([columns[name] for name in tree.joint_names])
+    path = output / f"{robot.name}.html"
+    keep = np.diff(times, prepend=-np.inf) > 0.0
+    motion = Motion(tree, times[keep] - times[0], moved[keep])
+    try:
+        write_motion(path, tree, motion, title=f"{robot.name}: an eight", trail=robot.trunk)
+    except ViewUnavailableError as error:
+        return f"no page: {error}"
+    return f"page: {path}"
