@@ -5,6 +5,7 @@ result.  Every message gives the value, what was expected and, where there is on
 what is available; the same facts are attributes of the exception.
 """
 
+import copyreg
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
@@ -21,14 +22,17 @@ __all__ = [
     "MissingLimitsError",
     "NonFiniteError",
     "NotEnoughMemoryError",
+    "OpenLoopsError",
     "RobomechError",
     "RobotDescriptionError",
     "SeedOutsideLimitsError",
+    "SingularPostureError",
     "UndeterminedError",
     "UnknownJointError",
     "UnknownLinkError",
     "UnknownRobotError",
     "WrongSizeError",
+    "shown",
 ]
 
 _LONGEST_VALUE = 200
@@ -36,8 +40,25 @@ _LONGEST_LIST = 40
 _MOST_COMPARED = 500
 
 
-def _shown(value: object) -> str:
-    """Show a value from outside: its representation, shortened, control characters escaped."""
+def shown(value: object) -> str:
+    """Show a value from outside: its representation, shortened, control characters escaped.
+
+    Parameters
+    ----------
+    value : object
+        Of any size.
+
+    Returns
+    -------
+    str
+        Up to 200 characters of it, and how many there are where there are more.
+
+    Examples
+    --------
+    >>> from robomech_ros.errors import shown
+    >>> shown("elbow" * 1000)[-30:]
+    'elbowelbo... (5002 characters)'
+    """
     text = repr(value)
     if len(text) > _LONGEST_VALUE:
         text = f"{text[:_LONGEST_VALUE]}... ({len(text)} characters)"
@@ -47,7 +68,7 @@ def _shown(value: object) -> str:
 def _listed(names: Sequence[str]) -> str:
     if not names:
         return "none"
-    text = ", ".join(_shown(name)[1:-1] for name in names[:_LONGEST_LIST])
+    text = ", ".join(shown(name)[1:-1] for name in names[:_LONGEST_LIST])
     if len(names) > _LONGEST_LIST:
         text += f", and {len(names) - _LONGEST_LIST} more"
     return text
@@ -55,6 +76,10 @@ def _listed(names: Sequence[str]) -> str:
 
 class RobomechError(ValueError):
     """Base of all errors that this package raises for a wrong request."""
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # As it is: the arguments that made it are not those of ValueError.
+        return copyreg.__newobj__, (type(self), *self.args), vars(self)  # type: ignore[attr-defined]
 
 
 class _UnknownNameError(RobomechError):
@@ -69,11 +94,8 @@ class _UnknownNameError(RobomechError):
         close = get_close_matches(str(name)[:_LONGEST_VALUE], candidates, n=1)
         hint = f" (did you mean '{close[0]}'?)" if close else ""
         super().__init__(
-            f"unknown {self.kind} {_shown(name)}{hint}; available: {_listed(self.available)}"
+            f"unknown {self.kind} {shown(name)}{hint}; available: {_listed(self.available)}"
         )
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.name, self.available)
 
 
 class UnknownRobotError(_UnknownNameError):
@@ -101,10 +123,7 @@ class BadValueError(RobomechError):
         self.what = what
         self.value = value
         self.expected = expected
-        super().__init__(f"{what} is {_shown(value)}, expected {expected}")
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.what, self.value, self.expected)
+        super().__init__(f"{what} is {shown(value)}, expected {expected}")
 
 
 class ContradictionError(BadValueError):
@@ -129,8 +148,31 @@ class UndeterminedError(BadValueError):
         self.free = tuple(tuple(float(x) for x in one) for one in free)
         super().__init__(what, value, expected)
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.what, self.value, self.expected, self.free)
+
+class OpenLoopsError(BadValueError):
+    """Joint values with which the limbs of a parallel robot do not hold one platform.
+
+    ``limb``, from 1, is farthest off: by ``distance`` (m) and ``angle`` (rad) from limb 1.
+    """
+
+    def __init__(
+        self, what: str, limb: int, distance: float, angle: float, expected: str = "closed loops"
+    ) -> None:
+        self.limb, self.distance, self.angle = limb, distance, angle
+        super().__init__(what, (distance, angle), expected)
+        RobomechError.__init__(
+            self,
+            f"{what} has open loops: limb {limb} ends {distance:.3g} m and {angle:.3g} rad from "
+            f"where limb 1 holds the platform, expected {expected}",
+        )
+
+
+class SingularPostureError(BadValueError):
+    """A posture in which the drives of a parallel robot do not hold it."""
+
+    def __init__(self, what: str, value: object, expected: str) -> None:
+        super().__init__(what, value, expected)
+        RobomechError.__init__(self, f"{what} is singular, expected {expected}")
 
 
 class WrongSizeError(RobomechError):
@@ -142,9 +184,6 @@ class WrongSizeError(RobomechError):
         self.expected = expected
         noun = "shape" if isinstance(got, tuple) else "size"
         super().__init__(f"{what} has {noun} {got}, expected {expected}")
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.what, self.got, self.expected)
 
 
 class NonFiniteError(RobomechError):
@@ -162,7 +201,7 @@ class NonFiniteError(RobomechError):
         self.what = what
         self.value = value
         self.index: tuple[int, ...] | None = None
-        text = f"{what} is {_shown(value)}"
+        text = f"{what} is {shown(value)}"
         if isinstance(value, np.ndarray) and value.ndim and value.dtype.kind == "f":
             bad = np.argwhere(~np.isfinite(value))
             if len(bad):
@@ -171,9 +210,6 @@ class NonFiniteError(RobomechError):
                 text = f"{what}[{where}] is {float(value[self.index])!r}"
         super().__init__(f"{text}, expected finite numbers")
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.what, self.value)
-
 
 class BadQuaternionError(RobomechError):
     """A quaternion that stands for no rotation."""
@@ -181,10 +217,7 @@ class BadQuaternionError(RobomechError):
     def __init__(self, value: object, reason: str) -> None:
         self.value = value
         self.reason = reason
-        super().__init__(f"quaternion {_shown(value)}: {reason}")
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.value, self.reason)
+        super().__init__(f"quaternion {shown(value)}: {reason}")
 
 
 class MissingLimitsError(RobomechError):
@@ -203,9 +236,6 @@ class MissingLimitsError(RobomechError):
         self.joints = tuple(joints)
         noun = "joint" if len(self.joints) == 1 else "joints"
         super().__init__(f"no {kind} limit for {noun} {_listed(self.joints)}")
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.kind, self.joints)
 
 
 class MissingInertiaError(RobomechError):
@@ -227,9 +257,6 @@ class MissingInertiaError(RobomechError):
             f"{_listed(self.joints)} move; give them in the robot's description"
         )
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.links, self.joints)
-
 
 class RobotDescriptionError(RobomechError):
     """A robot's description is broken, hostile or of a kind that is not supported.
@@ -246,9 +273,6 @@ class RobotDescriptionError(RobomechError):
         self.where = where
         self.why = why
         super().__init__(f"{where}: {why}")
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.where, self.why)
 
 
 def _of_unit(value: float, unit: str, digits: int = 9) -> str:
@@ -291,10 +315,6 @@ class SeedOutsideLimitsError(RobomechError):
             f"[{self.lower:.9g}, {self.upper:.9g}] by {_of_unit(excess, unit, 3)}"
         )
 
-    def __reduce__(self) -> tuple[object, ...]:
-        given = (self.joint, self.value, self.lower, self.upper, self.what, self.unit)
-        return type(self), given
-
 
 class LimitExceededError(RobomechError):
     """A joint's position, velocity, acceleration or jerk goes over its limit.
@@ -320,9 +340,6 @@ class LimitExceededError(RobomechError):
             f"{what} of joint '{joint}' is {_of_unit(self.value, unit)}, over its limit "
             f"{_of_unit(self.limit, unit)} by {_of_unit(abs(self.value - self.limit), unit, 3)}"
         )
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.what, self.joint, self.value, self.limit, self.unit)
 
 
 class DurationTooShortError(RobomechError):
@@ -351,9 +368,6 @@ class DurationTooShortError(RobomechError):
             f"shortest possible, because of the {limit} limit of joint '{joint}'"
         )
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.duration, self.shortest, self.joint, self.limit)
-
 
 class MapFileError(RobomechError):
     """The file of a map is damaged, belongs to another map or robot, or cannot be written.
@@ -370,9 +384,6 @@ class MapFileError(RobomechError):
         self.path = path
         self.why = why
         super().__init__(f"{path}: {why}")
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.path, self.why)
 
 
 class NotEnoughMemoryError(RobomechError):
@@ -394,9 +405,6 @@ class NotEnoughMemoryError(RobomechError):
             f"{what} takes {_in_bytes(needed)} of memory, of which {_in_bytes(available)} "
             "are available"
         )
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.what, self.needed, self.available)
 
 
 def _in_bytes(count: int) -> str:

@@ -62,7 +62,7 @@ class Code(IntEnum):
     IK_LOST = 211, "along a path: no inverse-kinematic solution from here on"
     JUMP = 212, "along a path: the joints would have to jump"
     LIMIT = 213, "a joint, velocity, acceleration or jerk limit would be exceeded"
-    SINGULAR = 214, "along a path: too close to a singularity"
+    SINGULAR = 214, "too close to a singularity: in a posture, or along a path"
     REJECTED = 221, "the trajectory or goal was refused, or the controller is gone"
     PREEMPTED = 222, "a newer goal or trajectory took over, or the motion was stopped"
     PATH_TOLERANCE = 223, "a joint left the tolerance around the path"

@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,12 +18,16 @@ from std_srvs.srv import Trigger
 
 from robomech_ros.nodes.middleware.deep_queues import ask
 from robomech_ros.nodes.process.free_domain import free_domain
+from robomech_ros.nodes.process.kind_nodes import KIND_NODES
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.nodes.process.reach import stay_on_this_machine
+from robomech_ros.robots.kinds import kind_of
 
 __all__ = ["NODES", "RunningSuite", "running_suite"]
 
 PATIENCE = 60.0
+# Nodes may have to compile their kernels first, beside others that do.
+_STARTING = 300.0
 # The node that calibrates sensors is among them: it hears poses on topics, which nobody publishes.
 NODES = LaunchOptions(calibration=True).nodes
 _SAMPLED = {
@@ -43,6 +47,8 @@ class RunningSuite:
     ----------
     process : subprocess.Popen
         The command that started them.
+    nodes : sequence of str
+        Their names.
 
     Attributes
     ----------
@@ -50,8 +56,8 @@ class RunningSuite:
         Of the command, when the suite has been taken down.
     """
 
-    def __init__(self, process: subprocess.Popen[bytes]) -> None:
-        self._process = process
+    def __init__(self, process: subprocess.Popen[bytes], nodes: Sequence[str]) -> None:
+        self._process, self.nodes = process, nodes
         self.exit_code: int | None = None
 
     def alive(self) -> bool:
@@ -63,13 +69,13 @@ class RunningSuite:
         pid, found = self._process.pid, {}
         for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
             words = Path(f"/proc/{child}/cmdline").read_bytes().decode().split("\0")
-            found.update({node: int(child) for node in NODES if node in words})
+            found.update({node: int(child) for node in self.nodes if node in words})
         return found
 
     def wait_until_ready(self, node: Node) -> None:
         """Wait until every node serves, seen by somebody in the same domain whom nobody spins."""
-        deadline = time.monotonic() + PATIENCE
-        for name in NODES:
+        deadline = time.monotonic() + _STARTING
+        for name in self.nodes:
             client = ask(node, Trigger, f"{name}/ready")
             while not client.service_is_ready():
                 assert self.alive() and time.monotonic() < deadline, f"{name} does not come up"
@@ -78,7 +84,7 @@ class RunningSuite:
             rclpy.spin_until_future_complete(node, answer, timeout_sec=PATIENCE)
             assert answer.done() and answer.result().success, f"{name} does not serve"
             node.destroy_client(client)
-        while _LAST not in dict(node.get_service_names_and_types()):
+        while "servo" in self.nodes and _LAST not in dict(node.get_service_names_and_types()):
             assert self.alive() and time.monotonic() < deadline, f"no {_LAST}"
             time.sleep(0.1)
 
@@ -108,11 +114,16 @@ def running_suite(robot: str, *, log: str = os.devnull) -> Iterator[RunningSuite
         TemporaryDirectory() as folder,
     ):
         os.environ["ROS_DOMAIN_ID"] = str(domain)
-        parameters = {**_SAMPLED, "folder": folder}
-        command += ["--calibration", "--ros-args"]
-        for name, value in parameters.items():
-            command += ["-p", f"calibration:{name}:={value}"]
-        suite = RunningSuite(subprocess.Popen(command, stdout=stream, stderr=stream))
+        nodes, kind = NODES, kind_of(robot)
+        if kind in KIND_NODES:
+            nodes = LaunchOptions(kind=kind).nodes
+        elif kind:
+            nodes = LaunchOptions(servo=False).nodes
+        else:
+            command += ["--calibration", "--ros-args"]
+            for name, value in {**_SAMPLED, "folder": folder}.items():
+                command += ["-p", f"calibration:{name}:={value}"]
+        suite = RunningSuite(subprocess.Popen(command, stdout=stream, stderr=stream), nodes)
         try:
             yield suite
         finally:

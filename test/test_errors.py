@@ -41,6 +41,15 @@ CASES = [
         errors.LimitExceededError("velocity", "j", -3.0, -2.0, "rad/s"),
         "velocity of joint 'j' is -3 rad/s, over its limit -2 rad/s by 1 rad/s",
     ),
+    (
+        errors.OpenLoopsError("q[2]", 3, 0.0123456, 0.2),
+        "q[2] has open loops: limb 3 ends 0.0123 m and 0.2 rad from where limb 1 holds the "
+        "platform, expected closed loops",
+    ),
+    (
+        errors.SingularPostureError("posture", [0.0] * 36, "one in which the drives hold it"),
+        "posture is singular, expected one in which the drives hold it",
+    ),
     (errors.MapFileError("map.npz", "damaged"), "map.npz: damaged"),
     (
         errors.NotEnoughMemoryError("a map of 9 cells", 24_000_000, 5),
@@ -57,6 +66,7 @@ def test_texts_and_pickles(error, text):
     again = pickle.loads(pickle.dumps(error))
     assert type(again) is type(error)
     assert str(again) == text
+    assert str(vars(again)) == str(vars(error))
 
 
 def test_long_values_and_lists_are_cut():

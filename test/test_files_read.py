@@ -19,7 +19,7 @@ def opened_in(path: Path) -> set[str]:
     """Name the functions that open files and are called in a module."""
     found = set()
     text = path.read_text(encoding="utf-8")
-    # robots/yaml_rows.py has a read_text of its own, for a value of a document.
+    # robots/documents/yaml_rows.py has a read_text of its own, for a value of a document.
     of_yaml = "yaml_rows import" in text or "def read_text" in text
     for node in ast.walk(ast.parse(text)):
         if not isinstance(node, ast.Call):
@@ -53,5 +53,5 @@ def test_the_search_finds_what_it_should(tmp_path):
     for line in ("open(p)", "os.open(p, 0)", "p.read_text()", "np.fromfile(p)", "p.open('rb')"):
         module.write_text(line, encoding="utf-8")
         assert opened_in(module), line
-    module.write_text("from robots.yaml_rows import read_text\nread_text(value, w)")
+    module.write_text("from robots.documents.yaml_rows import read_text\nread_text(value, w)")
     assert not opened_in(module)

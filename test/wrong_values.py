@@ -1,10 +1,13 @@
 """What tests give to every argument of a function, to see it answered or refused."""
 
 import inspect
+import warnings
 
 import numpy as np
 
-__all__ = ["WRONG_VALUES", "with_options"]
+from robomech_ros.errors import RobomechError
+
+__all__ = ["WRONG_VALUES", "answered_or_refused", "with_options"]
 
 # Wrong for nearly all arguments; tests add arrays of the shapes that they ask for.
 WRONG_VALUES = (
@@ -52,3 +55,20 @@ def with_options(function, /, *given, **good):
         for one in parameters
         if one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)
     }
+
+
+def answered_or_refused(call, values):
+    """Give each value in turn to a call, which must answer it or raise an error of ours.
+
+    Returns the texts of the errors.
+    """
+    texts = []
+    for value in values:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            try:
+                call(value)
+            except RobomechError as error:
+                assert str(error), value
+                texts.append(str(error))
+    return texts

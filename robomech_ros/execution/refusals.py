@@ -64,9 +64,6 @@ class TrajectoryOverError(TrajectoryRefusedError):
             f"{self.late:.6g} s old and it lasts {self.lasts:.6g} s"
         )
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.late, self.lasts)
-
 
 class JointMismatchError(WrongSizeError):
     """The joints of the trajectory are not those of the robot: some are missing or repeated."""
@@ -99,9 +96,6 @@ class StartMismatchError(TrajectoryRefusedError):
         apart = abs(self.start - self.present)
         super().__init__(start_mismatch(joint, self.start, self.present, apart, tolerance, unit))
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.joint, self.start, self.present, self.tolerance, self.unit)
-
 
 class AccelerationRefusedError(LimitExceededError):
     """The curve through the points accelerates a joint by many times its limit.
@@ -127,9 +121,3 @@ class AccelerationRefusedError(LimitExceededError):
         self.allowed = float(allowed)
         text = f"{said}; at most {self.allowed:g} times is accepted (max_acceleration_ratio)"
         RobomechError.__init__(self, text)
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return (
-            type(self),
-            (self.said, self.joint, self.value, self.limit, self.allowed, self.unit),
-        )

@@ -155,6 +155,11 @@ class RobotDescription:
                 waiting.append(joint.child)
         return poses
 
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints that move by themselves: all that move, but those that mimic others."""
+        return tuple(joint.name for joint in self.joints if joint.moves and joint.mimic is None)
+
     @property
     def link_depths(self) -> Mapping[str, int]:
         """How many joints are above each link."""

@@ -7,23 +7,105 @@ folders of robots.
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.robots.guarded_xml import is_xml
-from robomech_ros.robots.guarded_yaml import LARGEST_YAML, parse_yaml
+from robomech_ros.robots.documents.guarded_xml import is_xml
+from robomech_ros.robots.documents.guarded_yaml import (
+    LARGEST_YAML,
+    check_choices,
+    check_keys,
+    parse_yaml,
+)
+from robomech_ros.robots.documents.source_files import (
+    SUFFIXES,
+    document_source,
+    documents_in,
+    read_source,
+)
+from robomech_ros.robots.documents.yaml_rows import read_text
 from robomech_ros.robots.library import is_document, list_robots, robot_folders
-from robomech_ros.robots.source_files import SUFFIXES, documents_in, read_source
 
-__all__ = ["KINDS", "documents_of", "kind_of", "yaml_source"]
+__all__ = [
+    "KINDS",
+    "checked_document",
+    "documents_of",
+    "kind_of",
+    "names_of",
+    "source_of",
+    "yaml_source",
+]
 
 # The kind in a document, and the folder of such documents.
 KINDS = {"parallel": "parallel", "rolling": "rolling", "walking": "walking", "hand": "hands"}
+# Other names of robots, by their kinds.
+_ALSO_CALLED = {"walking": {"hexapod_walker": "phantomx"}}
 
 
 def documents_of(kind: str) -> dict[str, Path]:
     """Find the documents of a kind, by the names of the robots; kinds are those of ``KINDS``."""
-    return documents_in(folder / KINDS[kind] for folder in robot_folders())
+    found = documents_in(folder / KINDS[kind] for folder in robot_folders())
+    for name, robot in _ALSO_CALLED.get(kind, {}).items():
+        if robot in found:
+            found.setdefault(name, found[robot])
+    return found
+
+
+def names_of(kind: str) -> tuple[str, ...]:
+    """List the names of the robots of a kind in all folders, sorted."""
+    return tuple(sorted(documents_of(kind)))
+
+
+def source_of(kind: str, robot: object) -> tuple[str | bytes, str]:
+    """Give the text of a document of a kind, and what it is called.
+
+    Parameters
+    ----------
+    kind : str
+        One of ``KINDS``.
+    robot : object
+        A name, the path of a file, or the text.
+
+    Raises
+    ------
+    BadValueError, UnknownRobotError, RobotDescriptionError
+        None of these, a name that is not known, or a file that cannot be read.
+    """
+    return document_source(robot, partial(documents_of, kind), LARGEST_YAML)
+
+
+def checked_document(
+    kind: str, text: str | bytes, where: str, needed: Iterable[str], optional: Iterable[str] = ()
+) -> Mapping[str, Any]:
+    """Parse a document, and check its keys, kind, name and source, which all documents have.
+
+    Parameters
+    ----------
+    kind : str
+        One of ``KINDS``.
+    text : str or bytes
+        YAML.
+    where : str
+        What it is called in messages.
+    needed, optional : iterable of str
+        Its other keys; ``notes`` are always allowed.
+
+    Raises
+    ------
+    RobotDescriptionError
+        It is none of this kind: the message says where and why.
+    """
+    head = ("kind", "name", "source")
+    document = check_keys(parse_yaml(text, where), where, (*head, *needed), ("notes", *optional))
+    check_choices(document, where, kind=(kind,))
+    texts = {
+        "name": read_text(document["name"], f"{where}: name"),
+        "source": read_text(document["source"], f"{where}: source", longest=None),
+    }
+    return {**document, **texts}
 
 
 def kind_of(robot: object) -> str:

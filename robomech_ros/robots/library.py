@@ -17,10 +17,10 @@ from pathlib import Path
 from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownRobotError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.description import RobotDescription
-from robomech_ros.robots.guarded_xml import LARGEST_XML, is_xml
-from robomech_ros.robots.guarded_yaml import LARGEST_YAML
+from robomech_ros.robots.documents.guarded_xml import LARGEST_XML, is_xml
+from robomech_ros.robots.documents.guarded_yaml import LARGEST_YAML
+from robomech_ros.robots.documents.source_files import read_source
 from robomech_ros.robots.robot_yaml import description_from_yaml, with_yaml_limits
-from robomech_ros.robots.source_files import read_source
 from robomech_ros.robots.urdf.document import description_from_urdf
 
 __all__ = ["list_robots", "load_description", "load_robot", "robot_folders"]

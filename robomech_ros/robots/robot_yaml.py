@@ -8,7 +8,7 @@ A table (all numbers in m, rad, s, N m or N)::
       - {name: joint_1, type: revolute, a: 1.0, b: 0.0, alpha: 0.0, lower: -3.0, upper: 3.0}
 
 A joint may have the ``body`` that it moves, in frame i + 1 of the table, and its ``drive``, as
-:mod:`robomech_ros.robots.yaml_bodies` reads them::
+:mod:`robomech_ros.robots.documents.yaml_bodies` reads them::
 
         body: {mass: 2.0, com: [-0.5, 0.0, 0.0], inertia: {ixx: 0.0, iyy: 0.17, izz: 0.17}}
         drive: {viscous: 0.1, coulomb: 0.5, rotor_inertia: 2.0e-4, gear_ratio: 100.0}
@@ -35,10 +35,9 @@ from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.dh import chain_from_dh
-from robomech_ros.robots.guarded_yaml import check_keys, parse_yaml
-from robomech_ros.robots.joint import Joint
-from robomech_ros.robots.yaml_bodies import drive_from_yaml
-from robomech_ros.robots.yaml_rows import (
+from robomech_ros.robots.documents.guarded_yaml import check_keys, parse_yaml
+from robomech_ros.robots.documents.yaml_bodies import drive_from_yaml
+from robomech_ros.robots.documents.yaml_rows import (
     LIMITS,
     read_number,
     read_pose,
@@ -46,6 +45,7 @@ from robomech_ros.robots.yaml_rows import (
     read_rows,
     read_text,
 )
+from robomech_ros.robots.joint import Joint
 
 __all__ = ["description_from_yaml", "with_yaml_limits"]
 

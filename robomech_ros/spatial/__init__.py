@@ -15,11 +15,7 @@ if TYPE_CHECKING:
         cross_product_matrix,
         linear_invariants,
     )
-    from robomech_ros.spatial.matrices import (
-        as_rotation,
-        nearest_rotation,
-        rotation_error,
-    )
+    from robomech_ros.spatial.matrices import as_rotation, nearest_rotation, rotation_error
     from robomech_ros.spatial.points.from_points import (
         angular_acceleration_from_points,
         angular_velocity_from_points,
@@ -30,16 +26,8 @@ if TYPE_CHECKING:
         require_rigid,
         rigidity,
     )
-    from robomech_ros.spatial.points.tracks import (
-        TrackedMotion,
-        motion_from_tracks,
-    )
-    from robomech_ros.spatial.poses import (
-        as_pose,
-        compose_poses,
-        inverse_pose,
-        pose_from_matrix,
-    )
+    from robomech_ros.spatial.points.tracks import TrackedMotion, motion_from_tracks
+    from robomech_ros.spatial.poses import as_pose, compose_poses, inverse_pose, pose_from_matrix
     from robomech_ros.spatial.rotations.axis_angle import (
         axis_angle_from_matrix,
         axis_angle_from_quaternion,
@@ -49,10 +37,7 @@ if TYPE_CHECKING:
         rotation_vector_from_matrix,
         rotation_vector_from_quaternion,
     )
-    from robomech_ros.spatial.rotations.composition import (
-        compose_rotations,
-        slerp,
-    )
+    from robomech_ros.spatial.rotations.composition import compose_rotations, slerp
     from robomech_ros.spatial.rotations.conversions import (
         REPRESENTATIONS,
         SEQUENCES,
@@ -75,10 +60,7 @@ if TYPE_CHECKING:
         quaternion_from_axis_angle,
         quaternion_from_matrix,
     )
-    from robomech_ros.spatial.rotations.rates import (
-        angular_motion,
-        rotation_rates,
-    )
+    from robomech_ros.spatial.rotations.rates import angular_motion, rotation_rates
     from robomech_ros.spatial.rotations.rodrigues_vectors import (
         matrix_from_linear_invariants,
         matrix_from_rodrigues_vector,
@@ -90,9 +72,7 @@ if TYPE_CHECKING:
         matrix_from_roll_pitch_yaw,
         roll_pitch_yaw_from_matrix,
     )
-    from robomech_ros.spatial.rotations.unit_quaternions import (
-        unit_quaternion,
-    )
+    from robomech_ros.spatial.rotations.unit_quaternions import unit_quaternion
     from robomech_ros.spatial.screws.accelerations import (
         MovingAxesMotion,
         acceleration_pole,
@@ -109,20 +89,9 @@ if TYPE_CHECKING:
         newton_euler_wrench,
         twist_kinetic_energy,
     )
-    from robomech_ros.spatial.screws.exponential import (
-        pose_exponential,
-        pose_logarithm,
-    )
-    from robomech_ros.spatial.screws.finite_screw import (
-        FiniteScrew,
-        finite_screw,
-        pose_from_screw,
-    )
-    from robomech_ros.spatial.screws.instant_screw import (
-        InstantScrew,
-        instant_screw,
-        wrench_axis,
-    )
+    from robomech_ros.spatial.screws.exponential import pose_exponential, pose_logarithm
+    from robomech_ros.spatial.screws.finite_screw import FiniteScrew, finite_screw, pose_from_screw
+    from robomech_ros.spatial.screws.instant_screw import InstantScrew, instant_screw, wrench_axis
     from robomech_ros.spatial.screws.lines import (
         CommonNormal,
         common_normal,

@@ -1,8 +1,10 @@
 """Attack the installed suite with random requests, goals, messages and bytes; `make fuzz`.
 
-Every request must be answered, never with 900, and what succeeds must have finite numbers where the
-interface allows no others. What is missing a minute after the last answer counts as unanswered. The
-robot must obey its velocity limits all the time, and execute a plan when it is over.
+Robots may be of any kind.  Every request must be answered, never with 900, and what succeeds must
+have finite numbers where the interface allows no others; so must all that is published.  What is
+missing a minute after the last answer counts as unanswered.  The robot must obey its velocity
+limits all the time, and execute a plan when it is over.  One on wheels or legs must not move by
+spoilt commands before, and must follow a twist when it is over.
 """
 
 from __future__ import annotations
@@ -21,11 +23,16 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent), str(HERE.parent / "nodes")]
 
 from attack import Attack, Outcome  # noqa: E402
+from known_robot import KnownRobot, known_robot  # noqa: E402
 from messages import MessageMaker  # noqa: E402
+from outputs import (  # noqa: E402
+    OutputWatch,
+    commands_of,
+    why_it_does_not_drive,
+    why_it_moved,
+)
 from robot_watch import Watch, why_it_does_not_move  # noqa: E402
-from running_suite import NODES, RunningSuite, running_suite  # noqa: E402
-
-from robomech_ros.robots import SerialChain, load_robot  # noqa: E402
+from running_suite import RunningSuite, running_suite  # noqa: E402
 
 
 def report(outcome: Outcome, seconds: float) -> None:
@@ -51,28 +58,36 @@ def main() -> int:
     parser.add_argument("--robot", default="puma560", help="which robot (puma560)")
     arguments = parser.parse_args()
     with running_suite(arguments.robot, log=os.environ.get("FUZZ_LOG", os.devnull)) as suite:
-        faults = attack_suite(suite, load_robot(arguments.robot), arguments.count, arguments.seed)
+        faults = attack_suite(suite, known_robot(arguments.robot), arguments.count, arguments.seed)
     if suite.exit_code:
         print(f"FAULT bringup ended with exit code {suite.exit_code}")
     return 1 if faults or suite.exit_code else 0
 
 
-def attack_suite(suite: RunningSuite, chain: SerialChain, count: int, seed: int) -> bool:
+def attack_suite(suite: RunningSuite, robot: KnownRobot, count: int, seed: int) -> bool:
     """Attack a running suite; says whether something was wrong."""
     rng = np.random.default_rng(seed)
     rclpy.init(args=[])
     node = Node("attacker")
     suite.wait_until_ready(node)
-    watch = Watch(node, chain)
-    maker = MessageMaker(rng, chain)
-    attack = Attack(node, list(NODES), maker, rng, suite.alive)
+    watch = Watch(node, robot)
+    maker = MessageMaker(rng, robot)
+    attack = Attack(node, list(suite.nodes), maker, rng, suite.alive)
+    outputs = OutputWatch(node, suite.nodes)
+    faults, goes = attack.outcome.faults, {"walker", "mobile_base"} & set(suite.nodes)
     began = time.monotonic()
+    commands = commands_of(attack.topics)
+    if goes and (why := why_it_moved(commands, maker, outputs, attack.spin_once)):
+        faults.append(why)
     attack.run(count)
-    if watch.fault:
-        attack.outcome.faults.append(watch.fault)
-    if suite.alive() and (why := why_it_does_not_move(attack.call, node, chain)):
-        attack.outcome.faults.append(f"no motion is possible afterwards: {why}")
+    why = ""
+    if suite.alive() and goes:
+        why = why_it_does_not_drive(attack.topics, outputs, attack.spin_once)
+    elif suite.alive() and "trajectory_planner" in suite.nodes:
+        why = why_it_does_not_move(attack.call, node, robot, "servo" in suite.nodes)
+    faults += outputs.faults + [one for one in (watch.fault, why) if one]
     report(attack.outcome, time.monotonic() - began)
+    print(f"{outputs.seen} published messages looked at, of {len(outputs.latest)} topics")
     node.destroy_node()
     rclpy.try_shutdown()
     return bool(attack.outcome.faults or attack.outcome.unanswered)

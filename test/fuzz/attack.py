@@ -20,6 +20,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 from rclpy.task import Future
+from robot_watch import STRANGER
 
 from robomech_ros.nodes.commands.message_yaml import interface_class
 from robomech_ros.nodes.middleware.deep_queues import ask, ask_action
@@ -31,7 +32,10 @@ WINDOW = 100
 PATIENCE = 60.0
 # Services that every node has from rclpy, and topics that all nodes share.
 _PLUMBING = ("parameter", "type_description", "/_action/")
-_SHARED = ("/parameter_events", "/rosout", "/clock", "/joint_states")
+_STATES = "/joint_states"
+_SHARED = ("/parameter_events", "/rosout", "/clock", _STATES)
+# Where bytes of joint states begin behind which they may be flipped: time and frame stay.
+_MARKED = 32
 # Those who want latched messages hear no others; all others hear these, too.
 _LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ODDS = {"request": 0.8, "message": 0.12, "bytes": 0.05, "goal": 0.03}
@@ -105,7 +109,8 @@ class Attack:
     def _find(self, names: list[str]) -> None:
         node, own = self._node, self._node.get_namespace()
         self._services, self._raw, self._topics, self._actions = [], [], [], []
-        for name in names:
+        taken = [dict(node.get_subscriber_names_and_types_by_node(name, own)) for name in names]
+        for name, topics in zip(names, taken, strict=True):
             for service, kinds in node.get_service_names_and_types_by_node(name, own):
                 if not any(part in service for part in _PLUMBING):
                     kind = interface_class(kinds[0])
@@ -116,13 +121,14 @@ class Attack:
                 client = ask_action(node, kind, action)
                 assert client.wait_for_server(PATIENCE), f"no {action}"
                 self._actions.append((action, kinds[0], kind, client))
-            for topic, kinds in node.get_subscriber_names_and_types_by_node(name, own):
+            for topic, kinds in topics.items():
                 if topic not in _SHARED and "/_action/" not in topic:
                     kind = interface_class(kinds[0])
                     publisher = node.create_publisher(kind, topic, _LATCHED)
                     self._topics.append((kind, publisher))
         states = interface_class("sensor_msgs/msg/JointState")
         self._states = states, node.create_publisher(states, "joint_states", 10)
+        self._heeded = any(_STATES in topics for topics in taken)
 
     def run(self, count: int) -> None:
         """Send so many things, and wait for all answers."""
@@ -137,6 +143,11 @@ class Attack:
 
     def _ways(self) -> Iterator[Callable[[], None]]:
         yield from (self._request, self._message, self._bytes, self._goal)
+
+    @property
+    def topics(self) -> list[tuple[Any, Any]]:
+        """Types of the topics that the nodes listen to, each with its publisher."""
+        return self._topics
 
     def settle(self) -> None:
         """End all motions, and wait until nothing is unanswered."""
@@ -209,6 +220,8 @@ class Attack:
         self._await(answer, service, partial(self._note, service, name))
 
     def _goal(self) -> None:
+        if not self._actions:
+            return
         action, name, kind, client = self._pick(self._actions)
         cancelled = self._rng.random() < 0.5
 
@@ -226,24 +239,30 @@ class Attack:
         self._await(client.send_goal_async(self._maker.make(kind.Goal)), f"{action}: goal", go_on)
 
     def _message(self) -> None:
+        if not self._topics:
+            return
         kind, publisher = self._pick(self._topics)
         publisher.publish(self._maker.make(kind))
         self.outcome.messages += 1
 
     def _bytes(self) -> None:
         """Send a message cut, with flipped bits, or random bytes."""
-        if self._rng.random() < 0.5:
+        others = [*self._topics, *[self._states] * self._heeded]
+        if not others or self._rng.random() < 0.5:
             k = int(self._rng.integers(len(self._services)))
             write, kind = self._raw[k].write, self._services[k][2].Request
         else:
-            kind, publisher = self._pick([*self._topics, self._states])
+            kind, publisher = self._pick(others)
             write = partial(_published, publisher)
-        data = bytearray(serialize_message(self._maker.make(kind)))
+        message, first = self._maker.make(kind), 4
+        if kind is self._states[0]:
+            message.header.frame_id, first = STRANGER, _MARKED
+        data = bytearray(serialize_message(message))
         way = self._rng.integers(3)
         if way == 0:
             del data[int(self._rng.integers(len(data) + 1)) :]
         elif way == 1:
-            for place in self._rng.integers(4, max(5, len(data)), 8):
+            for place in self._rng.integers(first, max(first + 1, len(data)), 8):
                 data[min(place, len(data) - 1)] ^= int(self._rng.integers(1, 256))
         else:
             data[4:] = self._rng.bytes(int(self._rng.integers(200)))

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["code_of", "fault_of"]
+__all__ = ["code_of", "fault_of", "unexpected_number"]
 
 INTERNAL = 900
 ROOT = Path(__file__).resolve().parents[2]
@@ -39,11 +39,17 @@ def fault_of(answer: Any, kind: str) -> str:
         return f"{INTERNAL}: {answer.error_msg}"
     if code == 1 and kind.startswith("moveit"):
         code = 0
-    if code == 0:
-        allowed = _may_be_infinite(kind)
-        for name, value in _numbers(answer):
-            if not math.isfinite(value) and name.split(".")[0].split("[")[0] not in allowed:
-                return f"code 0 with {name} = {value}"
+    if code == 0 and (found := unexpected_number(answer, kind)):
+        return f"code 0 with {found}"
+    return ""
+
+
+def unexpected_number(message: Any, kind: str) -> str:
+    """Name an infinite number, or NaN, where a message may have none; empty for none."""
+    allowed = _may_be_infinite(kind)
+    for name, value in _numbers(message):
+        if not math.isfinite(value) and name.split(".")[0].split("[")[0] not in allowed:
+            return f"{name} = {value}"
     return ""
 
 

@@ -8,10 +8,9 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
+from known_robot import KnownRobot
 
-from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
-from robomech_ros.robots import SerialChain
 
 __all__ = ["SHARES", "MessageMaker"]
 
@@ -27,9 +26,12 @@ _WILD_LENGTHS = (0, 1, 2, 7, 64, 1000)
 # What the names of fields contain that negative numbers mean nothing for.
 _POSITIVE = (
     "scale", "speed", "step", "threshold", "tolerance", "period", "limit", "mass", "effort", "time",
+    "friction", "torsional", "length",
 )  # fmt: skip
 # Entries that are messages themselves: a thousand would only be slow.
 _MOST_NESTED = 20
+# How far points are from the origin of their frame (m).
+_SPREAD = 0.1
 # How many leaves of a message are wild: none, a few, many, all.
 SHARES = (0.0, 0.0, 0.03, 0.03, 0.3, 1.0)
 
@@ -41,29 +43,32 @@ class MessageMaker:
     ----------
     rng : numpy.random.Generator
         The same seed makes the same messages.
-    chain : SerialChain
-        The robot, whose joints and links sensible messages name.
+    robot : KnownRobot
+        Whose joints and links sensible messages name.
     shares : sequence of float, optional
         How many leaves of a message are wild, one of these by chance.
     """
 
     def __init__(
-        self, rng: np.random.Generator, chain: SerialChain, shares: Sequence[float] = SHARES
+        self, rng: np.random.Generator, robot: KnownRobot, shares: Sequence[float] = SHARES
     ) -> None:
-        self._rng, self._chain, self._shares = rng, chain, shares
-        self._links = ["", chain.base, chain.tip, *(frame.name for frame in chain.frames)]
-        self._share = 0.0
+        self._rng, self._robot, self._shares = rng, robot, shares
+        self._share, self._count = 0.0, 0
         self._sensible: dict[str, Callable[[Any], None]] = {
             "JointState": self._joint_state,
             "JointTrajectory": self._trajectory,
             "Pose": self._pose,
             "Quaternion": self._quaternion,
+            "Point": self._point,
             "Duration": self._duration,
+            "Time": lambda message: None,
         }
 
     def make(self, kind: type, share: float | None = None) -> Any:
         """Make a message of a type; `share` of its leaves is wild, by default any share."""
         self._share = float(self._rng.choice(self._shares)) if share is None else share
+        # Lists of one message mostly belong together.
+        self._count = self._random_count()
         return self._filled(kind())
 
     def _filled(self, message: Any) -> Any:
@@ -83,6 +88,9 @@ class MessageMaker:
         count = int(found["size"]) if found["size"] else self._length(entry)
         if found["bound"]:
             count = min(count, int(found["bound"]))
+        if entry == "boolean" and self._rng.random() > max(self._share, 0.3):
+            # The default of a mask, which serves every robot.
+            return [False] * count
         values = [self._entry(name, entry) for _ in range(count)]
         return bytes(values) if entry == "octet" else values
 
@@ -90,8 +98,11 @@ class MessageMaker:
         if self._rng.random() < self._share:
             count = int(self._rng.choice(_WILD_LENGTHS))
         else:
-            count = int(self._rng.choice([0, 1, 2, self._chain.n]))
+            count = self._count if self._rng.random() < 0.8 else self._random_count()
         return min(count, _MOST_NESTED) if "/" in entry else count
+
+    def _random_count(self) -> int:
+        return int(self._rng.choice([0, 1, 2, 3, self._robot.n]))
 
     def _entry(self, name: str, form: str) -> Any:
         if "/" in form:
@@ -119,10 +130,12 @@ class MessageMaker:
     def _text(self, name: str, wild: bool) -> str:
         if wild:
             return str(self._rng.choice(_WILD_TEXTS))
+        if name in self._robot.words:
+            return str(self._rng.choice(self._robot.words[name]))
         if "joint" in name or name == "name":
-            return str(self._rng.choice(self._chain.joint_names))
+            return str(self._rng.choice(self._robot.joint_names))
         if "link" in name or "frame" in name:
-            return str(self._rng.choice(self._links))
+            return str(self._rng.choice(self._robot.links))
         return ""
 
     def _integer(self, form: str, wild: bool) -> int:
@@ -131,41 +144,39 @@ class MessageMaker:
         low, high = (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) if signed else (0, 2**bits - 1)
         if wild:
             return int(self._rng.choice(np.array([low, high, 0, 1, high // 2], dtype=object)))
-        return int(self._rng.integers(4))
-
-    def _positions(self, reach: float = 1.0) -> list[float]:
-        chain = self._chain
-        low, high = np.maximum(chain.lower, -3.0), np.minimum(chain.upper, 3.0)
-        middle, half = (low + high) / 2.0, (high - low) / 2.0
-        return (middle + reach * half * self._rng.uniform(-1.0, 1.0, chain.n)).tolist()
+        # Mostly one of the first values of an enumeration.
+        return int(self._rng.choice(4, p=[0.5, 0.3, 0.1, 0.1]))
 
     def _joint_state(self, message: Any) -> None:
         if self._rng.random() < 0.3:
             return
-        order = self._rng.permutation(self._chain.n)
-        positions = self._positions(1.1)
-        message.name = [self._chain.joint_names[k] for k in order]
+        order = self._rng.permutation(self._robot.n)
+        positions = self._robot.positions(self._rng, 1.1).tolist()
+        message.name = [self._robot.joint_names[k] for k in order]
         message.position = [positions[k] for k in order]
         if self._rng.random() < 0.3:
-            message.velocity = self._rng.normal(size=self._chain.n).tolist()
-            message.effort = self._rng.normal(size=self._chain.n).tolist()
+            message.velocity = self._rng.normal(size=self._robot.n).tolist()
+            message.effort = self._rng.normal(size=self._robot.n).tolist()
 
     def _trajectory(self, message: Any) -> None:
         from trajectory_msgs.msg import JointTrajectoryPoint
 
-        message.joint_names = list(self._chain.joint_names)
+        message.joint_names = list(self._robot.joint_names)
         count = int(self._rng.integers(1, 5))
         times = np.cumsum(self._rng.uniform(0.1, 1.0, count))
-        start = self._chain.home()
+        start = self._robot.home
         for time in times:
             point = JointTrajectoryPoint()
-            point.positions = (start + 0.02 * self._rng.normal(size=self._chain.n)).tolist()
+            point.positions = (start + 0.02 * self._rng.normal(size=self._robot.n)).tolist()
             self._duration(point.time_from_start, float(time))
             message.points.append(point)
 
     def _pose(self, message: Any) -> None:
-        pose = pose_from_matrix(forward_kinematics(self._chain, np.array(self._positions())))
+        pose = pose_from_matrix(self._robot.pose(self._rng))
         message.position, message.orientation = pose.position, pose.orientation
+
+    def _point(self, message: Any) -> None:
+        message.x, message.y, message.z = (_SPREAD * self._rng.normal(size=3)).tolist()
 
     def _quaternion(self, message: Any) -> None:
         q = self._rng.normal(size=4)

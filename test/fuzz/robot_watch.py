@@ -8,12 +8,12 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
+from known_robot import KnownRobot
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
 from robomech_interfaces.srv import Execute, PlanJoint, SetSpeed
-from robomech_ros.robots import SerialChain
 
 __all__ = ["STRANGER", "Watch", "why_it_does_not_move"]
 
@@ -31,28 +31,32 @@ class Watch:
     Given points may ask for more than the limits of acceleration, as in ros2_control.
     """
 
-    def __init__(self, node: Node, chain: SerialChain) -> None:
-        self.fault, self.seen, self._chain = "", 0, chain
+    def __init__(self, node: Node, robot: KnownRobot) -> None:
+        self.fault, self.seen, self._robot = "", 0, robot
+        self._known = set(robot.joint_names)
         # The greatest share of a limit so far.
         self.velocity = 0.0
         node.create_subscription(JointState, "joint_states", self._look, 100)
 
     def _look(self, message: JointState) -> None:
-        n = self._chain.n
         if message.header.frame_id == STRANGER:
             return
-        if tuple(message.name[:n]) != self._chain.joint_names:
+        names, count = list(message.name), len(message.name)
+        own = [name for name in names if name in self._known]
+        if own != list(self._robot.joint_names):
             return
-        if len(message.velocity) < n or len(message.position) < n:
+        if len(message.velocity) < count or len(message.position) < count:
             return
         self.seen += 1
-        share = float((np.abs(message.velocity[:n]) / self._chain.velocity).max())
+        joints = [names.index(name) for name in own]
+        rates = np.abs(message.velocity)[joints]
+        share = float((rates / self._robot.velocity).max())
         self.velocity = max(self.velocity, share)
-        if not np.isfinite(message.position[:n]).all() or not share <= 1.0 + ROUNDING:
+        if not np.isfinite(message.position).all() or not share <= 1.0 + ROUNDING:
             self.fault = self.fault or f"joint_states: velocity is {share:.6g} of its limit"
 
 
-def why_it_does_not_move(call: Call, node: Node, chain: SerialChain) -> str:
+def why_it_does_not_move(call: Call, node: Node, robot: KnownRobot, servo: bool = True) -> str:
     """Plan a motion home and execute it; empty where that works."""
     why, factor = "", None
     with suppress(ImportError):  # without these messages nobody can slow the controller down
@@ -65,11 +69,12 @@ def why_it_does_not_move(call: Call, node: Node, chain: SerialChain) -> str:
             factor.publish(SpeedScalingFactor(factor=1.0))
         for name in ("trajectory_publisher/cancel", "trajectory_publisher/resume"):
             call(name, Trigger, Trigger.Request())
-        call("servo/pause_servo", SetBool, SetBool.Request(data=False))
+        if servo:
+            call("servo/pause_servo", SetBool, SetBool.Request(data=False))
         call("trajectory_publisher/set_speed", SetSpeed, SetSpeed.Request(speed=1.0))
         call("joint_trajectory_controller/hold", Trigger, Trigger.Request())
         time.sleep(1.0)
-        goal = JointState(name=list(chain.joint_names), position=chain.home().tolist())
+        goal = JointState(name=list(robot.joint_names), position=robot.home.tolist())
         plan = call("trajectory_planner/plan_joint", PlanJoint, PlanJoint.Request(goal=goal))
         if plan is None or plan.error_code:
             why = "no plan" if plan is None else plan.error_msg

@@ -3,11 +3,18 @@
 import subprocess
 import sys
 
+import pytest
 
-def test_random_requests_goals_messages_and_bytes(repository, shell_environment):
-    command = [sys.executable, str(repository / "test/fuzz"), "--count", "400", "--seed", "1"]
+COUNTS = {"puma560": 400, "mecanum": 100, "phantomx": 100, "three_fingered": 100}
+
+
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("robot", COUNTS)
+def test_random_requests_goals_messages_and_bytes(repository, shell_environment, robot):
+    command = [sys.executable, str(repository / "test/fuzz"), "--seed", "1"]
+    command += ["--robot", robot, "--count", str(COUNTS[robot])]
     done = subprocess.run(
-        command, env=shell_environment(), capture_output=True, text=True, timeout=280, check=False
+        command, env=shell_environment(), capture_output=True, text=True, timeout=800, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "requests answered, 0 not" in done.stdout

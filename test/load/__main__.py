@@ -28,6 +28,7 @@ from caller import Burst  # noqa: E402
 from clients import CLIENTS, Clients, client_processes  # noqa: E402
 from flood import WAYS, Flood  # noqa: E402
 from flooding import Asker, Flooding, flood_all, flooder, topics  # noqa: E402
+from known_robot import known_arm  # noqa: E402
 from robot_watch import Watch, why_it_does_not_move  # noqa: E402
 from running_suite import NODES, RunningSuite, running_suite  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
@@ -69,7 +70,8 @@ def load(suite: RunningSuite, arguments: argparse.Namespace) -> list[str]:
     node = Node("loader")
     suite.wait_until_ready(node)
     chain = load_robot(arguments.robot)
-    watch, asker, spinner = Watch(node, chain), Asker(node), Spinner([node])
+    known = known_arm(chain)
+    watch, asker, spinner = Watch(node, known), Asker(node), Spinner([node])
     spinner.start()
     faults: list[str] = []
     with client_processes(arguments.robot) as clients:
@@ -85,7 +87,7 @@ def load(suite: RunningSuite, arguments: argparse.Namespace) -> list[str]:
         ]
         faults += flood_all(floods, flooding, arguments.most)
     print(f"the robot moved at up to {watch.velocity:.3g} of its velocity limits")
-    if suite.alive() and (why := why_it_does_not_move(asker, node, chain)):
+    if suite.alive() and (why := why_it_does_not_move(asker, node, known)):
         faults.append(f"no motion is possible afterwards: {why}")
     if not suite.alive():
         faults.append("a node has ended")

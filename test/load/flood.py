@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import rclpy
+from known_robot import known_robot
 from messages import MessageMaker
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
@@ -17,7 +18,6 @@ from rclpy.serialization import serialize_message
 from robot_watch import STRANGER
 
 from robomech_ros.nodes.commands.message_yaml import interface_class
-from robomech_ros.robots import load_robot
 
 __all__ = ["WAYS", "Flood", "serve_floods"]
 
@@ -58,12 +58,12 @@ def serve_floods(pipe: Connection, robot: str, seed: int) -> None:
     """Flood topics that come by a pipe, and send back how many messages were sent."""
     rclpy.init(args=[])
     node = Node("flooder", start_parameter_services=False)
-    chain = load_robot(robot)
+    known = known_robot(robot)
     while (flood := pipe.recv()) is not None:
         kind = interface_class(flood.kind)
         # The same messages in every flood of a kind.
         rng = np.random.default_rng([seed, *f"{flood.topic} {flood.way}".encode()])
-        maker = MessageMaker(rng, chain)
+        maker = MessageMaker(rng, known)
         publisher = node.create_publisher(kind, flood.topic, _LATCHED)
         different = [_made(maker, rng, kind, flood.way) for _ in range(_DIFFERENT)]
         if flood.topic == "/joint_states":

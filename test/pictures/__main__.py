@@ -85,6 +85,20 @@ def workspace(page, tab) -> None:
     tab.value("document.querySelector('[data-workspace]').scrollIntoView({block: 'end'})")
 
 
+def platform(page, tab) -> None:
+    """A parallel robot, and the list of its assembly modes."""
+    page.show("ghosts", False)
+    tab.wait_for("document.querySelector('[data-platform]').innerText.includes('type 2')")
+    press(tab, button("Fit view"))
+
+
+def hand(page, tab) -> None:
+    """An object in a hand, with friction cones and the forces that hold it."""
+    tab.wait_for("__viserMutable.nodeRefFromName['/base/force_linear']")
+    tab.wait_for("document.querySelector('[data-grasp]').innerText.includes('weakest direction')")
+    press(tab, button("Fit view"))
+
+
 def take(page, q) -> None:
     """Bring the arm to a posture."""
     page._ask("posture", lambda: page._arm.move_to(q))
@@ -97,6 +111,9 @@ PICTURES: dict[str, tuple[str, Callable]] = {
     "view_contours": ("ur5e", contours),
     "view_motion": ("ur5e", motion),
     "view_workspace": ("puma560", workspace),
+    "view_linapod": ("linapod", platform),
+    "view_tripod": ("tripod_3prs", platform),
+    "view_hand": ("three_fingered", hand),
 }
 
 

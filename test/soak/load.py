@@ -15,6 +15,7 @@ import rclpy
 from attack import ODDS, Attack
 from builtin_interfaces.msg import Duration
 from geometry_msgs.msg import TwistStamped
+from known_robot import known_arm
 from messages import SHARES, MessageMaker
 from nav_msgs.msg import Path as PathMessage
 from rclpy.executors import SingleThreadedExecutor
@@ -101,7 +102,7 @@ class Load:
     ) -> None:
         self.counts: Counter[str] = Counter()
         self._node, self._chain, self._rng = node, chain, np.random.default_rng(seed)
-        maker = MessageMaker(self._rng, chain, SHARES if wild else (0.0,))
+        maker = MessageMaker(self._rng, known_arm(chain), SHARES if wild else (0.0,))
         odds = ODDS if wild else _SENSIBLE
         self.attack = Attack(node, names, maker, self._rng, alive, odds)
         self._twists = node.create_publisher(TwistStamped, "servo/delta_twist_cmds", 10)

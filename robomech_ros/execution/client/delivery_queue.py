@@ -22,9 +22,6 @@ class QueueFullError(TrajectoryRefusedError):
         self.capacity = capacity
         super().__init__(f"{capacity} trajectories are waiting already, no more can be accepted")
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.capacity,)
-
 
 @dataclass(frozen=True, eq=False)
 class Ready:

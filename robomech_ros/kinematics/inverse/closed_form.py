@@ -69,8 +69,8 @@ def solve_closed_form(
         limited = request.respect_limits
         return _explained(chain, target, space[:bare], family, limited, singular > 0, unproven > 0)
     if singular > missing:
-        marks = read_listing(space, count).branch_bits
-        reason = describe_continuum(chain, space[:count], marks)
+        listing = read_listing(space, count)
+        reason = describe_continuum(chain, listing.target, space[:count], listing.branch_bits)
         findings = Findings(family.name, False, Status.SUCCESS, reason)
     else:
         findings = _solved(family.name, not singular and not unproven and family.exact)

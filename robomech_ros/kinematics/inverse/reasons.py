@@ -5,7 +5,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.chain.serial import jacobian_one
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.ranking import excesses
 from robomech_ros.kinematics.inverse.families.selection import Family
@@ -16,6 +15,7 @@ from robomech_ros.kinematics.inverse.result import (
     InverseKinematicsResult,
     Listing,
 )
+from robomech_ros.kinematics.inverse.singular_marks import task_jacobian
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.robots.chain import SerialChain
@@ -143,14 +143,21 @@ def _inside_limits(chain: SerialChain, T: Array, gap: ReachGap, task: Task, dead
 
 
 def describe_continuum(
-    chain: SerialChain, q: Array, branch: NDArray[np.int64], sampled: bool = False
+    chain: SerialChain,
+    T: Array,
+    q: Array,
+    branch: NDArray[np.int64],
+    task: Task = FULL_TASK,
+    sampled: bool = False,
 ) -> str:
     """Say which joints of the solutions q (k, n) move while the tip stays, and in what ratio.
+
+    Of the tip at T only what the task counts has to stay.
 
     The direction is that of the first solution that stands for a continuum, of which the others
     are samples, or one for each branch.
     """
-    ways = [_still_motions(chain, q[k]) for k in np.flatnonzero(branch & bit.CONTINUUM)]
+    ways = [_still_motions(chain, T, q[k], task) for k in np.flatnonzero(branch & bit.CONTINUUM)]
     moving = np.flatnonzero(np.concatenate(ways).any(axis=0)).tolist()
     joints = [f"'{chain.joint_names[i]}'" for i in moving]
     directions = _and([f"({', '.join(f'{x:.6g}' for x in one)})" for one in ways[0]])
@@ -158,19 +165,17 @@ def describe_continuum(
     if not sampled:
         listed = "every branch of this continuum is represented by one posture"
     return (
-        f"singular: joints {_and(joints)} can move while the tip stays, those of the nearest such "
-        f"solution in the direction {directions}; {listed}"
+        f"singular: joint{'s' * (len(joints) > 1)} {_and(joints)} can move while the tip stays, "
+        f"at the nearest such solution in the direction {directions}; {listed}"
     )
 
 
-def _still_motions(chain: SerialChain, q: Array) -> Array:
-    """Give unit vectors, shape (k, n), that span the joint motions that keep the tip at rest.
+def _still_motions(chain: SerialChain, T: Array, q: Array, task: Task) -> Array:
+    """Give unit vectors, shape (k, n), that span the joint motions that keep the task at rest.
 
     At least the least moving one; what is rounding is zero, the largest entry of each positive.
     """
-    J = np.empty((6, chain.n))
-    jacobian_one(chain.packed, q, J, np.empty((4, 4)))
-    _, values, rows = np.linalg.svd(J)
+    _, values, rows = np.linalg.svd(task_jacobian(chain, T, task, q)[0])
     lost = values < STILL * values[0]
     lost[-1] = True
     still = rows[: len(values)][lost]

@@ -11,7 +11,7 @@ from robomech_ros._kernels.tolerances import ACCEPTED, CONTINUUM_STEP
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["singular_marks"]
+__all__ = ["singular_marks", "task_jacobian"]
 
 # Ratio of singular values below which a posture has lost a direction: where two solutions have
 # become one, both are found to about the root of what a pose is accepted with.
@@ -47,30 +47,33 @@ def singular_marks(
     marks = np.zeros(len(q), np.int64)
     if 0 < chain.n <= sum(task):
         for k, posture in enumerate(q):
-            marks[k] = _mark(chain, T, np.array(task), posture)
+            marks[k] = _mark(chain, T, task, posture)
     return marks
 
 
-def _mark(chain: SerialChain, T: Array, task: NDArray[np.bool_], q: Array) -> int:
-    size = arm_size(chain)
-    J, _ = _linearised(chain, T, task, size, q)
+def _mark(chain: SerialChain, T: Array, task: Sequence[bool], q: Array) -> int:
+    J, _ = task_jacobian(chain, T, task, q)
     _, values, rows = np.linalg.svd(J)
     if values[-1] > LOST * values[0]:
         return 0
     step = CONTINUUM_STEP * rows[-1] / np.abs(rows[-1]).max()
     moved = q + step
     for _ in range(_CORRECTIONS):
-        J, error = _linearised(chain, T, task, size, moved)
+        J, error = task_jacobian(chain, T, task, moved)
         moved = moved - np.linalg.lstsq(J, error, rcond=LOST)[0]
-    _, error = _linearised(chain, T, task, size, moved)
+    _, error = task_jacobian(chain, T, task, moved)
     stays_away = np.abs(moved - q).max() > 0.5 * CONTINUUM_STEP
     return bit.SELF_MOTION if stays_away and np.abs(error).max() < ACCEPTED else bit.BOUNDARY
 
 
-def _linearised(
-    chain: SerialChain, T: Array, task: NDArray[np.bool_], size: float, q: Array
+def task_jacobian(
+    chain: SerialChain, T: Array, task: Sequence[bool], q: Array
 ) -> tuple[Array, Array]:
-    """Give derivative and error of what counts, lengths over the size, along the axes of T."""
+    """Give derivative and error of what counts, along the axes of T; lengths over the arm's size.
+
+    Rows are those of x, y, z, rx, ry, rz that the task counts.
+    """
+    size, counts = arm_size(chain), np.array(task)
     J, pose = np.empty((6, chain.n)), np.empty((4, 4))
     jacobian_one(chain.packed, q, J, pose)
     axes = T[:3, :3]
@@ -79,4 +82,4 @@ def _linearised(
     angles = np.array([odd[2, 1], odd[0, 2], odd[1, 0]])
     shift = axes.T @ (pose[:3, 3] - T[:3, 3]) / size
     rows = np.concatenate((axes.T @ J[3:] / size, axes.T @ J[:3]))
-    return rows[task], np.concatenate((shift, angles))[task]
+    return rows[counts], np.concatenate((shift, angles))[counts]

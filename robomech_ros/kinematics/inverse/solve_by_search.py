@@ -115,7 +115,7 @@ def ranked_solutions(
     names = singular_marks(chain, T, request.task, ranked)
     continuum = ""
     if (names & bit.CONTINUUM).any():
-        continuum = describe_continuum(chain, ranked, names, sampled=True)
+        continuum = describe_continuum(chain, T, ranked, names, request.task, sampled=True)
     if request.include_windings:
         ranked, names, distances = rank_windings(chain, family.turns, request, ranked, names)
     kept = slice(request.max_solutions)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from robomech_ros.errors import BadValueError, RobotDescriptionError
 from robomech_ros.robots.description import RobotDescription
-from robomech_ros.robots.guarded_xml import (
+from robomech_ros.robots.documents.guarded_xml import (
     LARGEST_XML,
     XmlElement,
     is_xml,
@@ -22,8 +22,8 @@ from robomech_ros.robots.guarded_xml import (
     refuse_xacro,
     text_of_xml,
 )
+from robomech_ros.robots.documents.source_files import read_source
 from robomech_ros.robots.semantic import DisabledCollision, EndEffector, Group, SemanticDescription
-from robomech_ros.robots.source_files import read_source
 from robomech_ros.robots.srdf.groups import read_groups
 from robomech_ros.robots.srdf.names import SrdfNames
 from robomech_ros.robots.srdf.states import read_states

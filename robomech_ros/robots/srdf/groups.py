@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 
-from robomech_ros.robots.guarded_xml import XmlElement
+from robomech_ros.robots.documents.guarded_xml import XmlElement
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.semantic import Group
 from robomech_ros.robots.srdf.names import SrdfNames

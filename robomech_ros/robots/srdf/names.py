@@ -6,7 +6,7 @@ from typing import NoReturn
 
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.description import RobotDescription
-from robomech_ros.robots.guarded_xml import XmlElement
+from robomech_ros.robots.documents.guarded_xml import XmlElement
 
 __all__ = ["SrdfNames"]
 

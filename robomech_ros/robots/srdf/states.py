@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import islice
 
-from robomech_ros.robots.guarded_xml import XmlElement
+from robomech_ros.robots.documents.guarded_xml import XmlElement
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.semantic import Group
 from robomech_ros.robots.srdf.names import SrdfNames

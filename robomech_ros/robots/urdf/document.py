@@ -12,7 +12,12 @@ from xml.etree import ElementTree
 
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.description import RobotDescription
-from robomech_ros.robots.guarded_xml import XmlElement, parse_xml, refuse_xacro, text_of_xml
+from robomech_ros.robots.documents.guarded_xml import (
+    XmlElement,
+    parse_xml,
+    refuse_xacro,
+    text_of_xml,
+)
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.mimic import check_mimics
 from robomech_ros.robots.urdf.inertial import link_bodies

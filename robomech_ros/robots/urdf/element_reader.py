@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobotDescriptionError
-from robomech_ros.robots.guarded_xml import XmlElement
+from robomech_ros.robots.documents.guarded_xml import XmlElement
 
 __all__ = ["ElementReader"]
 

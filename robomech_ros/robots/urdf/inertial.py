@@ -6,7 +6,7 @@ import numpy as np
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.robots.bodies import Body
-from robomech_ros.robots.guarded_xml import XmlElement
+from robomech_ros.robots.documents.guarded_xml import XmlElement
 from robomech_ros.robots.urdf.element_reader import ElementReader
 
 __all__ = ["link_bodies"]

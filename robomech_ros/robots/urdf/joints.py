@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.robots.documents.guarded_xml import XmlElement
 from robomech_ros.robots.drives import Drive
-from robomech_ros.robots.guarded_xml import XmlElement
 from robomech_ros.robots.joint import MOVING, Joint
 from robomech_ros.robots.limit_arrays import position_limits
 from robomech_ros.robots.urdf.element_reader import ElementReader

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from robomech_ros.robots.guarded_xml import XmlElement, parse_xml
+from robomech_ros.robots.documents.guarded_xml import XmlElement, parse_xml
 
 __all__ = ["with_mesh_urls"]
 

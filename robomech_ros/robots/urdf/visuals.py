@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.robots.guarded_xml import XmlElement, parse_xml
+from robomech_ros.robots.documents.guarded_xml import XmlElement, parse_xml
 from robomech_ros.robots.urdf.element_reader import ElementReader
 
 __all__ = ["Visual", "read_visuals"]

@@ -15,8 +15,8 @@ from dataclasses import replace
 import numpy as np
 
 from robomech_ros.robots.description import RobotDescription
+from robomech_ros.robots.documents.guarded_xml import XmlElement, parse_xml
 from robomech_ros.robots.drives import Drive
-from robomech_ros.robots.guarded_xml import XmlElement, parse_xml
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.urdf.elements import (
     drive_element,

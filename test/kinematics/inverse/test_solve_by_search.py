@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from robomech_ros.hands import load_hand
 from robomech_ros.kinematics import Status, forward_kinematics, inverse_kinematics
 from robomech_ros.kinematics.inverse.reach import reach_gap
 from robomech_ros.robots import chain_from_dh, load_robot
@@ -173,3 +174,17 @@ def test_issue_12_a_regular_arm_that_is_searched_has_no_continuum():
     for T in random_targets(chain, 20, 5):
         result = inverse_kinematics(chain, T, task_mask=X_Y_RZ)
         assert len(result) and not result.continuum and not result.reason
+
+
+def test_a_continuum_of_a_partial_task_is_that_of_the_components_that_count():
+    """A finger whose tip is on its first axis was said to move all joints but the first."""
+    finger = load_hand("three_fingered").fingers[0]
+    T = np.eye(4)
+    T[:3, 3] = 0.05, 0.0, 0.08
+    result = inverse_kinematics(finger, T, task_mask=[True] * 3 + [False] * 3)
+    assert len(result) == 2 and result.continuum
+    assert f"'{finger.joint_names[0]}' can move while the tip stays" in result.reason
+    assert "in the direction (1, 0, 0)" in result.reason
+    for turn in (-0.7, 0.4):
+        moved = forward_kinematics(finger, result.q + [turn, 0.0, 0.0])
+        assert np.allclose(moved[:, :3, 3], T[:3, 3], rtol=0.0, atol=1e-12)

@@ -4,8 +4,8 @@ import numpy as np
 
 from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.robots.bodies import Body
+from robomech_ros.robots.documents.guarded_yaml import check_keys
 from robomech_ros.robots.drives import Drive
-from robomech_ros.robots.guarded_yaml import check_keys
 
 __all__ = ["body_from_yaml", "drive_from_yaml"]
 

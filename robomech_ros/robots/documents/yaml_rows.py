@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.chain_layout import MOST_JOINTS
-from robomech_ros.robots.guarded_yaml import check_keys
+from robomech_ros.robots.documents.guarded_yaml import check_keys
+from robomech_ros.robots.documents.yaml_bodies import body_from_yaml, drive_from_yaml
 from robomech_ros.robots.limit_arrays import position_limits
-from robomech_ros.robots.yaml_bodies import body_from_yaml, drive_from_yaml
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw
 
 __all__ = [

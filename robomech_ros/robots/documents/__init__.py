@@ -1,0 +1,1 @@
+"""Documents of robots: found, read within bounds, and checked entry by entry."""
