@@ -34,7 +34,8 @@ COMPUTING := $(PARALLEL) --ignore=test/nodes --ignore=test/installed --ignore=te
 # What depends on the clock may fail where another process takes the machine for a moment: it is run once more, and
 # the summary names it. A defect fails twice.
 AGAIN := --reruns 1 -rR
-ANSWERING := $(PARALLEL) $(AGAIN) --ignore=test/nodes/motion test/nodes test/rvs
+# One worker for all browsers: each takes all of a small machine.
+ANSWERING := $(PARALLEL) $(AGAIN) --dist loadgroup --ignore=test/nodes/motion test/nodes test/rvs
 # Two workers, as robots mostly wait; where Fast DDS takes a process down while a participant leaves, the test that ran
 # is named and run once more, and the others go on.
 MOVING := -n 2 $(AGAIN) --dist loadgroup test/nodes/motion

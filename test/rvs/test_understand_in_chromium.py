@@ -81,6 +81,7 @@ def test_the_ellipsoid_is_drawn_at_the_tip_and_follows(shown):
 
 def test_the_button_goes_to_the_least_condition_number(shown):
     page, tab = shown
+    tick(tab, "numbers")
     tab.value(f"{BUTTON.format(label='Go to the least condition number')}.click()")
     length = float(characteristic_length(page._arm.chain))
     wait_until(lambda: condition_number(page._arm.chain, page._arm.q, length=length) < 1.8741)
