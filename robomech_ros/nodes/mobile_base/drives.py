@@ -138,7 +138,10 @@ def _limits(known: MotionLimits, settings: MobileBaseSettings) -> MotionLimits:
     made = {}
     for name, sources in names.items():
         row = np.array(getattr(known, name))
+        kind = sources[-1].removeprefix("max_")
         for i, axis in enumerate(("angular__z", "linear__x", "linear__y")):
+            if not getattr(settings, f"{axis}__has_{kind}_limits", True):
+                continue
             given = (abs(getattr(settings, f"{axis}__{source}")) for source in sources)
             row[i] = next((value for value in given if not math.isnan(value)), row[i])
             if name == "jerk":
@@ -166,13 +169,17 @@ def _diff(settings: MobileBaseSettings) -> tuple[RollingBase, DriveJoints]:
     names = ("left_wheel_names", "right_wheel_names")
     for name, given in zip(names, sides, strict=True):
         _count(name, given, len(sides[0]) or 1)
-    half = 0.5 * settings.wheel_separation * settings.wheel_separation_multiplier
+    separation = _length(settings, "wheel_separation")
+    half, radius = (
+        0.5 * separation * settings.wheel_separation_multiplier,
+        _length(settings, "wheel_radius"),
+    )
     multipliers = (settings.left_wheel_radius_multiplier, settings.right_wheel_radius_multiplier)
     wheels = [
         Wheel(
             kind="fixed",
             position=np.array([0.0, y]),
-            radius=settings.wheel_radius * factor,
+            radius=radius * factor,
             name=name,
         )
         for name, y, factor in zip(("left", "right"), (half, -half), multipliers, strict=True)
@@ -183,16 +190,15 @@ def _diff(settings: MobileBaseSettings) -> tuple[RollingBase, DriveJoints]:
 
 def _omni(settings: MobileBaseSettings) -> tuple[RollingBase, DriveJoints]:
     joints = settings.wheel_names
-    base = omnidirectional(
-        len(joints), settings.wheel_radius, settings.robot_radius, offset=settings.wheel_offset
-    )
+    radius, far = _length(settings, "wheel_radius"), _length(settings, "robot_radius")
+    base = omnidirectional(len(joints), radius, far, offset=settings.wheel_offset)
     return base, _joints([(name, i) for i, name in enumerate(joints)])
 
 
 def _mecanum(settings: MobileBaseSettings) -> tuple[RollingBase, DriveJoints]:
     # Only the sum of both lengths counts, with rollers of 45 degrees.
-    reach = settings.kinematics__sum_of_robot_center_projection_on_X_Y_axis
-    centred = mecanum(settings.kinematics__wheels_radius, reach, reach)
+    reach = _length(settings, "kinematics__sum_of_robot_center_projection_on_X_Y_axis")
+    centred = mecanum(_length(settings, "kinematics__wheels_radius"), reach, reach)
     turn = settings.kinematics__base_frame_offset__theta
     c, s = math.cos(turn), math.sin(turn)
     centre = (settings.kinematics__base_frame_offset__x, settings.kinematics__base_frame_offset__y)
@@ -217,35 +223,49 @@ def _steered(rear: int, front: int) -> Callable[..., tuple[RollingBase, DriveJoi
     """Give what makes a base with so many rear and front wheels."""
 
     def make(settings: MobileBaseSettings) -> tuple[RollingBase, DriveJoints]:
-        _count("traction_joints_names", settings.traction_joints_names, rear)
-        _count("steering_joints_names", settings.steering_joints_names, front)
-        axles = (
-            ("fixed", settings.traction_joints_names, 0.0, settings.traction_track_width),
-            ("steered", settings.steering_joints_names, settings.wheelbase, None),
-        )
-        wheels = []
-        for kind, joints, x, track in axles:
-            width = settings.steering_track_width if track is None else track
-            offsets = (0.0,) if len(joints) == 1 else (-0.5 * width, 0.5 * width)
-            most = math.inf if kind == "fixed" else _STEERING
-            for name, y in zip(joints, offsets, strict=True):
-                place = np.array([x, y])
-                radius, driven = settings.traction_wheels_radius, kind == "fixed"
-                wheels.append(
-                    Wheel(
-                        kind=kind,
-                        position=place,
-                        radius=radius,
-                        driven=driven,
-                        name=name if driven else f"{name}_wheel",
-                        steering_limits=(-most, most),
-                    )
-                )
-        base = RollingBase(wheels, name=settings.drive)
-        rolling = [(name, i) for i, name in enumerate(settings.traction_joints_names)]
-        return base, _joints(rolling, settings.steering_joints_names)
+        traction, steering = settings.traction_joints_names, settings.steering_joints_names
+        _count("traction_joints_names", traction, rear)
+        _count("steering_joints_names", steering, front)
+        radius = _length(settings, "traction_wheels_radius", "traction_wheel_radius")
+        wheelbase = _length(settings, "wheelbase")
+        tracks = [0.0, 0.0]
+        if rear == 2:
+            tracks[0] = _length(settings, "traction_track_width", "wheel_track")
+        if front == 2:
+            tracks[1] = settings.steering_track_width or tracks[0]
+        driven = [
+            Wheel(kind="fixed", position=np.array([0.0, y]), radius=radius, name=name)
+            for name, y in zip(traction, _across(rear, tracks[0]), strict=True)
+        ]
+        turned = [
+            Wheel(
+                kind="steered",
+                position=np.array([wheelbase, y]),
+                radius=radius,
+                driven=False,
+                name=f"{name}_wheel",
+                steering_limits=(-_STEERING, _STEERING),
+            )
+            for name, y in zip(steering, _across(front, tracks[1]), strict=True)
+        ]
+        base = RollingBase([*driven, *turned], name=settings.drive)
+        return base, _joints([(name, i) for i, name in enumerate(traction)], steering)
 
     return make
+
+
+def _across(count: int, track: float) -> tuple[float, ...]:
+    """Give where the wheels of an axle are, the right one first (m)."""
+    return (0.0,) if count == 1 else (-0.5 * track, 0.5 * track)
+
+
+def _length(settings: MobileBaseSettings, *names: str) -> float:
+    """Give the first of these parameters that is a length (m)."""
+    given = (float(getattr(settings, name)) for name in names)
+    found = next((value for value in given if value > 0.0), None)
+    if found is None:
+        raise ParameterError(names[0].replace("__", "."), 0.0, "a length above 0 m")
+    return found
 
 
 def _joints(rolling: Sequence[tuple[str, int]], steering: Sequence[str] = ()) -> DriveJoints:

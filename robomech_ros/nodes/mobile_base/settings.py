@@ -23,6 +23,12 @@ def _bound(axis: str, what: str) -> float:
     return text
 
 
+def _switch(axis: str, kind: str) -> bool:
+    what = f"False: limits of {kind} of {axis} do not count; older ros2_controllers have it"
+    row: bool = parameter(True, what)
+    return row
+
+
 @dataclass(frozen=True)
 class MobileBaseSettings:
     """Parameters of the node."""
@@ -99,10 +105,16 @@ class MobileBaseSettings:
     traction_track_width: float = parameter(
         0.0, "tricycle, ackermann: between rear wheels", 0.0, 1e3, "m"
     )
-    steering_track_width: float = parameter(0.0, "ackermann: between front wheels", 0.0, 1e3, "m")
+    steering_track_width: float = parameter(
+        0.0, "ackermann: between front wheels; 0 = as between rear wheels", 0.0, 1e3, "m"
+    )
     traction_wheels_radius: float = parameter(
         0.0, "bicycle, tricycle, ackermann: of the wheels", 0.0, 1e3, "m"
     )
+    traction_wheel_radius: float = parameter(
+        0.0, "bicycle: the same, by the name that it has there", 0.0, 1e3, "m"
+    )
+    wheel_track: float = parameter(0.0, "tricycle: old name of traction_track_width", 0.0, 1e3, "m")
     max_wheel_rate: float = parameter(
         _OFF,
         "Of each driven wheel, keeping the curvature; NaN = that of the robot",
@@ -139,6 +151,9 @@ class MobileBaseSettings:
     initial_wheel_position: float = parameter(
         0.0, "At which the simulated wheels begin", -1e6, 1e6, "rad"
     )
+    linear__x__has_velocity_limits: bool = _switch("linear.x", "velocity")
+    linear__x__has_acceleration_limits: bool = _switch("linear.x", "acceleration")
+    linear__x__has_jerk_limits: bool = _switch("linear.x", "jerk")
     linear__x__max_velocity: float = _bound("linear.x", "Largest velocity (m/s)")
     linear__x__min_velocity: float = _bound("linear.x", "Least velocity, at most 0 (m/s)")
     linear__x__max_acceleration: float = _bound("linear.x", "Acceleration (m/s^2)")
@@ -161,6 +176,9 @@ class MobileBaseSettings:
     )
     linear__y__max_jerk: float = _bound("linear.y", "Jerk (m/s^3)")
     linear__y__min_jerk: float = _bound("linear.y", "Jerk, below 0 (m/s^3)")
+    angular__z__has_velocity_limits: bool = _switch("angular.z", "velocity")
+    angular__z__has_acceleration_limits: bool = _switch("angular.z", "acceleration")
+    angular__z__has_jerk_limits: bool = _switch("angular.z", "jerk")
     angular__z__max_velocity: float = _bound("angular.z", "Largest velocity (rad/s)")
     angular__z__min_velocity: float = _bound("angular.z", "Least velocity, at most 0 (rad/s)")
     angular__z__max_acceleration: float = _bound("angular.z", "Acceleration (rad/s^2)")

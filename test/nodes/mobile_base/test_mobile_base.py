@@ -336,17 +336,52 @@ def test_limits_that_are_given_replace_those_of_the_robot_and_follow_one_another
         (replace(settings_of("tricycle"), steering_joints_names=()), "'steering_joints_names'"),
         (replace(settings_of("diff"), left_wheel_names=("right",)), "each joint once"),
         (replace(settings_of("mecanum"), rear_left_wheel_command_joint_name=""), "rear_left"),
-        (replace(settings_of("diff"), wheel_radius=0.0), "radius"),
-        (settings_of("diff", wheel_separation=0.0), "left and right .* in different places"),
+        (replace(settings_of("diff"), wheel_radius=0.0), "'wheel_radius' is 0.0; .* above 0 m"),
+        (settings_of("diff", wheel_separation=0.0), "'wheel_separation' is 0.0; .* above 0 m"),
+        (settings_of("omni", robot_radius=0.0), "'robot_radius' is 0.0"),
+        (settings_of("mecanum", kinematics__wheels_radius=0.0), "'kinematics.wheels_radius'"),
         (settings_of("omni", wheel_names=("a", "b")), "2, expected a number of wheels from 3"),
-        (settings_of("bicycle", wheelbase=0.0), "rear and front_wheel .* in different places"),
-        (settings_of("tricycle", traction_track_width=0.0), "right and left .* different places"),
-        (settings_of("ackermann", steering_track_width=0.0), "front_right_wheel and front_left"),
+        (settings_of("bicycle", wheelbase=0.0), "'wheelbase' is 0.0"),
+        (settings_of("bicycle", traction_wheels_radius=0.0), "'traction_wheels_radius' is 0.0"),
+        (settings_of("tricycle", traction_track_width=0.0), "'traction_track_width' is 0.0"),
     ],
 )
 def test_what_makes_no_robot_is_refused(settings, text):
     with pytest.raises(ValueError, match=text):
         chosen_robot(settings)
+
+
+@pytest.mark.parametrize(
+    ("drive", "left_out", "instead"),
+    [
+        ("ackermann", "steering_track_width", {}),
+        ("bicycle", "traction_wheels_radius", {"traction_wheel_radius": 0.15}),
+        ("tricycle", "traction_track_width", {"wheel_track": 0.8}),
+    ],
+)
+def test_files_of_ros2_controllers_may_name_or_leave_out_measures_otherwise(
+    drive, left_out, instead
+):
+    plain, _ = chosen_robot(settings_of(drive))
+    robot, _ = chosen_robot(settings_of(drive, **{left_out: 0.0}, **instead))
+    for wheel, known in zip(robot.base.wheels, plain.base.wheels, strict=True):
+        assert wheel.position.tolist() == known.position.tolist()
+        assert (wheel.radius, wheel.name, wheel.driven) == (known.radius, known.name, known.driven)
+
+
+def test_limits_that_a_file_of_older_ros2_controllers_switches_off_do_not_count():
+    """Their own example has zeros beside, which would be no limits."""
+    names = ("max_velocity", "min_velocity", "max_acceleration", "max_jerk", "min_jerk")
+    zeros = {f"linear__x__{name}": 0.0 for name in names}
+    kinds = ("velocity", "acceleration", "jerk")
+    off = {f"linear__x__has_{kind}_limits": False for kind in kinds}
+    robot, _ = chosen_robot(settings_of("diff", **zeros, **off, angular__z__max_velocity=2.0))
+    for kind in kinds:
+        assert getattr(robot.limits, kind)[1] == math.inf
+    assert robot.limits.deceleration[1] == robot.limits.backward_velocity[1] == math.inf
+    assert robot.limits.velocity[0] == 2.0
+    with pytest.raises(ValueError, match="acceleration"):
+        chosen_robot(settings_of("diff", **zeros))
 
 
 @pytest.mark.parametrize(
