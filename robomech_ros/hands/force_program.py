@@ -19,7 +19,7 @@ from scipy.sparse import csc_matrix
 
 from robomech_ros.hands.conic_solver import conic_solver
 
-__all__ = ["ForceProgram", "force_program"]
+__all__ = ["ForceProgram", "force_program", "separating_program"]
 
 Array = NDArray[np.float64]
 
@@ -90,11 +90,8 @@ class ForceProgram:
         b = np.zeros(self.size)
         b[: len(needed)] = needed
         A = csc_matrix((entries, self.rows, self.starts), shape=(self.size, len(self.objective)))
-        settings = self.library.DefaultSettings()
-        settings.verbose = False
-        settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = _PRECISION
         solver = self.library.DefaultSolver(
-            self.no_squares, self.objective, A, b, self.kinds, settings
+            self.no_squares, self.objective, A, b, self.kinds, _settings(self.library)
         )
         return solver.solve()
 
@@ -162,3 +159,48 @@ def _kept(library: ModuleType, flags: bytes, d: int, largest: bool) -> ForceProg
         kinds=kinds,
         size=len(shared),
     )
+
+
+def separating_program(
+    cones: Array, used: NDArray[np.bool_], needed: Array, apart: float
+) -> Array | None:
+    """Find the direction that is farthest along a wrench, of those that no contact is along.
+
+    Parameters
+    ----------
+    cones : ndarray, shape (k, 4, d)
+    used : ndarray of bool, shape (k, 4)
+        As for :func:`force_program`.
+    needed : ndarray, shape (d,)
+        The wrench.
+    apart : float
+        Products of the direction with wrenches of unit normal forces are this far below 0.
+
+    Returns
+    -------
+    ndarray, shape (d,), or None
+        Of length 1 at most; None where the solver finds none.
+    """
+    library = conic_solver()
+    d = len(needed)
+    blocks, kinds, b = [], [], []
+    for cone, own in zip(cones, used, strict=True):
+        blocks.append(np.vstack([cone[:1], -cone[1:][own[1:]]]))
+        b += [-apart, *np.zeros(len(blocks[-1]) - 1)]
+        kinds.append(library.SecondOrderConeT(len(blocks[-1])))
+    blocks.append(np.vstack([np.zeros((1, d)), -np.eye(d)]))
+    b += [1.0, *np.zeros(d)]
+    kinds.append(library.SecondOrderConeT(d + 1))
+    settings = _settings(library)
+    A = csc_matrix(np.vstack(blocks))
+    solver = library.DefaultSolver(csc_matrix((d, d)), -needed, A, np.array(b), kinds, settings)
+    found = solver.solve()
+    ended = library.SolverStatus
+    return np.array(found.x) if found.status in (ended.Solved, ended.AlmostSolved) else None
+
+
+def _settings(library: ModuleType) -> Any:
+    settings = library.DefaultSettings()
+    settings.verbose = False
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = _PRECISION
+    return settings

@@ -5,22 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.hands.contacts import (
     Contact,
     as_contacts,
     as_origin,
+    centre,
     cones_of,
     rows_of,
     span,
 )
-from robomech_ros.hands.force_program import force_program
+from robomech_ros.hands.force_search import ForceStatus, search
 from robomech_ros.spatial.arrays import as_choice, as_finite
 
 __all__ = ["SMALLEST", "ContactForces", "ForceStatus", "contact_forces"]
@@ -28,9 +27,6 @@ __all__ = ["SMALLEST", "ContactForces", "ForceStatus", "contact_forces"]
 Array = NDArray[np.float64]
 
 SMALLEST = ("largest", "total")
-# What may be left of loads of size 1 after one correction.
-_BALANCED = 1e-9
-_EPSILON = float(np.finfo(np.float64).eps)
 _MOST_LOAD = 1e12
 # Components of contacts among the normal force, the force along x, y, z, and the torsion.
 _EXERTED = {
@@ -38,14 +34,6 @@ _EXERTED = {
     "point": (False, True, True, True, False),
     "soft": (False, True, True, True, True),
 }
-
-
-class ForceStatus(Enum):
-    """How the search for contact forces ended."""
-
-    HELD = "held"
-    NOT_HELD = "not held"
-    NOT_CONVERGED = "not converged"
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +54,8 @@ class ContactForces:
         Where the load cannot be held: a direction s of wrench space, moments first, with s . w <= 0
         for every wrench w of the contacts and s . load < 0, so that s . w > 0 would be needed.  Its
         length is 1 with the moments times the distance of the farthest contact from the origin.
+        For unit normal forces s . w may be above 0 by rounding, and by 1e-6 of what the load needs
+        at the most: no forces a million times the load hold it.
     largest, total : float
         The greatest force of a contact and the sum of the normal forces (N); NaN unless held.
     """
@@ -103,7 +93,8 @@ def contact_forces(
     Returns
     -------
     ContactForces
-        Equilibrium to 1e-9 of the load.
+        Equilibrium to 1e-9 of the load, forces inside the cones to 1e-9 of load or forces.  The
+        status is not converged at most for loads within 1e-7 of the border of what is held.
 
     Raises
     ------
@@ -135,49 +126,38 @@ def contact_forces(
     smallest = as_choice("smallest", smallest, SMALLEST)
     size = len(given[0].position)
     point = as_origin(np.zeros(size) if origin is None else origin, given)
-    length = min(span(given, point), LARGEST_LENGTH)
+    # About the centre of the contacts: from an origin far away moments say little.
+    middle = centre(given)
+    length = span(given, middle)
     scaled = load.copy()
+    scaled[: d // 2] += _moment((point - middle).tolist(), load[d // 2 :].tolist())
     scaled[: d // 2] /= length
     weight = math.hypot(*scaled)
     rows = rows_of(given)
     if weight == 0.0:
         return _result(given, rows, np.zeros((len(given), 4)), ForceStatus.HELD, None)
-    cones = cones_of(rows, point, length)
-    y, status, direction = _solved(rows, cones, -scaled / weight, smallest)
+    cones = cones_of(rows, middle, length)
+    y, status, direction = search(rows, cones, -scaled / weight, smallest)
     if direction is not None:
         direction[: d // 2] /= length
+        direction[d // 2 :] += _along(direction[: d // 2].tolist(), (point - middle).tolist())
+        reach = span(given, point)
+        direction /= math.hypot(*(reach * direction[: d // 2]), *direction[d // 2 :])
     return _result(given, rows, y * weight, status, direction)
 
 
-def _solved(
-    rows: Array, cones: Array, needed: Array, smallest: str
-) -> tuple[Array, ForceStatus, Array | None]:
-    """Solve for normal forces and bounded components y (k, 4) that exert the wrench needed."""
-    d = len(needed)
-    used = np.ones((len(rows), 4), np.bool_)
-    used[:, 1:] = rows[:, 12:] > 0.0
-    program = force_program(used, d, smallest == "largest")
-    y = np.where(used, np.nan, 0.0)
-    W = cones[used].T
-    U, s, Vt = np.linalg.svd(W, full_matrices=False)
-    rank = int((s > _EPSILON * max(W.shape) * s[0]).sum())
-    U, s, Vt = U[:, :rank], s[:rank], Vt[:rank]
-    # A wrench that no forces exert at all, as a moment about the line through two contacts: the
-    # solver finds no proof of that.
-    rest = needed - U @ (U.T @ needed)
-    size = math.hypot(*rest)
-    if size > _BALANCED:
-        return y, ForceStatus.NOT_HELD, rest / size
-    found = program.solve(W, rows[:, 12:], needed)
-    if found.status == program.library.SolverStatus.PrimalInfeasible:
-        direction = -np.array(found.z[:d])
-        return y, ForceStatus.NOT_HELD, direction / math.hypot(*direction)
-    x = np.array(found.x[: W.shape[1]])
-    x -= Vt.T @ ((U.T @ (W @ x - needed)) / s)
-    if not float(np.abs(W @ x - needed).max()) < _BALANCED:
-        return y, ForceStatus.NOT_CONVERGED, None
-    y[used] = x
-    return y, ForceStatus.HELD, None
+def _cross(a: list[float], b: list[float]) -> list[float]:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def _moment(r: list[float], f: list[float]) -> list[float]:
+    """Give r x f, in the plane about z."""
+    return _cross(r, f) if len(r) == 3 else [r[0] * f[1] - r[1] * f[0]]
+
+
+def _along(n: list[float], r: list[float]) -> list[float]:
+    """Give n x r, in the plane with n along z."""
+    return _cross(n, r) if len(r) == 3 else [-n[0] * r[1], n[0] * r[0]]
 
 
 def _result(

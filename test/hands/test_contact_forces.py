@@ -208,3 +208,103 @@ def test_without_the_solver_the_error_names_the_command(monkeypatch):
     monkeypatch.setitem(sys.modules, "clarabel", None)
     with pytest.raises(ConicSolverUnavailableError, match=r"pip install 'robomech_ros\[hands\]'"):
         contact_forces(opposed("point", 0.5), DOWN)
+
+
+def towards_the_border(rng, count, model):
+    """A grasp that is not closed, a load that it holds, and one that it does not."""
+    while True:
+        contacts = random_sphere(rng, count, rng.uniform(0.1, 0.4), model, 0.1)
+        pressed = [np.r_[one.normal, np.zeros(max(one.size - 3, 0))] for one in contacts]
+        if model == "frictionless":
+            pressed = [np.ones(1)] * count
+        held = -grasp_matrix(contacts, np.zeros(3)) @ np.concatenate(pressed)
+        beyond = held + 8.0 * rng.normal(size=6)
+        if contact_forces(contacts, beyond).status is ForceStatus.NOT_HELD:
+            return contacts, held, beyond
+
+
+@pytest.mark.parametrize(
+    ("count", "model"),
+    [(3, "point"), (3, "soft"), (4, "point"), (6, "soft"), (8, "frictionless")],
+)
+def test_forces_are_inside_their_cones_up_to_the_border(count, model):
+    """Close to it the solver ends without an answer, and with forces far outside the cones."""
+    rng = np.random.default_rng(3)
+    for _ in range(3):
+        contacts, held, beyond = towards_the_border(rng, count, model)
+        low, high = 0.0, 1.0
+        while high - low > 1e-11:
+            middle = 0.5 * (low + high)
+            load = held + middle * (beyond - held)
+            found = contact_forces(contacts, load)
+            if found.status is ForceStatus.HELD:
+                assert excess(contacts, found) < 1e-8 * np.linalg.norm(load)
+                low = middle
+            else:
+                if found.separating_wrench is None:
+                    # Nothing can be said only where the load is hardly beyond.
+                    assert high - low < 1e-6
+                else:
+                    s = found.separating_wrench
+                    assert along(contacts, s) <= 1e-6 * -(s @ load)
+                high = middle
+
+
+def along(contacts, direction):
+    """How far a wrench of a unit normal force goes along a direction of wrenches."""
+    farthest = -np.inf
+    for one in contacts:
+        force = direction[3:] + np.cross(direction[:3], one.position)
+        mu, _, torsional = reaches(one)
+        across = mu * np.linalg.norm(force - (force @ one.normal) * one.normal)
+        turned = torsional * (direction[:3] @ one.normal)
+        farthest = max(farthest, force @ one.normal + np.hypot(across, turned))
+    return farthest
+
+
+@pytest.mark.parametrize(
+    ("part", "held"), [(-1e-7, True), (0.0, True), (1e-7, False), (1e-4, False)]
+)
+def test_a_load_on_the_border_of_one_cone(part, held):
+    """Without internal forces the answer needs no solver: here it ended 7e-5 outside the cone."""
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        (one,) = random_sphere(rng, 1, rng.uniform(0.2, 1.0))
+        force = one.normal + one.friction * (1.0 + part) * one.tangents[0]
+        load = -grasp_matrix([one], np.zeros(3)) @ force
+        found = contact_forces([one], load)
+        assert (found.status is ForceStatus.HELD) == held
+        if held:
+            np.testing.assert_allclose(found.forces[0], force, atol=1e-9)
+        else:
+            assert along([one], found.separating_wrench) < 1e-14
+            assert found.separating_wrench @ load < 0.0
+
+
+@pytest.mark.parametrize("shift", [0.0, 1e-14, 1e-12])
+def test_contacts_that_are_in_a_plane_but_for_rounding(shift):
+    """What normals in a plane hold they hold when their positions are rounded."""
+    rng = np.random.default_rng(2)
+    a = np.arange(6.0)
+    rim = np.stack([np.cos(a), np.sin(a), shift * rng.normal(size=6)], axis=1)
+    inward = np.stack([-np.cos(a + 0.1 * a % 0.3), -np.sin(a + 0.1 * a % 0.3), 0.0 * a], axis=1)
+    contacts = [Contact(p, n, "frictionless") for p, n in zip(rim, inward, strict=True)]
+    for _ in range(10):
+        normal = rng.uniform(0.0, 1.0, size=6)
+        load = -grasp_matrix(contacts, np.zeros(3)) @ normal
+        assert contact_forces(contacts, load).status is ForceStatus.HELD
+
+
+def test_the_origin_of_moments_does_not_matter():
+    rng = np.random.default_rng(4)
+    for _ in range(10):
+        contacts, load = random_sphere(rng, 4, 0.5), rng.normal(size=6)
+        near = contact_forces(contacts, load)
+        far = np.array([1e4, -2e4, 3e3])
+        moved = np.r_[load[:3] - np.cross(far, load[3:]), load[3:]]
+        found = contact_forces(contacts, moved, origin=far)
+        assert found.status is near.status
+        if near.separating_wrench is None:
+            np.testing.assert_allclose(found.forces, near.forces, atol=1e-6)
+        else:
+            assert found.separating_wrench @ moved < 0.0

@@ -1,0 +1,190 @@
+"""The search for forces inside their cones, or for a proof that there are none.
+
+Nothing is taken from the solver unseen: close to the border of what is held it may end with forces
+outside the cones and no proof.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.hands.force_program import force_program, separating_program
+
+__all__ = ["ForceStatus", "search"]
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+# What may be left of loads of size 1 after one correction, and how far forces may be outside their
+# cones, of the greatest of them.
+_BALANCED = 1e-9
+_OUTSIDE = 1e-9
+# Below this it is rounding.
+_ROUNDING = 1e-14
+_MOST_ROUNDS = 8
+_TINY = 1e-300
+# Singular values below this share of the largest are none: what it takes them for are forces a
+# thousand million times the load.
+_RANK = 1e-10
+# How far wrenches of unit normal forces may be along a direction that no wrench is to be along, at
+# most and as a share of what the load needs along it: no forces a million times the load hold it.
+_ALONG = 1e-12
+_SHARE = 1e-6
+# How far below 0 they are to be where a direction is searched for, if that can be.
+_APART = 1e-9
+
+
+class ForceStatus(Enum):
+    """How the search for contact forces ended."""
+
+    HELD = "held"
+    NOT_HELD = "not held"
+    NOT_CONVERGED = "not converged"
+
+
+def search(
+    rows: Array, cones: Array, needed: Array, smallest: str
+) -> tuple[Array, ForceStatus, Array | None]:
+    """Search for the smallest forces that exert a wrench.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (k, 15)
+        See :func:`rows_of`.
+    cones : ndarray, shape (k, 4, d)
+        See :func:`cones_of`.
+    needed : ndarray, shape (d,)
+        Of length 1.
+    smallest : {"largest", "total"}
+
+    Returns
+    -------
+    y : ndarray, shape (k, 4)
+        Normal forces and components that these bound; NaN unless held.
+    status : ForceStatus
+    direction : ndarray, shape (d,), or None
+        Where it is not held: a unit vector with which no wrench has a positive product, but that
+        which is needed.
+
+    Raises
+    ------
+    ConicSolverUnavailableError
+        The extra ``hands`` is not installed.
+    """
+    used = np.ones((len(rows), 4), np.bool_)
+    used[:, 1:] = rows[:, 12:] > 0.0
+    y = np.where(used, np.nan, 0.0)
+    W = cones[used].T
+    program = force_program(used, len(needed), smallest == "largest")
+    U, s, Vt = np.linalg.svd(W, full_matrices=False)
+    rank = int((s > _RANK * s[0]).sum())
+    U, back = U[:, :rank], Vt[:rank].T / s[:rank]
+    # A wrench that no forces exert at all, as a moment about the line through two contacts: the
+    # solver finds no proof of that.
+    rest = needed - U @ (U.T @ needed)
+    if math.hypot(*rest) > _BALANCED:
+        rest /= math.hypot(*rest)
+        return y, ForceStatus.NOT_HELD, _unit(rest - U @ (U.T @ rest))
+    if rank < len(W):
+        W, needed = (U * s[:rank]) @ Vt[:rank], needed - rest
+    proof = None
+    if rank == W.shape[1]:
+        # No internal forces: those that balance are the only ones.
+        x = back @ (U.T @ needed)
+        proof = _unit(U @ (back.T @ _worst(x, used)))
+    else:
+        solution = program.solve(W, rows[:, 12:], needed)
+        x = np.array(solution.x[: W.shape[1]])
+        if solution.status == program.library.SolverStatus.PrimalInfeasible:
+            proof = -_unit(np.array(solution.z[: len(needed)]))
+    if rank == W.shape[1] or proof is None:
+        x, outside = _moved_inside(x, W, needed, back @ U.T, used)
+        if outside <= _OUTSIDE and np.abs(W @ x - needed).max() < _BALANCED:
+            y[used] = x
+            return y, ForceStatus.HELD, None
+    direction = _separating(cones, needed, _proofs(proof, cones, used, needed))
+    status = ForceStatus.NOT_CONVERGED if direction is None else ForceStatus.NOT_HELD
+    return y, status, direction
+
+
+def _unit(vector: Array) -> Array:
+    size = math.hypot(*vector)
+    return vector / size if size > 0.0 else vector
+
+
+def _of_contacts(x: Array, used: Flags) -> Array:
+    """Give normal forces and bounded components, 0 where a contact has none, shape (k, 4)."""
+    found = np.zeros(used.shape)
+    found[used] = x
+    return found
+
+
+def _worst(x: Array, used: Flags) -> Array:
+    """Give the normal of the face that the force farthest outside its cone is outside of."""
+    found = _of_contacts(x, used)
+    i = int(np.argmax(_bounded(found) - found[:, 0]))
+    face = np.zeros(used.shape)
+    face[i, 0], face[i, 1:] = -1.0, _unit(found[i, 1:])
+    return face[used]
+
+
+def _bounded(found: Array) -> Array:
+    """Give how large a normal force has to be for what it bounds, shape (k,)."""
+    sizes: Array = np.sqrt((found[:, 1:] * found[:, 1:]).sum(axis=1))
+    return sizes
+
+
+def _moved_inside(
+    x: Array, W: Array, needed: Array, inverse: Array, used: Flags
+) -> tuple[Array, float]:
+    """Project forces on those that balance, and if need be on those inside the cones, in turn.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Forces that balance.
+    float
+        How far they are outside the cones, as a share of the greatest of them if that is above 1.
+    """
+    for _ in range(_MOST_ROUNDS):
+        x = x - inverse @ (W @ x - needed)
+        found = _of_contacts(x, used)
+        bounded = _bounded(found)
+        outside = float((bounded - found[:, 0]).max() / max(1.0, np.abs(x).max()))
+        if outside <= _ROUNDING:
+            return x, outside
+        beyond = bounded > found[:, 0]
+        normal = np.clip(0.5 * (found[:, 0] + bounded), 0.0, None)[beyond]
+        found[beyond, 1:] *= (normal / np.maximum(bounded[beyond], _TINY))[:, None]
+        found[beyond, 0] = normal
+        nearest, x = x, found[used]
+    return nearest, outside
+
+
+def _proofs(proof: Array | None, cones: Array, used: Flags, needed: Array) -> Iterator[Array]:
+    """Give directions that may separate, the cheapest first."""
+    if proof is not None:
+        yield proof
+    for apart in (_APART, 0.0):
+        found = separating_program(cones, used, needed, apart)
+        if found is not None:
+            yield _unit(found)
+
+
+def _separating(cones: Array, needed: Array, proofs: Iterator[Array]) -> Array | None:
+    """Give the first direction that no wrench is along but the one needed, or the best of all."""
+    best, least = None, _SHARE
+    for one in proofs:
+        need = float(one @ needed)
+        across = np.sqrt(((cones[:, 1:] @ one) ** 2).sum(axis=1))
+        along = float((cones[:, 0] @ one + across).max())
+        if need > 0.0 and along < least * need:
+            if along <= _ALONG * need:
+                return one
+            best, least = one, along / need
+    return best
