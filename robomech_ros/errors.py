@@ -65,13 +65,19 @@ def shown(value: object) -> str:
     return text
 
 
-def _listed(names: Sequence[str]) -> str:
+def _listed(names: Sequence[str], most: int = _LONGEST_LIST) -> str:
     if not names:
         return "none"
-    text = ", ".join(shown(name)[1:-1] for name in names[:_LONGEST_LIST])
-    if len(names) > _LONGEST_LIST:
-        text += f", and {len(names) - _LONGEST_LIST} more"
+    text = ", ".join(shown(name)[1:-1] for name in names[:most])
+    if len(names) > most:
+        text += f", and {len(names) - most} more"
     return text
+
+
+def _near(name: str, known: Sequence[str], most: int) -> list[str]:
+    """Give the names that are like one, the nearest first."""
+    candidates = [one for one in known[:_MOST_COMPARED] if len(one) < _LONGEST_VALUE]
+    return get_close_matches(str(name)[:_LONGEST_VALUE], candidates, n=max(most, 1))
 
 
 class RobomechError(ValueError):
@@ -86,22 +92,27 @@ class _UnknownNameError(RobomechError):
     """A name that is not among the known ones."""
 
     kind = "name"
+    most = _LONGEST_LIST
 
     def __init__(self, name: str, available: Iterable[str]) -> None:
         self.name = name
         self.available = tuple(available)
-        candidates = [one for one in self.available[:_MOST_COMPARED] if len(one) < _LONGEST_VALUE]
-        close = get_close_matches(str(name)[:_LONGEST_VALUE], candidates, n=1)
+        close = _near(name, self.available, 1)
         hint = f" (did you mean '{close[0]}'?)" if close else ""
-        super().__init__(
-            f"unknown {self.kind} {shown(name)}{hint}; available: {_listed(self.available)}"
-        )
+        listed = _listed(self.available, self.most)
+        super().__init__(f"unknown {self.kind} {shown(name)}{hint}; available: {listed}")
 
 
 class UnknownRobotError(_UnknownNameError):
-    """No robot of this name, and no file of this name either."""
+    """No robot of this name, and no file of this name either; the nearest names come first."""
 
     kind = "robot"
+    most = 100
+
+    def __init__(self, name: str, available: Iterable[str]) -> None:
+        known = tuple(available)
+        near = _near(name, known, len(known))
+        super().__init__(name, (*near, *(one for one in known if one not in near)))
 
 
 class UnknownLinkError(_UnknownNameError):

@@ -6,17 +6,23 @@ import os
 import shutil
 import socket
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import NamedTuple
+
+from robomech_ros.shared_memory import Leftover, leftovers, ports_of_domain, remove_leftovers
 
 __all__ = ["Finding", "add_arguments", "findings", "run"]
 
 OLDEST_PYTHON = (3, 10)
 MULTICAST_GROUP = "239.255.0.1"
 SET_UP = "make setup"
+# Above this the ports of some participants leave the range that UDP has.
+LARGEST_DOMAIN = 232
+# Up to this Linux gives the ports, but for those of many participants, to nobody else.
+SAFE_DOMAIN = 101
 
 
 class Finding(NamedTuple):
@@ -41,11 +47,19 @@ class Finding(NamedTuple):
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments: none."""
+    """Declare the arguments."""
+    parser.add_argument(
+        "--clean",
+        action="store_true",
+        help="remove what killed processes have left of Fast DDS in shared memory; what a process "
+        "uses stays",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
     """Print the findings; returns 0 if nothing that is needed is missing, else 1."""
+    if args.clean:
+        print(f"removed {_named(remove_leftovers()) or 'nothing'} from shared memory")
     marks = {True: "ok", False: "MISSING", None: "-"}
     good = True
     for finding in findings():
@@ -73,6 +87,7 @@ def findings() -> Iterator[Finding]:
         _node_scripts,
         _loopback,
         _multicast,
+        _shared_memory,
         _domain,
         _sourced,
         lambda: _optional("matplotlib", "plots of robomech demo"),
@@ -207,15 +222,49 @@ def _multicast() -> Finding:
     return Finding(what, True, "datagrams arrive")
 
 
+def _shared_memory() -> Finding:
+    what = "shared memory"
+    if left := leftovers():
+        found = f"killed processes left {_named(left)}"
+        if left[0].port is not None:
+            found += ": who gets such a port may lose messages"
+        return Finding(what, None, found, "robomech doctor --clean")
+    return Finding(what, True, "nothing left of killed processes")
+
+
+def _named(left: Sequence[Leftover]) -> str:
+    """Name ports, and count segments; empty for nothing."""
+    ports = [str(one.port) for one in left if one.port is not None]
+    segments = len(left) - len(ports)
+    parts = []
+    if ports:
+        parts.append(f"port{'s' * (len(ports) > 1)} {', '.join(ports)} of Fast DDS")
+    if segments:
+        parts.append(f"{segments} segment{'s' * (segments > 1)}")
+    return f"{' and '.join(parts)} ({sum(one.size for one in left) / 1e6:.1f} MB)" if left else ""
+
+
 def _domain() -> Finding:
     what = "ROS domain"
     text = os.environ.get("ROS_DOMAIN_ID", "")
     reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET (default)")
-    # Above this the ports of some participants leave the range that UDP has.
-    largest = 101
-    if text and not (text.isdecimal() and int(text) <= largest):
-        return Finding(what, False, repr(text), f"export ROS_DOMAIN_ID=<0 to {largest}>")
-    return Finding(what, True, f"{text or '0 (default)'}, discovery range {reach}")
+    if text and not (text.isdecimal() and len(text) < 10 and int(text) <= LARGEST_DOMAIN):
+        return Finding(what, False, repr(text), f"export ROS_DOMAIN_ID=<0 to {SAFE_DOMAIN}>")
+    domain, found = int(text or 0), f"{text or '0 (default)'}, discovery range {reach}"
+    ports, given = ports_of_domain(domain), _ports_given_away()
+    if domain > SAFE_DOMAIN and ports.start < given.stop and given.start < ports.stop:
+        found += f"; the system gives its ports to others, too ({given.start} to {given.stop - 1})"
+        return Finding(what, None, found, f"export ROS_DOMAIN_ID=<0 to {SAFE_DOMAIN}>")
+    return Finding(what, True, found)
+
+
+def _ports_given_away() -> range:
+    """Give the ports that the system gives to whoever asks for any."""
+    try:
+        first, last = map(int, Path("/proc/sys/net/ipv4/ip_local_port_range").read_text().split())
+    except (OSError, ValueError):
+        return range(32768, 61000)
+    return range(first, last + 1)
 
 
 def _sourced() -> Finding:

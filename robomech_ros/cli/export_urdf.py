@@ -4,7 +4,8 @@ import argparse
 import sys
 from pathlib import Path
 
-from robomech_ros.robots import load_description, urdf_from_description
+from robomech_ros.cli.described_kinds import describe
+from robomech_ros.robots import urdf_from_description
 
 __all__ = ["add_arguments", "run"]
 
@@ -17,7 +18,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the document; returns 0, or 1 if the file cannot be written."""
-    text = urdf_from_description(load_description(args.robot))
+    description, lost = describe(args.robot)
+    text = urdf_from_description(description)
+    if lost:
+        print(f"robomech export-urdf: {lost}", file=sys.stderr)
     if args.output is None:
         sys.stdout.write(text)
         return 0

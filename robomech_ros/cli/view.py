@@ -7,10 +7,10 @@ import threading
 import webbrowser
 from typing import TYPE_CHECKING, Any
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.cli.kind_options import refuse_options
 from robomech_ros.parallel import load_described, load_parallel
 from robomech_ros.robots import main_chain, semantics_of
-from robomech_ros.robots.kinds import kind_of
+from robomech_ros.robots.kinds import ARM, check_name, kind_of
 from robomech_ros.rvs.opening import kind_page_of, page_of, platform_page_of
 from robomech_ros.rvs.seen_kinds import SEEN_KINDS
 from robomech_ros.rvs.serving.address import HOST, PORT
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from robomech_ros.rvs.page.page import RobotPage
 
 __all__ = ["add_arguments", "run"]
+
+_OF_ARMS = ("base_link", "tip_link", "srdf", "group")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -53,15 +55,14 @@ def run(args: argparse.Namespace) -> int:
 
 def _page(args: argparse.Namespace) -> RobotPage:
     where: dict[str, Any] = {"port": args.port, "host": args.host}
+    check_name(args.robot, (ARM, "parallel", *SEEN_KINDS))
     kind = kind_of(args.robot)
     if kind in SEEN_KINDS:
-        for option in ("base_link", "tip_link", "srdf", "group"):
-            if given := getattr(args, option):
-                expected = f"nothing: '{args.robot}' is a robot of kind '{kind}'"
-                raise BadValueError(f"--{option.replace('_', '-')}", given, expected)
+        refuse_options(args, _OF_ARMS, args.robot, f"a robot of kind '{kind}'")
         return kind_page_of(kind, args.robot, **where)
     described = load_described(args.robot)
     if described.mechanism is not None:
+        refuse_options(args, _OF_ARMS, args.robot, "a parallel robot")
         return platform_page_of(load_parallel(args.robot), **where)
     known = semantics_of(described.description, args.srdf)
     chain = main_chain(described.description, known, args.base_link, args.tip_link, args.group)

@@ -13,12 +13,11 @@ import os
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from robomech_ros.errors import RobotDescriptionError, UnknownRobotError
-from robomech_ros.parallel.files import parallel_files
-from robomech_ros.robots import RobotDescription, list_robots, load_description
+from robomech_ros.errors import RobotDescriptionError
+from robomech_ros.robots import RobotDescription, load_description
 from robomech_ros.robots.documents.guarded_xml import parse_xml
 from robomech_ros.robots.documents.guarded_yaml import parse_yaml
-from robomech_ros.robots.kinds import KINDS, yaml_source
+from robomech_ros.robots.kinds import ARM, KINDS, check_name, yaml_source
 from robomech_ros.robots.urdf.document import description_from_urdf
 from robomech_ros.robots.urdf.elements import element
 
@@ -30,6 +29,9 @@ __all__ = ["DescribedRobot", "load_described"]
 
 _TAG, _DOCUMENT = "parallel_robot", "document"
 _END = "</robot>"
+_CUT = (
+    "<!-- Loops are cut: each limb but the first ends in a link that belongs at the platform. -->"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +81,7 @@ def load_described(robot: str | os.PathLike[str]) -> DescribedRobot:
     >>> load_described("delta").mechanism.actuated
     ('leg1_base', 'leg2_base', 'leg3_base')
     """
+    check_name(robot, (ARM, "parallel"))
     found = yaml_source(robot)
     if found is not None:
         text, where = found
@@ -88,10 +91,7 @@ def load_described(robot: str | os.PathLike[str]) -> DescribedRobot:
         if isinstance(kind, str) and kind in KINDS:
             why = f"'{kind}', expected an arm or a parallel robot"
             raise RobotDescriptionError(f"{where}: kind", why)
-    try:
-        description = load_description(robot)
-    except UnknownRobotError as error:
-        raise UnknownRobotError(error.name, sorted({*list_robots(), *parallel_files()})) from None
+    description = load_description(robot)
     if description.document:
         for one in parse_xml(description.document, description.where).all(_TAG):
             return _from_element(description, one.attributes)
@@ -106,7 +106,7 @@ def _parallel(text: str | bytes, where: str) -> DescribedRobot:
     document = parse_yaml(text, where)
     own = element(_TAG, {_DOCUMENT: json.dumps(document)})
     head, end, rest = robot.mechanism.urdf().rpartition(_END)
-    description = description_from_urdf(f"{head}  {own}\n{end}{rest}", where)
+    description = description_from_urdf(f"{head}  {_CUT}\n  {own}\n{end}{rest}", where)
     return _at_home(replace(description, source=document["source"]), robot)
 
 

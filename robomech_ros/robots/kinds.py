@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from robomech_ros.errors import RobomechError
+from robomech_ros.errors import RobomechError, UnknownRobotError
 from robomech_ros.robots.documents.guarded_xml import is_xml
 from robomech_ros.robots.documents.guarded_yaml import (
     LARGEST_YAML,
@@ -27,10 +27,12 @@ from robomech_ros.robots.documents.source_files import (
     read_source,
 )
 from robomech_ros.robots.documents.yaml_rows import read_text
-from robomech_ros.robots.library import is_document, list_robots, robot_folders
+from robomech_ros.robots.library import is_document, is_name, list_robots, robot_folders
 
 __all__ = [
+    "ARM",
     "KINDS",
+    "check_name",
     "checked_document",
     "documents_of",
     "kind_of",
@@ -41,6 +43,8 @@ __all__ = [
 
 # The kind in a document, and the folder of such documents.
 KINDS = {"parallel": "parallel", "rolling": "rolling", "walking": "walking", "hand": "hands"}
+# What :func:`kind_of` says of an arm, which is of no kind.
+ARM = ""
 # Other names of robots, by their kinds.
 _ALSO_CALLED = {"walking": {"hexapod_walker": "phantomx"}}
 
@@ -55,8 +59,31 @@ def documents_of(kind: str) -> dict[str, Path]:
 
 
 def names_of(kind: str) -> tuple[str, ...]:
-    """List the names of the robots of a kind in all folders, sorted."""
-    return tuple(sorted(documents_of(kind)))
+    """List the names of the robots of a kind in all folders, sorted; ``ARM`` lists arms."""
+    return list_robots() if kind == ARM else tuple(sorted(documents_of(kind)))
+
+
+def check_name(robot: object, kinds: Iterable[str]) -> None:
+    """Refuse a name that no robot has; paths and texts of documents pass.
+
+    Parameters
+    ----------
+    robot : object
+        As for :func:`kind_of`.
+    kinds : iterable of str
+        The kinds that are wanted, of ``KINDS``, and ``ARM``.
+
+    Raises
+    ------
+    UnknownRobotError
+        It lists all robots of these kinds, the nearest names first.
+    """
+    if not is_name(robot) or not str(robot).strip():
+        return
+    every = {kind: names_of(kind) for kind in (ARM, *KINDS)}
+    name = str(robot).strip()
+    if not any(name in names for names in every.values()):
+        raise UnknownRobotError(name, sorted({one for kind in kinds for one in every[kind]}))
 
 
 def source_of(kind: str, robot: object) -> tuple[str | bytes, str]:

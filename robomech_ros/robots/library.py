@@ -109,6 +109,11 @@ def is_document(given: str) -> bool:
     return is_xml(given) or "\n" in text or (": " in text and not _is_path(text))
 
 
+def is_name(given: object) -> bool:
+    """Tell the name of a robot from a path and from the text of a document."""
+    return isinstance(given, str) and not is_document(given) and not _is_path(given.strip())
+
+
 def _is_path(name: str) -> bool:
     return name.lower().endswith((*_SUFFIXES, ".xacro")) or "/" in name or os.sep in name
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from robomech_ros.errors import RobomechError
 from robomech_ros.parallel import Mechanism, ParallelRobot, load_described, load_parallel
 from robomech_ros.robots import RobotDescription, SerialChain
-from robomech_ros.robots.kinds import kind_of
+from robomech_ros.robots.kinds import ARM, check_name, kind_of
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.seen_kinds import SEEN_KINDS
 from robomech_ros.rvs.serving.address import HOST, PORT
@@ -98,6 +98,7 @@ def view(
     '?token'
     >>> page.close()
     """
+    check_name(robot, (ARM, "parallel", *SEEN_KINDS))
     kind = kind_of(robot)
     if kind in SEEN_KINDS:
         return kind_page_of(kind, robot, port=port, host=host)

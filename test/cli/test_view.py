@@ -35,7 +35,16 @@ def test_a_page_is_served_until_a_signal(number):
         (("--port", "99999"), "port is 99999, expected 0 to 65535"),
         (("--host", "192.0.2.1"), "192.0.2.1"),
         (("--robot", "ur5e", "--tip-link", "nowhere"), "'nowhere'"),
-        (("--robot", "mecanum", "--tip-link", "x"), "--tip-link is 'x', expected nothing"),
+        (("--robot", "mecanun"), "did you mean 'mecanum'?"),
+        (
+            ("--robot", "mecanum", "--tip-link", "x"),
+            "--tip-link does not apply to 'mecanum', a robot of kind 'rolling'; "
+            "what applies: --robot, --port, --host, --open",
+        ),
+        (
+            ("--robot", "hexapod", "--tip-link", "x"),
+            "--tip-link does not apply to 'hexapod', a parallel robot; what applies: --robot, ",
+        ),
     ],
 )
 def test_a_wrong_request_is_told_in_one_line(options, said):

@@ -38,5 +38,5 @@ def test_demo_of_a_rolling_robot(suite, tmp_path):
     written = sorted(path.name for path in (tmp_path / "out").iterdir())
     assert written == ["mecanum.html", "mecanum.png"]
     refused = suite.run("robomech", "demo", *options, "--payload", "1", "--dynamic")
-    assert refused.returncode == 1
-    assert "'mecanum' is a rolling robot, which picks nothing" in refused.stderr
+    assert refused.returncode == 2
+    assert "--dynamic does not apply to 'mecanum', a rolling robot" in refused.stderr

@@ -475,8 +475,8 @@ def test_demo_of_a_parallel_robot(suite, tmp_path, robot, driven, forces):
     tracked = "every joint stayed within 0.02 rad or m of its path"
     assert (tracked in done.stdout) == bool(forces)
     refused = suite.run("robomech", "demo", *options, "--group", "legs")
-    assert refused.returncode == 1
-    assert f"'{robot}' is a parallel robot" in refused.stderr
+    assert refused.returncode == 2
+    assert f"--group does not apply to '{robot}', a parallel robot" in refused.stderr
 
 
 def test_demo_with_a_payload_that_the_drives_do_not_know(suite, tmp_path):
@@ -491,10 +491,10 @@ def test_demo_with_a_payload_that_the_drives_do_not_know(suite, tmp_path):
     assert "was at its effort limit for" in heavy.stderr
 
 
-def test_demo_that_fails_says_so(suite, tmp_path):
+def test_a_demo_of_no_robot_says_so(suite, tmp_path):
     done = suite.run("robomech", "demo", "--robot", "pumba560", "--output", str(tmp_path))
-    assert done.returncode == 1
-    assert "robomech demo failed: unknown robot 'pumba560'" in done.stderr
+    assert done.returncode == 2
+    assert "robomech demo: unknown robot 'pumba560'" in done.stderr
 
 
 def test_target_out_of_reach_through_the_command(suite, bringup):

@@ -72,4 +72,4 @@ def test_demo_of_a_walking_machine(suite, tmp_path, robot):
     moved = (output / f"{name}.html").read_text(encoding="utf-8")
     assert f"{name}: an eight" in moved and len(moved) > 500_000
     refused = suite.run("robomech", "demo", "--robot", robot, "--payload", "2", "--dynamic")
-    assert refused.returncode == 1 and "--dynamic" in refused.stderr
+    assert refused.returncode == 2 and "--dynamic does not apply" in refused.stderr

@@ -2,10 +2,10 @@
 
 import pytest
 
-from robomech_ros.errors import RobotDescriptionError
+from robomech_ros.errors import RobotDescriptionError, UnknownRobotError
 from robomech_ros.parallel import load_described
 from robomech_ros.robots import list_robots
-from robomech_ros.robots.kinds import KINDS, documents_of, kind_of
+from robomech_ros.robots.kinds import ARM, KINDS, check_name, documents_of, kind_of
 
 EVERY = [(kind, name) for kind in KINDS for name in documents_of(kind)]
 
@@ -44,3 +44,21 @@ def test_a_name_of_an_arm_comes_first(tmp_path, monkeypatch):
 def test_what_loads_arms_and_parallel_robots_says_which_kind_it_was_given(kind, name):
     with pytest.raises(RobotDescriptionError, match=f"kind: '{kind}', expected an arm or a para"):
         load_described(name)
+
+
+@pytest.mark.parametrize(
+    "given", ["puma560", "delta", "mecanum", " go1 ", "three_fingered", "/no/such.urdf", "a: 1", ""]
+)
+def test_names_that_some_robot_has_paths_and_texts_pass(given):
+    check_name(given, (ARM,))
+
+
+def test_an_unknown_name_lists_all_robots_of_the_kinds_that_are_taken_nearest_first():
+    with pytest.raises(UnknownRobotError, match="did you mean 'mecanum'") as caught:
+        check_name("mecanun", (ARM, "rolling"))
+    expected = {*list_robots(), *documents_of("rolling")}
+    assert caught.value.available == ("mecanum", *sorted(expected - {"mecanum"}))
+    with pytest.raises(UnknownRobotError) as caught:
+        check_name("hexapo", (ARM, *KINDS))
+    assert caught.value.available[:2] == ("hexapod", "hexapod_walker")
+    assert "more" not in str(caught.value)

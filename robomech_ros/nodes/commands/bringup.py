@@ -12,15 +12,16 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+from robomech_ros.cli.kind_options import refuse_options
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.process.kind_nodes import KIND_NODES, KindNodes
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.nodes.process.process_group import ProcessGroup
-from robomech_ros.nodes.process.reach import reach, stay_on_this_machine
+from robomech_ros.nodes.process.reach import ports_left, reach, stay_on_this_machine
 from robomech_ros.nodes.process.start import NODE_MODULES
 from robomech_ros.parallel import DescribedRobot, load_described
 from robomech_ros.robots import main_chain, semantics_of
-from robomech_ros.robots.kinds import kind_of
+from robomech_ros.robots.kinds import ARM, KINDS, check_name, kind_of
 
 __all__ = [
     "add_arguments",
@@ -28,7 +29,7 @@ __all__ = [
     "check",
     "launch_options",
     "node_class",
-    "refuse_of_arms",
+    "refuse_of_kind",
     "run",
 ]
 
@@ -117,12 +118,15 @@ def run(args: argparse.Namespace) -> int:
     check(args)
     if own := KIND_NODES.get(kind_of(args.robot)):
         own.load(args.robot)
-        refuse_of_arms(args, own)
-    elif args.robot and _load(args).mechanism is not None:
-        _leave_out(args)
+        refuse_of_kind(args, own)
+    elif args.robot and (robot := _load(args)).mechanism is not None:
+        _check_parallel(args, robot)
     if args.localhost:
         stay_on_this_machine()
     print(f"robomech bringup: {reach(os.environ)}", file=sys.stderr, flush=True)
+    if left := ports_left(os.environ):
+        text = f"{left}; `robomech doctor --clean` removes what nobody uses"
+        print(f"robomech bringup: {text}", file=sys.stderr, flush=True)
     options = launch_options(args)
     return _run_here(options) if args.in_one_process else _supervise(options.commands())
 
@@ -151,26 +155,25 @@ def launch_options(args: argparse.Namespace) -> LaunchOptions:
     )
 
 
-def refuse_of_arms(args: argparse.Namespace, kind: KindNodes) -> None:
-    """Refuse options that a kind of robot has no use for.
+def refuse_of_kind(
+    args: argparse.Namespace, kind: KindNodes, besides: tuple[str, ...] = ()
+) -> None:
+    """Refuse options that a kind of robot has no use for, and others that a command names.
 
     Raises
     ------
-    BadValueError
-        It names the option.
+    OptionRefusedError
+        It names the option, and those that apply.
     """
-    for option in kind.refused:
-        if given := getattr(args, option, None):
-            expected = f"nothing: '{args.robot}' is a {kind.called}"
-            raise BadValueError(f"--{option.replace('_', '-')}", given, expected)
+    refuse_options(args, (*kind.refused, *besides), args.robot, f"a {kind.called}")
 
 
-def _leave_out(args: argparse.Namespace) -> None:
-    """Leave out what does not serve parallel robots, and say so."""
-    for option in ("joint_limits", "srdf", "group"):
-        if given := getattr(args, option):
-            expected = f"nothing: '{args.robot}' is a parallel robot"
-            raise BadValueError(f"--{option.replace('_', '-')}", given, expected)
+def _check_parallel(args: argparse.Namespace, robot: DescribedRobot) -> None:
+    """Refuse what does not serve parallel robots; leave out the servo, and say so."""
+    from robomech_ros.nodes.common.robot_description import RobotModel
+
+    refuse_options(args, ("joint_limits", "srdf", "group"), args.robot, "a parallel robot")
+    RobotModel(robot.description, args.base_link, args.tip_link, robot=robot.robot)
     if not args.no_servo:
         args.no_servo = True
         text = "no servo and no services of MoveIt, which serve no parallel robots"
@@ -206,9 +209,12 @@ def check(args: argparse.Namespace) -> None:
 
     Raises
     ------
+    UnknownRobotError
+        It names robots.
     BadValueError
         It names the option.
     """
+    check_name(args.robot, (ARM, *KINDS))
     for path in args.params_file:
         if not Path(path).is_file():
             raise BadValueError("--params-file", path, "a YAML file that exists")

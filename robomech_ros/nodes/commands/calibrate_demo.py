@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 
 from robomech_ros.cli.warmup import warm
-from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.errors import BadValueError
+from robomech_ros.robots import load_robot
 
 __all__ = ["add_arguments", "run"]
 
@@ -58,6 +59,7 @@ def run(args: argparse.Namespace) -> int:
     for option, value in zip(("--rotation-noise", "--position-noise"), noise, strict=True):
         if not (math.isfinite(value) and 0.0 <= value <= _MOST_NOISE):
             raise BadValueError(option, value, f"0 to {_MOST_NOISE:g}")
+    load_robot(args.robot)
     # Contexts are left in order on SIGTERM, too: no node outlives the demonstration.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     warm(silent_if_quick=True)
@@ -65,10 +67,11 @@ def run(args: argparse.Namespace) -> int:
         Wanted,
         demonstrate_calibration,
     )
+    from robomech_ros.nodes.demonstration.failure import DemoFailedError
 
     try:
         demonstrate_calibration(Wanted(args.robot, args.type, args.samples, noise), args.output)
-    except RobomechError as error:
+    except DemoFailedError as error:
         print(f"robomech calibrate-demo failed: {error}", file=sys.stderr)
         return EXIT_FAILED
     return 0

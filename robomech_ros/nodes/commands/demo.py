@@ -7,17 +7,20 @@ from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryFile
 
+from robomech_ros.cli.kind_options import refuse_options
 from robomech_ros.cli.warmup import warm
-from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.nodes.commands.bringup import refuse_of_arms
+from robomech_ros.errors import BadValueError
+from robomech_ros.nodes.commands.bringup import refuse_of_kind
 from robomech_ros.nodes.process.kind_nodes import KIND_NODES, KindNodes
-from robomech_ros.robots.kinds import kind_of
+from robomech_ros.robots.kinds import ARM, check_name, kind_of
 
 __all__ = ["add_arguments", "run"]
 
 EXIT_FAILED = 1
 # As the controller's parameter payload_mass, kg.
 HEAVIEST_PAYLOAD = 1000.0
+# For robots that pick and place.
+_OF_DRIVES = ("dynamic", "payload")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,12 +52,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _refuse_of_drives(args: argparse.Namespace, kind: KindNodes) -> None:
-    """Refuse what is for robots that pick and place."""
-    for option, given in (("--dynamic", args.dynamic), ("--payload", args.payload)):
-        if given:
-            expected = f"nothing: '{args.robot}' is a {kind.called}, which picks nothing"
-            raise BadValueError(option, given, expected)
+def _kind(args: argparse.Namespace) -> KindNodes | None:
+    """Look up what is done with a robot that neither is an arm nor parallel; None for the others.
+
+    Raises
+    ------
+    RobomechError
+        There is no such robot, none of its kind is shown, or an option does not apply to it.
+    """
+    shown = [kind for kind, nodes in KIND_NODES.items() if nodes.demonstration]
+    check_name(args.robot, (ARM, "parallel", *shown))
+    kind = kind_of(args.robot)
+    own = KIND_NODES.get(kind)
+    if own is not None:
+        if not own.demonstration:
+            expected = f"a robot with a demonstration: a {own.called} has none"
+            raise BadValueError("--robot", args.robot, expected)
+        own.load(args.robot)
+        refuse_of_kind(args, own, _OF_DRIVES)
+    elif kind == "parallel":
+        refuse_options(args, ("srdf", "group"), args.robot, "a parallel robot")
+    return own
 
 
 def _check_folder(folder: Path) -> None:
@@ -70,30 +88,26 @@ def _check_folder(folder: Path) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the demonstration; returns 0 if every step of it succeeded, else 1."""
-    # Contexts are left in order on SIGTERM, too: no node outlives the demonstration.
+    own = _kind(args)
     if args.payload and not args.dynamic:
         raise BadValueError("--payload", args.payload, "0 without --dynamic: nothing has mass")
     if not 0.0 <= args.payload <= HEAVIEST_PAYLOAD:
         raise BadValueError("--payload", args.payload, f"0 to {HEAVIEST_PAYLOAD:g} kg")
     _check_folder(args.output)
+    # Contexts are left in order on SIGTERM, too: no node outlives the demonstration.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     warm(silent_if_quick=True)
+    from robomech_ros.nodes.demonstration.failure import DemoFailedError
     from robomech_ros.nodes.demonstration.limits import Which
     from robomech_ros.nodes.demonstration.session import demonstrate
 
     try:
-        own = KIND_NODES.get(kind_of(args.robot))
         if own is not None:
-            if not own.demonstration:
-                expected = f"a robot with a demonstration: a {own.called} has none"
-                raise BadValueError("--robot", args.robot, expected)
-            _refuse_of_drives(args, own)
-            refuse_of_arms(args, own)
             import_module(own.demonstration).demonstrate(args.robot, args.output)
             return 0
         payload = args.payload if args.dynamic else None
         demonstrate(Which(args.robot, args.srdf, args.group), args.output, payload)
-    except RobomechError as error:
+    except DemoFailedError as error:
         print(f"robomech demo failed: {error}", file=sys.stderr)
         return EXIT_FAILED
     return 0

@@ -12,7 +12,7 @@ from robomech_ros.nodes.common.semantic_source import SEMANTIC_TOPIC, SemanticSo
 from robomech_ros.nodes.common.sparing_log import PERIOD, SparingLog
 from robomech_ros.parallel.described import load_described
 from robomech_ros.robots import RobotDescription
-from robomech_ros.robots.kinds import kind_of
+from robomech_ros.robots.kinds import ARM, check_name, kind_of
 from robomech_ros.robots.library import is_document
 
 __all__ = ["when_robot_known"]
@@ -60,6 +60,8 @@ def when_robot_known(
     )
 
     def begin(robot: str) -> None:
+        taken = {ARM: True, "parallel": parallel, "walking": legged}
+        check_name(robot, [kind for kind, served in taken.items() if served])
         if kind_of(robot) == "walking":
             begin_to_walk(robot)
             return

@@ -7,7 +7,6 @@ import numpy as np
 
 from robomech_interfaces.srv import Execute, PlanCartesian, PlanJoint, SolveFK, SolveIK
 from robomech_ros.dynamics import mass_matrix
-from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.demonstration.client import DemoClient, running_client
 from robomech_ros.nodes.demonstration.demo_robots import ArmToShow, RobotToShow
 from robomech_ros.nodes.demonstration.limits import Which, robot_with_limits
@@ -56,7 +55,6 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
     if mechanism is not None:
         from robomech_ros.nodes.demonstration.platform_to_show import PlatformToShow
 
-        _check_options(which)
         if payload is not None:
             ParallelDynamics(mechanism).mass_matrix(mechanism.home())
         platform = PlatformToShow(mechanism)
@@ -72,14 +70,6 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
     for line in written:
         reporter.say(line)
     reporter.say(f"everything worked, in {time.perf_counter() - start:.1f} s")
-
-
-def _check_options(which: Which) -> None:
-    """Refuse what is for arms only."""
-    given = {"--srdf": which.srdf, "--group": which.group}
-    for option, value in given.items():
-        if value:
-            raise BadValueError(option, value, f"none: '{which.robot}' is a parallel robot")
 
 
 def _session(

@@ -1,9 +1,11 @@
-"""Who can reach the nodes: this machine alone, or all machines of the subnet."""
+"""Who can reach the nodes: this machine alone, or all of the subnet; what could be in the way."""
 
 import os
 from collections.abc import Mapping
 
-__all__ = ["reach", "stay_on_this_machine"]
+from robomech_ros.shared_memory import PORTS_OF_ALL_DOMAINS, leftovers, ports_of_domain
+
+__all__ = ["ports_left", "reach", "stay_on_this_machine"]
 
 _RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 _WHO = {
@@ -28,3 +30,17 @@ def reach(environment: Mapping[str, str]) -> str:
         chosen = "LOCALHOST"
     domain = environment.get("ROS_DOMAIN_ID", "") or "0"
     return f"domain {domain}, reached from {_WHO.get(chosen, _WHO['SUBNET'])}"
+
+
+def ports_left(environment: Mapping[str, str]) -> str:
+    """Say which ports that the nodes may get killed processes have left; empty for none.
+
+    They are not removed here: a process of another container may still send to them unseen.
+    """
+    domain = environment.get("ROS_DOMAIN_ID", "") or "0"
+    own = ports_of_domain(int(domain)) if domain.isdecimal() and len(domain) < 10 else range(0)
+    left = [*leftovers(PORTS_OF_ALL_DOMAINS), *leftovers(own)]
+    if not left:
+        return ""
+    ports = ", ".join(str(one.port) for one in left)
+    return f"killed processes left ports of Fast DDS, on which messages may be lost: {ports}"

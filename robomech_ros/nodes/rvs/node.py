@@ -15,7 +15,7 @@ from robomech_ros.nodes.rvs.moving.movers import MOVERS, Mover
 from robomech_ros.nodes.rvs.moving.running_mover import RunningMover
 from robomech_ros.nodes.rvs.running_robot import RunningRobot
 from robomech_ros.nodes.rvs.settings import RvsSettings
-from robomech_ros.robots.kinds import kind_of
+from robomech_ros.robots.kinds import ARM, check_name, kind_of
 from robomech_ros.rvs.opening import live_page_of, mover_page_of, require_viser
 
 # How often it is looked whether who is to answer is still there (s).
@@ -31,6 +31,7 @@ class RvsNode(Node):
         super().__init__("rvs", **options)
         require_viser()
         self._settings = NodeParameters(self, RvsSettings).settings
+        check_name(self._settings.robot_description, (ARM, "parallel", *MOVERS))
         load = MOVERS.get(kind_of(self._settings.robot_description))
         if load is None:
             when_robot_known(self, self._settings, self._serve, parallel=True)

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.cli.kind_options import OptionRefusedError
+from robomech_ros.errors import BadValueError, RobomechError, UnknownRobotError
 from robomech_ros.nodes.commands import bringup
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.process import launch_options
@@ -220,7 +221,7 @@ def test_a_rolling_robot_has_the_mobile_base_alone():
         "publish_rate:=20.0",
     ):
         assert option in words
-    with pytest.raises(BadValueError, match="--group is 'arm', expected nothing: 'mecanum' is a"):
+    with pytest.raises(OptionRefusedError, match="--group does not apply to 'mecanum'"):
         bringup.run(parsed("--robot", "mecanum", "--group", "arm"))
 
 
@@ -230,8 +231,31 @@ def test_a_hand_has_the_node_grasping_alone():
     for option in ('robot_description:="three_fingered"', 'frame_prefix:="left/"'):
         assert option in every["grasping"]
     for option in ("--dynamic", "--calibration", "--view"):
-        with pytest.raises(BadValueError, match="expected nothing: 'three_fingered' is a hand"):
+        said = f"{option} does not apply to 'three_fingered', a hand; what applies: --localhost, "
+        with pytest.raises(OptionRefusedError, match=said):
             bringup.run(parsed("--robot", "three_fingered", option))
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--group", "arm"), "--group does not apply to 'delta', a parallel robot; what applies: "),
+        (("--tip-link", "x"), "tip_link is 'x', expected 'platform' or empty"),
+    ],
+)
+def test_options_of_arms_are_refused_once_for_a_parallel_robot(options, said):
+    with pytest.raises(RobomechError, match=said):
+        bringup.run(parsed("--robot", "delta", *options))
+
+
+@pytest.mark.parametrize("name", ["hexapodd", "mecanun", "phantomy", "three_finger", "puma561"])
+def test_a_misspelt_robot_is_looked_for_among_all_kinds(name):
+    nearest = {"hexapodd": "hexapod", "mecanun": "mecanum", "phantomy": "phantomx"}
+    wanted = nearest.get(name) or {"three_finger": "three_fingered"}.get(name, "puma560")
+    with pytest.raises(UnknownRobotError, match=f"did you mean '{wanted}'") as caught:
+        bringup.run(parsed("--robot", name))
+    assert caught.value.available[0] == wanted
+    assert {"ur5e", "delta", "omni", "go1", "three_fingered"} <= set(caught.value.available)
 
 
 def test_a_walking_machine_has_the_walker_and_its_controller():
@@ -242,7 +266,7 @@ def test_a_walking_machine_has_the_walker_and_its_controller():
     assert "publish_rate:=50.0" in every["joint_trajectory_controller"]
     assert "publish_rate:=50.0" not in every["walker"]
     for option in (["--group", "arm"], ["--dynamic"]):
-        with pytest.raises(BadValueError, match="expected nothing: 'phantomx' is a walking"):
+        with pytest.raises(OptionRefusedError, match="'phantomx', a walking machine"):
             bringup.run(parsed("--robot", "phantomx", *option))
     viewed = commands("--robot", "phantomx", "--view", "--namespace", "left")
     assert list(viewed) == ["joint_trajectory_controller", "walker", "rvs"]

@@ -15,7 +15,8 @@ from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_interfaces.srv import Execute
-from robomech_ros import __version__
+from robomech_ros import __version__, shared_memory
+from robomech_ros.cli import doctor
 from robomech_ros.cli import main as cli
 from robomech_ros.cli.warmup import kernel_modules
 from robomech_ros.nodes.common.robot_description import LATCHED
@@ -244,6 +245,32 @@ def test_doctor_names_what_is_missing_and_the_command(capfd, monkeypatch):
     assert re.search(r"MISSING +ruckig.*\n +-> make setup", out)
 
 
+@pytest.mark.parametrize(
+    "domain, said",
+    [("101", "ok +ROS domain +101"), ("202", "- +ROS domain +202, .*32768 to 60999")],
+)
+def test_doctor_knows_domains_whose_ports_others_may_have(capfd, monkeypatch, domain, said):
+    monkeypatch.setenv("ROS_DOMAIN_ID", domain)
+    monkeypatch.setattr(doctor, "_ports_given_away", lambda: range(32768, 61000))
+    assert re.search(said, str(run(capfd, "doctor")[1])), said
+
+
+def test_doctor_lists_and_removes_what_killed_processes_left(capfd, monkeypatch, tmp_path):
+    monkeypatch.setattr(shared_memory, "_FOLDER", tmp_path)
+    assert re.search(r"ok +shared memory +nothing left", str(run(capfd, "doctor")[1]))
+    for name in ("fastdds_port7000", "fastdds_port7411", "fastdds_0123456789abcdef"):
+        (tmp_path / name).write_bytes(bytes(400_000))
+    left = "ports 7000, 7411 of Fast DDS and 1 segment (1.2 MB)"
+    _, out, _ = run(capfd, "doctor")
+    assert f"killed processes left {left}: who gets such a port may lose messages" in out
+    assert "-> robomech doctor --clean" in out
+    _, out, _ = run(capfd, "doctor", "--clean")
+    assert out.startswith(f"removed {left} from shared memory\n")
+    assert not list(tmp_path.iterdir())
+    _, out, _ = run(capfd, "doctor", "--clean")
+    assert out.startswith("removed nothing from shared memory\n")
+
+
 def test_unknown_command_and_version(capfd):
     with pytest.raises(SystemExit) as caught:
         cli.main(["dance"])
@@ -284,13 +311,35 @@ def test_the_demo_refuses_a_folder_that_takes_no_files_before_it_starts(capfd, t
 
 
 def test_the_demo_says_of_a_hand_that_it_has_none(capfd, tmp_path):
-    code, _, err = run(capfd, "demo", "--robot", "three_fingered", "--output", f"{tmp_path}")
-    assert code == 1
+    code, out, err = run(capfd, "demo", "--robot", "three_fingered", "--output", f"{tmp_path}")
+    assert (code, out) == (2, "")
     assert "--robot is 'three_fingered'" in err and "a hand has none" in err
 
 
+@pytest.mark.parametrize(
+    ("robot", "options", "said"),
+    [
+        ("mecanum", ["--dynamic"], "--dynamic does not apply to 'mecanum', a rolling robot"),
+        ("go1", ["--srdf", "x"], "--srdf does not apply to 'go1', a walking machine"),
+        ("delta", ["--group", "x"], "--group does not apply to 'delta', a parallel robot"),
+        ("mecanun", [], "unknown robot 'mecanun' (did you mean 'mecanum'?)"),
+        ("/no/such.urdf", [], "/no/such.urdf: No such file"),
+    ],
+)
+def test_the_demo_refuses_what_does_not_apply_as_other_commands_do(capfd, robot, options, said):
+    code, _, err = run(capfd, "demo", "--robot", robot, *options)
+    assert code == 2
+    assert err.startswith(f"robomech demo: {said}") and err.count("\n") == 1
+
+
+def test_calibrate_demo_takes_arms(capfd):
+    code, out, err = run(capfd, "calibrate-demo", "--robot", "mecanum")
+    assert (code, out) == (2, "")
+    assert err.strip().endswith("a robot of kind 'rolling' is not taken here")
+
+
 def test_a_robot_of_another_kind_is_named_as_such(capfd):
-    code, out, err = run(capfd, "export-urdf", "mecanum")
+    code, out, err = run(capfd, "plot-workspace", "mecanum")
     assert (code, out) == (2, "")
     assert err.strip().endswith("a robot of kind 'rolling' is not taken here")
 

@@ -9,6 +9,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from robomech_interfaces.srv import SolveFK
+from robomech_ros.cli.kind_options import OptionRefusedError
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.nodes.commands import bringup
 from robomech_ros.nodes.common.error_codes import OutcomeError, code_of
@@ -124,5 +125,5 @@ def test_bringup_refuses_options_of_chains(option, value):
     parser = argparse.ArgumentParser()
     bringup.add_arguments(parser)
     args = parser.parse_args(["--robot", "delta", option, value])
-    with pytest.raises(BadValueError, match=f"{option} is '{value}'.*'delta' is a parallel robot"):
+    with pytest.raises(OptionRefusedError, match=f"{option} does not apply to 'delta', a parallel"):
         bringup.run(args)

@@ -1,14 +1,15 @@
 """Each process gets a ROS domain of its own, without a file that others could have planted."""
 
-import fcntl
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 import rclpy
 from rclpy.node import Node
 
+from robomech_ros import shared_memory
 from robomech_ros.nodes.process import free_domain as module
 from robomech_ros.nodes.process.free_domain import NoFreeDomainError, free_domain
 
@@ -66,44 +67,25 @@ def test_ports_in_shared_memory_that_killed_processes_left_are_removed(
     two_domains, monkeypatch, tmp_path
 ):
     """Answers to clients in such a domain were lost until somebody cleaned up by hand."""
-    monkeypatch.setattr(module, "_SHARED_MEMORY", tmp_path)
+    monkeypatch.setattr(shared_memory, "_FOLDER", tmp_path)
     first = 7400 + 250 * 228
-    ports = (first + 11, first + 13, first + 15, first + 250 * 2)
-    locked, unlocked, _, elsewhere = names = [f"fastdds_port{port}" for port in ports]
-    for name in names:
-        for file in (name, f"sem.{name}_mutex"):
-            (tmp_path / file).touch()
-    for name in (locked, unlocked):
-        (tmp_path / f"{name}_el").touch()
-    with (tmp_path / f"{locked}_el").open() as held:
-        fcntl.flock(held, fcntl.LOCK_EX)
-        with free_domain(), free_domain():
-            pass
-    left = sorted(path.name for path in tmp_path.iterdir())
-    kept = [*(f"{locked}{end}" for end in ("", "_el")), elsewhere]
-    assert left == sorted([*kept, f"sem.{locked}_mutex", f"sem.{elsewhere}_mutex"])
+    of_both, elsewhere = f"fastdds_port{first + 11}", f"fastdds_port{first + 250 * 2}"
+    for name in (of_both, elsewhere):
+        (tmp_path / name).touch()
+    with free_domain(), free_domain():
+        assert [path.name for path in tmp_path.iterdir()] == [elsewhere]
 
 
-def test_the_port_of_a_living_process_stays(two_domains, monkeypatch):
+def test_the_port_of_a_living_process_stays(two_domains):
     with free_domain() as number:
         context = rclpy.Context()
         rclpy.init(args=[], context=context, domain_id=number)
         try:
             node = Node("living", context=context, start_parameter_services=False)
-            first = 7400 + 250 * number
-            shared = module._SHARED_MEMORY
-            ports = {path for k in range(250) for path in shared.glob(f"fastdds_port{first + k}")}
-            module._clear_shared_memory(number)
+            own = shared_memory.ports_of_domain(number)
+            ports = {path for k in own for path in Path("/dev/shm").glob(f"fastdds_port{k}")}
+            assert not shared_memory.remove_leftovers(own)
             assert all(path.exists() for path in ports)
             node.destroy_node()
         finally:
             context.try_shutdown()
-
-
-def test_a_pipe_in_place_of_a_lock_holds_nobody_up(two_domains, monkeypatch, tmp_path):
-    monkeypatch.setattr(module, "_SHARED_MEMORY", tmp_path)
-    name = f"fastdds_port{7400 + 250 * 228 + 11}"
-    (tmp_path / name).touch()
-    os.mkfifo(tmp_path / f"{name}_el")
-    with free_domain(), free_domain():
-        assert not list(tmp_path.iterdir())

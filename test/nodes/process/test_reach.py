@@ -4,7 +4,8 @@ import os
 
 import pytest
 
-from robomech_ros.nodes.process.reach import reach, stay_on_this_machine
+from robomech_ros import shared_memory
+from robomech_ros.nodes.process.reach import ports_left, reach, stay_on_this_machine
 
 
 @pytest.mark.parametrize(
@@ -30,3 +31,16 @@ def test_staying_on_this_machine(monkeypatch):
     stay_on_this_machine()
     assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
     assert reach(os.environ).endswith("reached from this machine")
+
+
+def test_ports_in_the_way_of_a_domain_are_named_and_stay(monkeypatch, tmp_path):
+    monkeypatch.setattr(shared_memory, "_FOLDER", tmp_path)
+    for name in ("port7001", "port7411", "port57911", "0123456789abcdef"):
+        (tmp_path / f"fastdds_{name}").touch()
+    said = "killed processes left ports of Fast DDS, on which messages may be lost: 7001"
+    assert ports_left({}) == f"{said}, 7411"
+    assert ports_left({"ROS_DOMAIN_ID": "202"}) == f"{said}, 57911"
+    assert ports_left({"ROS_DOMAIN_ID": "none"}) == ports_left({"ROS_DOMAIN_ID": "3"}) == said
+    assert len(list(tmp_path.iterdir())) == 4
+    (tmp_path / "fastdds_port7001").unlink()
+    assert ports_left({"ROS_DOMAIN_ID": "3"}) == ""

@@ -13,7 +13,7 @@ from robomech_ros.robots import Joint, RobotDescription, SerialChain
 from robomech_ros.robots.urdf.shapes import Shape, generated_shapes
 from robomech_ros.robots.urdf.writer import written_urdf
 
-__all__ = ["OBJECT", "OBJECT_JOINTS", "finger_links", "hand_tree"]
+__all__ = ["OBJECT", "OBJECT_JOINTS", "finger_links", "fingers_tree", "hand_tree"]
 
 # The link of the object, and the joints that place it in the palm: m, then rad.
 OBJECT = "object"
@@ -33,8 +33,7 @@ def hand_tree(hand: Hand) -> tuple[RobotDescription, Mapping[str, Sequence[Shape
     shapes : mapping of str to sequence of Shape
         Bodies of the fingers, by link.
     """
-    chains = [_with_own_links(finger) for finger in hand.fingers]
-    fingers = tree_of_limbs(hand.name, chains, None, {})
+    fingers = fingers_tree(hand)
     shapes = generated_shapes(fingers.root, fingers.joints, ())
     places, parent = [], fingers.root
     for name, axis in zip(OBJECT_JOINTS, _AXES, strict=True):
@@ -48,10 +47,19 @@ def hand_tree(hand: Hand) -> tuple[RobotDescription, Mapping[str, Sequence[Shape
         links=(*fingers.links, *(joint.child for joint in places)),
         joints=(*fingers.joints, *places),
         document="",
-        source=hand.source,
     )
     unseen = {joint.child: _UNSEEN for joint in places}
     return replace(tree, document=written_urdf(tree, {**shapes, **unseen})), shapes
+
+
+def fingers_tree(hand: Hand) -> RobotDescription:
+    """Put fingers side by side on their palm.
+
+    The link that a joint moves has the name of the joint, and ``_link``.
+    """
+    chains = [_with_own_links(finger) for finger in hand.fingers]
+    tree = tree_of_limbs(hand.name, chains, None, {})
+    return replace(tree, document="", source=hand.source)
 
 
 def finger_links(finger: SerialChain) -> tuple[str, ...]:

@@ -1,0 +1,50 @@
+"""Options that do not apply to robots of a kind, refused in one way by all commands."""
+
+import argparse
+from collections.abc import Iterable
+
+from robomech_ros.errors import RobomechError
+
+__all__ = ["OptionRefusedError", "refuse_options"]
+
+# What an argparse.Namespace of the command holds besides its options.
+_NO_OPTIONS = ("command", "run")
+
+
+class OptionRefusedError(RobomechError):
+    """An option does not apply to a robot of this kind; those that do are named."""
+
+
+def refuse_options(
+    args: argparse.Namespace, refused: Iterable[str], robot: str, called: str
+) -> None:
+    """Refuse options that robots of a kind have no use for.
+
+    Parameters
+    ----------
+    args : argparse.Namespace
+        What was given.
+    refused : iterable of str
+        Names of the options in it.
+    robot : str
+        As it was given.
+    called : str
+        What such a robot is, with its article.
+
+    Raises
+    ------
+    OptionRefusedError
+        It names the option, the kind, and the options that apply.
+    """
+    others = tuple(refused)
+    given = next((name for name in others if getattr(args, name, None)), "")
+    if given:
+        applying = [name for name in vars(args) if name not in (*others, *_NO_OPTIONS)]
+        raise OptionRefusedError(
+            f"{_word(given)} does not apply to '{robot}', {called}; "
+            f"what applies: {', '.join(map(_word, applying))}"
+        )
+
+
+def _word(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
