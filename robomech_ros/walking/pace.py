@@ -1,4 +1,4 @@
-"""How fast a gait may go: the shortest cycle in which no joint comes near its limit of speed."""
+"""How fast a gait may go: the shortest cycle that suits the joints, and the trunk that sways."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.walking import stepping
+from robomech_ros._kernels.walking.stepping import Pattern, Seen, State, Step
 from robomech_ros.errors import BadValueError
 from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.stride import Stride
+from robomech_ros.walking.support import stability_margin
 
 __all__ = ["SHORTEST_SWING", "SPEED_PART", "fastest_twist", "suitable_cycle"]
 
@@ -21,8 +23,10 @@ SPEED_PART = 0.6
 SHORTEST_SWING = 0.3
 _ADVANCE = direct(stepping.advance)
 _AROUND = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
-# Samples of a swing; those of the rest of the cycle are as far apart.
+# Samples of a swing, those of the rest of the cycle being as far apart, and of a sway.
 _SAMPLES = 32
+_GRAVITY = 9.81
+_HALVINGS = 40
 
 
 def suitable_cycle(robot: LeggedRobot, stride: Stride, limits: Array, part: float) -> float:
@@ -46,7 +50,46 @@ def suitable_cycle(robot: LeggedRobot, stride: Stride, limits: Array, part: floa
         A leg does not reach all of its swing.
     """
     most = max(_fastest_joint(robot, stride, limits, angle) for angle in _AROUND)
-    return max(SHORTEST_SWING / float(1 - stride.gait.duty), most / part)
+    return max(SHORTEST_SWING / float(1 - stride.gait.duty), most / part, _sway_cycle(stride))
+
+
+def _sway_cycle(stride: Stride) -> float:
+    r"""Find the shortest cycle (s) in which swaying does not tip the robot, 0 without any sway.
+
+    On all feet, the zero-moment point of the mass centre at the height h keeps the bound inside of
+    them, with the feet anywhere in their circles:
+
+    .. math::
+
+       p = c - \frac{h}{g} \ddot c
+
+    References
+    ----------
+    Vukobratovic and Borovac, Zero-moment point: thirty five years of its life, International
+    Journal of Humanoid Robotics 1 (2004), pp. 157-173.
+    """
+    if not stride.gait.sways:
+        return 0.0
+    feet, level = stride.geometry[:, :2], stride.level
+    order = np.argsort((float(stride.gait.duty) - stride.geometry[:, 2]) % 1.0)
+    sways = stride.geometry[order, 3:5]
+    way = (np.roll(sways, -1, axis=0) - sways)[:, None]
+    s = np.linspace(0.0, 1.0, _SAMPLES + 1)[None, :, None]
+    centres = (
+        level[9:11] + level[12:14] + sways[:, None] + s**3 * (10.0 + s * (6.0 * s - 15.0)) * way
+    )
+    # Rates of rates for sways that take 1 s.
+    changes = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * way
+    tilt, needed = (level[11] + level[14]) / _GRAVITY, stride.bound + stride.settings[3]
+    # The shift grows with the square of the frequency, and the margin falls: it is concave.
+    low, high = 0.0, 1e6
+    for _ in range(_HALVINGS):
+        square = 0.5 * (low + high)
+        margins = stability_margin(centres - tilt * square * changes, feet)
+        low, high = (square, high) if np.min(margins) >= needed else (low, square)
+    if low == 0.0:
+        return 0.0
+    return float(1.0 / (np.sqrt(low) * stride.settings[4]))
 
 
 def fastest_twist(stride: Stride) -> Array:
@@ -68,22 +111,20 @@ def _fastest_joint(robot: LeggedRobot, stride: Stride, limits: Array, angle: flo
     twist = np.append(0.0, 2.0 * half / duty)
     body = np.zeros(15)
     body[3], body[10], body[12:] = stride.start(0.0), -1.0, twist
-    feet = _under_way(stride, body[3], half)
     q = robot.home.reshape(-1, 3).copy()
-    rates, trunk, report, most = np.empty_like(q), np.empty((4, 4)), np.empty(4), 0.0
+    state = State(body, _under_way(stride, body[3], half), q)
+    seen, most = Seen(np.empty_like(q), np.empty((4, 4)), np.empty(4)), 0.0
+    pattern, step = Pattern(stride.geometry, settings), Step(twist, stride.level, time, time)
     # A trunk that sways comes from the middle; all others need a step to where their joints are.
     settles = round(1.0 / time) if stride.gait.sways else 1
     for k in range(settles + round(1.0 / time)):
-        old, old_feet, old_q = body, feet, q
-        body, feet, q = np.empty_like(body), np.empty_like(feet), np.empty_like(q)
-        lost = _ADVANCE(
-            robot.packed, limits, stride.geometry, settings, twist, stride.level,
-            old, old_feet, old_q, time, time, body, feet, q, rates, trunk, report,
-        )  # fmt: skip
+        new = State(*(np.empty_like(one) for one in state))
+        lost = _ADVANCE(robot.packed, limits, pattern, step, state, new, seen)
+        state = new
         if lost >= 0:
             wanted = f"one from which leg '{robot.leg_names[lost]}' reaches all of its swing"
             raise BadValueError("home of the robot", robot.home.tolist(), wanted)
-        most = max(most, float(report[1])) if k >= settles else 0.0
+        most = max(most, float(seen.report[1])) if k >= settles else 0.0
     return most
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.walking.legs import follow_feet
+from robomech_ros._kernels.walking.stepping import Pattern
 from robomech_ros.errors import BadValueError
 from robomech_ros.outcomes import Code
 from robomech_ros.spatial import matrix_from_euler_angles
@@ -74,6 +75,11 @@ class Stride:
     settings: Array
     level: Array
 
+    @property
+    def pattern(self) -> Pattern:
+        """Geometry and settings together."""
+        return Pattern(self.geometry, self.settings)
+
     def start(self, phase: float) -> float:
         """Give the next phase at which a walk can begin."""
         if not self.gait.sways:
@@ -93,16 +99,16 @@ class Stride:
         """Say whether the trunk can move from one offset to another with feet in their circles."""
         parts = np.linspace(0.0, 1.0, _ON_THE_WAY)[1:]
         poses = [self.pose(start + part * (end - start)) for part in parts]
-        for pose in poses:
-            centre = pose[9:11] + (pose[:9].reshape(3, 3) @ pose[12:15])[:2]
-            off = float(np.hypot(*(centre - self.level[9:11] - self.level[12:14])))
-            if off > self.spare:
-                leg = robot.leg_names[self._weakest(robot)]
-                why = (
-                    f"the mass centre would move {off:.4f} m to the side, and the margin of the "
-                    f"gait '{self.gait.name}' allows {self.spare:.4f} m when leg '{leg}' is lifted"
-                )
-                return PoseAnswer(Code.BAD_VALUE, leg, "", why)
+        centres = [pose[9:11] + (pose[:9].reshape(3, 3) @ pose[12:15])[:2] for pose in poses]
+        away = np.array(centres) - self.level[9:11] - self.level[12:14]
+        off = float(np.hypot(*away.T).max())
+        if off > self.spare:
+            leg = robot.leg_names[self._weakest(robot)]
+            why = (
+                f"the mass centre would move {off:.4g} m to the side, and the margin of the "
+                f"gait '{self.gait.name}' allows {self.spare:.4g} m when leg '{leg}' is lifted"
+            )
+            return PoseAnswer(Code.BAD_VALUE, leg, "", why)
         for pose in poses:
             answer = reachable(robot, self.geometry, self.settings, pose)
             if answer.status != Code.NONE:

@@ -9,12 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.walking import stepping
+from robomech_ros._kernels.walking.stepping import Seen, State, Step
 from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeError
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.outcomes import Code
 from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
 from robomech_ros.walking.gaits import GAITS
 from robomech_ros.walking.pace import SPEED_PART, fastest_twist, suitable_cycle
+from robomech_ros.walking.pose_way import PoseWay
 from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.stride import PoseAnswer, Stride, stride_of
 from robomech_ros.walking.update import WalkUpdate
@@ -24,6 +26,7 @@ __all__ = ["Walker"]
 Array = NDArray[np.float64]
 
 _ADVANCE, _POSSIBLE = direct(stepping.advance), direct(stepping.possible_part)
+_SUSTAINED = direct(stepping.sustained_part)
 _STILL = np.zeros(3)
 # Ratio to the velocity limit that a slowed period aims at.
 _BELOW = 0.999
@@ -51,7 +54,8 @@ class Walker:
     cycle : float, optional
         Duration of a cycle of the gait (s), at least eight periods a swing.  Default the shortest
         one, for each gait, in which joints keep below 60 % of their velocity limits at the longest
-        stride and feet are in the air for 0.3 s or more.
+        stride, feet are in the air for 0.3 s or more, and a trunk that sways does not tip the robot
+        by its acceleration.
     lift : float, optional
         How high feet are lifted (m).
     bound : float, optional
@@ -59,7 +63,8 @@ class Walker:
     timeout : float, optional
         Time without a command (s) after which the robot stops, all feet down.
     acceleration : sequence of float, optional
-        Bounds of [w, vx, vy] (rad/s^2, m/s^2).
+        Bounds of the rates of [w, vx, vy] (rad/s^2, m/s^2), on the straight way from one twist to
+        another.  A robot brakes sooner where a foot would leave its circle.
     speed : float, optional
         Part of the joints' velocity limits that is used, up to 1.
 
@@ -136,18 +141,15 @@ class Walker:
         where = _three("place", place)
         if self._waiting is not None:
             self._stride, self._waiting = self._waiting, None
-        self._pose = self._stride.level.copy()
-        self._offset = np.zeros(6)
-        self._way: tuple[Array, Array, float] | None = None
+        self._pose, self._offset = self._stride.level.copy(), np.zeros(6)
+        self._way: PoseWay | None = None
         self._command, self._velocity = np.zeros(3), np.zeros(3)
         self._age, self._walking = np.inf, False
-        self._body = np.zeros(15)
-        self._body[:3] = where
+        body, feet = np.zeros(15), np.zeros((len(self.robot.legs), 8))
+        body[:3] = where
         c, s = np.cos(where[2]), np.sin(where[2])
-        self._feet = np.zeros((len(self.robot.legs), 8))
-        places = self._stride.geometry[:, :2] @ np.array([[c, s], [-s, c]])
-        self._feet[:, :2] = where[:2] + places
-        self._q = self.robot.home.reshape(-1, 3).copy()
+        feet[:, :2] = where[:2] + self._stride.geometry[:, :2] @ np.array([[c, s], [-s, c]])
+        self._state = State(body, feet, self.robot.home.reshape(-1, 3).copy())
         self._margin, self._part = 0.0, 1.0
         self._step(_STILL, self._pose, self.period)
 
@@ -243,13 +245,12 @@ class Walker:
         if target.shape != (6,):
             raise WrongSizeError("pose", target.shape, (6,))
         time = _positive("duration", duration)
-        if self._way is not None and np.array_equal(target, self._way[1]):
+        if self._way is not None and np.array_equal(target, self._way.end):
             # It is on its way there already.
             return PoseAnswer(Code.NONE)
         answer = self._stride.possible(self.robot, self._offset, target)
         if answer.status == Code.NONE:
-            self._way = (self._offset.copy(), target.copy(), -time)
-            self._passed = 0.0
+            self._way = PoseWay(self._offset, target.copy(), time)
         return answer
 
     def moment(self) -> Walker:
@@ -275,108 +276,78 @@ class Walker:
         wanted = self._command
         if self._age > self.timeout or self._waiting is not None:
             wanted = _STILL
-        most = self._acceleration * self.period
-        change = np.minimum(np.maximum(wanted - self._velocity, -most), most)
-        self._velocity = self._velocity + change
-        moves = bool(self._velocity.any())
+        pattern = self._stride.pattern
+        sustained = _SUSTAINED(pattern, wanted)
+        velocity = self._towards(sustained * wanted)
+        moves = bool(velocity.any())
         if moves and not self._walking:
-            self._walking, self._body = True, self._body.copy()
-            self._body[3], self._body[10] = self._stride.start(self._body[3]), -1.0
-        geometry, settings = self._stride.geometry, self._stride.settings
-        self._part = 1.0
-        if moves:
-            state = self._body, self._feet, self._velocity
-            self._part = _POSSIBLE(geometry, settings, *state, self.period)
-        used = self._go(self._velocity * self._part)
-        self._part *= used
+            body = self._state.body.copy()
+            body[3], body[10] = self._stride.start(body[3]), -1.0
+            self._walking, self._state = True, self._state._replace(body=body)
+        possible = _POSSIBLE(pattern, self._state, velocity, self.period) if moves else 1.0
+        self._velocity = possible * velocity
+        self._part = sustained * possible * self._go(self._velocity)
         if self._walking and not moves and self._at_rest():
             self._walking = False
         if not self._walking and self._waiting is not None:
             self._stride, self._waiting = self._waiting, None
         return self._seen()
 
+    def _towards(self, twist: Array) -> Array:
+        """Give the twist after a period on the straight way to another one."""
+        change = twist - self._velocity
+        most = self._acceleration * self.period
+        over = float((np.abs(change) / most).max())
+        return twist if over <= 1.0 else self._velocity + change / over
+
     def _go(self, twist: Array) -> float:
         """Make one period, slowed down where a joint would be too fast; give the part of it."""
         part = 1.0
         for _ in range(_TRIES):
             time = part * self.period
-            passed = self._pose_at(time)
-            state = self._step(twist, self._pose, time)
+            way = None if self._way is None else self._way.after(time)
+            pose = self._pose if way is None else self._stride.pose(way.offset)
+            state = self._step(twist, pose, time)
             if state <= 1.0:
                 break
             part *= _BELOW / state
         else:
-            self._offset = self._before
-            self._pose = self._stride.pose(self._offset)
-            part = 0.0
-            self._step(_STILL, self._pose, 0.0)
-        if self._way is not None:
-            self._passed = passed if part else self._passed
-            if self._passed >= -self._way[2]:
-                self._way = None
-        self._body, self._feet, self._q = self._next
-        self._twist = twist * part
+            part, way, pose = 0.0, self._way, self._pose
+            self._step(_STILL, pose, 0.0)
+        if way is not None:
+            self._offset = way.offset
+        self._way, self._pose = None if way is None or way.over else way, pose
+        self._state, self._twist = self._next, twist * part
         return part
-
-    def _pose_at(self, time: float) -> float:
-        """Set the pose of the trunk for the end of a period; give how much of its way is over."""
-        if self._way is None:
-            self._before = self._offset
-            return 0.0
-        start, end, length = self._way
-        part = min(1.0, (self._passed + time) / -length)
-        before = min(1.0, self._passed / -length)
-        smooth = [one**3 * (10.0 + one * (6.0 * one - 15.0)) for one in (before, part)]
-        self._before = start + smooth[0] * (end - start)
-        self._offset = start + smooth[1] * (end - start)
-        self._pose = self._stride.pose(self._offset)
-        return self._passed + time
 
     def _step(self, twist: Array, pose: Array, time: float) -> float:
         """Compute the next state; give the largest part of a joint's speed, inf out of limits."""
-        settings = self._stride.settings
-        settings[5] = 1.0 if self._walking else 0.0
-        body, feet, q = np.empty(15), np.empty_like(self._feet), np.empty_like(self._q)
-        rates, trunk, report = np.empty_like(self._q), np.empty((4, 4)), np.empty(4)
-        lost = _ADVANCE(
-            self.robot.packed,
-            self._limits,
-            self._stride.geometry,
-            settings,
-            twist,
-            pose,
-            self._body,
-            self._feet,
-            self._q,
-            time,
-            self.period,
-            body,
-            feet,
-            q,
-            rates,
-            trunk,
-            report,
-        )
-        self._next, self._rates, self._margin = (body, feet, q), rates, float(report[0])
-        self._trunk = trunk
-        self._twist = twist
-        return np.inf if lost >= 0 or report[3] > 1e-9 else float(report[1])
+        pattern, state = self._stride.pattern, self._state
+        pattern.settings[5] = 1.0 if self._walking else 0.0
+        new = State(*(np.empty_like(one) for one in state))
+        seen = Seen(np.empty_like(state.q), np.empty((4, 4)), np.empty(4))
+        step = Step(twist, pose, time, self.period)
+        lost = _ADVANCE(self.robot.packed, self._limits, pattern, step, state, new, seen)
+        self._next, self._rates, self._trunk = new, seen.rates, seen.trunk
+        self._margin, self._twist = float(seen.report[0]), twist
+        return np.inf if lost >= 0 or seen.report[3] > 1e-9 else float(seen.report[1])
 
     def _at_rest(self) -> bool:
         """Tell whether all feet stand at their places and the trunk does not sway."""
-        if self._feet[:, 7].any() or self._body[4] != 0.0 or self._body[5] != 0.0:
+        body, feet, _ = self._state
+        if feet[:, 7].any() or body[4] != 0.0 or body[5] != 0.0:
             return False
-        c, s = np.cos(self._body[2]), np.sin(self._body[2])
-        away = (self._feet[:, :2] - self._body[:2]) @ np.array([[c, -s], [s, c]])
+        c, s = np.cos(body[2]), np.sin(body[2])
+        away = (feet[:, :2] - body[:2]) @ np.array([[c, -s], [s, c]])
         return bool(np.abs(away - self._stride.geometry[:, :2]).max() < 1e-6)
 
     def _seen(self) -> WalkUpdate:
-        body = self._body
+        body, feet, q = self._state
         return WalkUpdate(
-            q=self._q.ravel(),
+            q=q.ravel(),
             rates=self._rates.ravel(),
-            contacts=self._feet[:, 7] == 0.0,
-            feet=self._feet[:, :3],
+            contacts=feet[:, 7] == 0.0,
+            feet=feet[:, :3],
             base=body[:3],
             trunk=self._trunk,
             twist=self._twist,

@@ -92,7 +92,7 @@ def test_the_trunk_moves_as_commanded_and_legs_stand_as_long_as_the_gait_says(ga
 
 def test_the_crawl_sways_about_the_way_that_is_commanded():
     """After each cycle the trunk is where the command alone leads, to 1e-9."""
-    walker = walker_of("crawl", timeout=1e9)
+    walker = walker_of("crawl", timeout=1e9, cycle=2.4)
     twist = walker.fastest * [0.2, 0.5, -0.2]
     walker.command(twist)
     steps = round(walker.cycle / walker.period)
@@ -115,6 +115,52 @@ def test_the_crawl_sways_about_the_way_that_is_commanded():
     assert sway.max() > 0.05
 
 
+def test_the_trunk_sways_so_slowly_that_its_acceleration_does_not_tip_the_robot():
+    """The zero-moment point, by differences, keeps the bound inside of the standing feet."""
+    walker = walker_of("crawl", timeout=1e9)
+    walker.command(walker.fastest * [0.0, 1.0, 0.0])
+    updates = [walker.update() for _ in range(round(2.0 * walker.cycle / walker.period))]
+    centre = np.append(walker.robot.mass_centre, 1.0)
+    centres = np.array([update.trunk @ centre for update in updates])[:, :3]
+    rates = (centres[2:] - 2.0 * centres[1:-1] + centres[:-2]) / walker.period**2
+    points = centres[1:-1, :2] - centres[1:-1, 2:] / 9.81 * rates[:, :2]
+    margins = [
+        stability_margin(point, update.feet[update.contacts, :2])
+        for point, update in zip(points, updates[1:-1], strict=True)
+    ]
+    # It does so with the feet where they are worst, and not with much more than that.
+    assert walker.bound < min(margins) < walker.bound + 2.0 * walker.radius
+
+
+@pytest.mark.parametrize("gait", ROBOTS)
+def test_twists_grow_no_faster_than_allowed_and_on_the_ray_of_the_command(gait):
+    walker = walker_of(gait)
+    twist, last = walker.fastest * [0.3, 2.0, 1.0], np.zeros(3)
+    most = np.array([1.0, 0.5, 0.5]) * walker.period
+    for _ in range(400):
+        walker.command(twist)
+        update = walker.update()
+        grown = np.abs(update.twist) - np.abs(last)
+        assert (grown <= most * (1.0 + 1e-9)).all()
+        assert np.abs(np.cross(update.twist, twist)).max() < 1e-12
+        last = update.twist
+
+
+@pytest.mark.parametrize("gait", ROBOTS)
+def test_a_robot_that_was_commanded_too_fast_for_long_stops_as_soon_as_any_other(gait):
+    """What it could not follow has not piled up."""
+    walker = walker_of(gait, timeout=0.1)
+    for _ in range(2000):
+        walker.command([0.0, 10.0, 0.0])
+        walker.update()
+    braking = walker.fastest[1] / 0.5
+    allowed = walker.timeout + braking + 2.5 * walker.cycle
+    updates = [walker.update() for _ in range(round(allowed / walker.period))]
+    assert updates[0].walking and not updates[-1].walking and updates[-1].contacts.all()
+    after = round((walker.timeout + braking) / walker.period) + 2
+    assert not any(update.twist.any() for update in updates[after:])
+
+
 def top_speed(walker, twist):
     """Give the largest part of a joint's speed limit in a settled walk."""
     walker.stand()
@@ -127,7 +173,10 @@ def top_speed(walker, twist):
 
 @pytest.mark.parametrize("gait", ROBOTS)
 def test_the_cycle_suits_the_speed_of_the_joints(gait):
-    """Joints come up to 60 % of their limits at the longest stride, or swings are short."""
+    """Joints come up to 60 % of their limits at the longest stride, or something else is faster.
+
+    That is the shortest swing, or a trunk that sways.
+    """
     walker = walker_of(gait, timeout=1e9, period=0.01)
     angles = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
     ahead = np.stack([np.zeros(8), np.cos(angles), np.sin(angles)], axis=1)
@@ -136,7 +185,7 @@ def test_the_cycle_suits_the_speed_of_the_joints(gait):
     assert max(reached, turning) <= 0.6 * 1.005
     swing = walker.cycle * (1.0 - float(GAITS[gait].duty))
     assert swing >= 0.3 - 1e-12
-    assert reached >= 0.6 * 0.98 or swing == pytest.approx(0.3)
+    assert reached >= 0.6 * 0.98 or swing == pytest.approx(0.3) or GAITS[gait].sways
 
 
 def test_the_cycle_suits_the_part_of_the_speed_that_is_used():

@@ -1,17 +1,28 @@
 """One period of walking: trunk and feet move on, the joints follow.
 
 The walking frame is on the ground below the trunk that stands upright at its height; it moves
-with the command.  ``geometry`` has a row for each leg: where its foot stands in that frame (x, y),
-offset of its phase, where the trunk sways before it is lifted (x, y).  ``settings`` are cycle (s),
-duty factor, height of the swing (m), radius around its place in which a foot may stand (m), part of
-the cycle in which the trunk sways (0 for none), whether the phase goes on.  ``body`` is x, y, yaw
-of the walking frame over the ground, phase (cycles), sway x, y, where it came from x, y and goes
-to x, y, the leg it is for (-1 none), whether that leg is lifted, and the twist that landing places
-are told by, which follows the actual one.  A row of ``feet``: place on the ground (x, y, z), where
-it was lifted (x, y), where it will land beside its place (x, y), whether it is in the air.
+with the command.
+
+A :class:`Pattern` is what robot and gait leave.  Its ``geometry`` has a row for each leg: where its
+foot stands in that frame (x, y), offset of its phase, where the trunk sways before it is lifted
+(x, y).  Its ``settings`` are cycle (s), duty factor, height of the swing (m), radius around its
+place in which a foot may stand (m), part of the cycle in which the trunk sways (0 for none),
+whether the phase goes on.
+
+In a :class:`State`, ``body`` is x, y, yaw of the walking frame over the ground, phase (cycles),
+sway x, y, where it came from x, y and goes to x, y, the leg it is for (-1 none), whether that leg
+is lifted, and the twist that landing places are told by, which follows the actual one.  A row of
+``feet``: place on the ground (x, y, z), where it was lifted (x, y), where it will land beside its
+place (x, y), whether it is in the air.
+
+The ``pose`` of a :class:`Step` is the trunk in the walking frame without sway: rotation row by row,
+origin, then the mass centre in the trunk.
 """
 
 import math
+from typing import Any, NamedTuple
+
+from numba import types
 
 from robomech_ros._kernels.compiling.jit import (
     IN1,
@@ -28,7 +39,17 @@ from robomech_ros._kernels.compiling.jit import (
 from robomech_ros._kernels.walking.legs import FOLLOWED, follow_foot
 from robomech_ros._kernels.walking.support import signed_margin
 
-__all__ = ["LANDING", "MOST_LEGS", "advance", "possible_part"]
+__all__ = [
+    "LANDING",
+    "MOST_LEGS",
+    "Pattern",
+    "Seen",
+    "State",
+    "Step",
+    "advance",
+    "possible_part",
+    "sustained_part",
+]
 
 # There is room for so many feet.
 MOST_LEGS = 16
@@ -39,6 +60,50 @@ _FREE, _FIXED = 0.5, 0.8
 _FOLLOWING = 0.05
 # Part of the radius that landing places use.
 LANDING = 0.95
+
+
+class Pattern(NamedTuple):
+    """Where feet stand and when: ``geometry`` (k, 5) and ``settings`` (6,)."""
+
+    geometry: Any
+    settings: Any
+
+
+class State(NamedTuple):
+    """A moment of the walk: ``body`` (15,), ``feet`` (k, 8) and joints ``q`` (k, 3)."""
+
+    body: Any
+    feet: Any
+    q: Any
+
+
+class Step(NamedTuple):
+    """What is commanded: ``twist`` (3,), ``pose`` (15,), ``time`` and ``period`` (s)."""
+
+    twist: Any
+    pose: Any
+    time: Any
+    period: Any
+
+
+class Seen(NamedTuple):
+    """What is told of a step.
+
+    ``rates`` (k, 3) of the joints over the whole period; ``trunk`` (4, 4), its pose over the
+    ground; ``report`` (4,): the margin (m), the largest part of a joint's speed, the joint with the
+    largest excess over a limit of position, that excess.
+    """
+
+    rates: Any
+    trunk: Any
+    report: Any
+
+
+_PATTERN = types.NamedTuple((IN2, IN1), Pattern)
+_STEP = types.NamedTuple((IN1, IN1, f8, f8), Step)
+_OLD = types.NamedTuple((IN1, IN2, IN2), State)
+_NEW = types.NamedTuple((OUT1, OUT2, OUT2), State)
+_SEEN = types.NamedTuple((OUT2, OUT2, OUT1), Seen)
 
 
 @lean
@@ -68,20 +133,31 @@ def _along(x, y, yaw, w, vx, vy, time):
     return x + c * dx - s * dy, y + s * dx + c * dy, yaw + turn
 
 
-@kernel(f8(IN2, IN1, IN1, IN2, IN1, f8))
-def possible_part(geometry, settings, body, feet, twist, period):
+@kernel(f8(_PATTERN, IN1))
+def sustained_part(pattern, twist):
+    """Give the part of a twist with which all strides fit into the circles of the feet."""
+    geometry, settings = pattern
+    half, longest = 0.5 * settings[1] * settings[0], LANDING * settings[3]
+    part = 1.0
+    for k in range(geometry.shape[0]):
+        x, y = twist[1] - twist[0] * geometry[k, 1], twist[2] + twist[0] * geometry[k, 0]
+        stride = half * math.hypot(x, y)
+        if stride > longest:
+            part = min(part, longest / stride)
+    return part
+
+
+@kernel(f8(_PATTERN, _OLD, IN1, f8))
+def possible_part(pattern, state, twist, period):
     """Give the part of a twist with which no foot leaves its circle before it is lifted.
 
     Those count that stand and those that land in the coming period.
     """
+    geometry, settings = pattern
+    body, feet = state.body, state.feet
     cycle, duty, radius = settings[0], settings[1], settings[3]
     w, vx, vy = twist[0], twist[1], twist[2]
     part = 1.0
-    for k in range(geometry.shape[0]):
-        nx, ny = geometry[k, 0], geometry[k, 1]
-        stride = math.hypot(w * ny - vx, w * nx + vy) * 0.5 * duty * cycle
-        if stride > LANDING * radius:
-            part = min(part, LANDING * radius / stride)
     for k in range(geometry.shape[0]):
         phase = body[3] + geometry[k, 2]
         if feet[k, 7] == 0.0:
@@ -203,35 +279,32 @@ def _feet_on(geometry, settings, old, body, twist, time, feet):
             _swing(geometry, settings, body, time, feet, k, after)
 
 
-@kernel(i8(IN3, IN3, IN2, IN1, IN1, IN1, IN1, IN2, IN2, f8, f8, OUT1, OUT2, OUT2, OUT2, OUT2, OUT1))
-def advance(
-    packed, limits, geometry, settings, twist, pose, old, old_feet, old_q, time, period,
-    body, feet, q, rates, trunk, report,
-):  # fmt: skip
-    """Go on by ``time``; rates are those over the whole ``period``.
-
-    ``pose`` is the trunk in the walking frame without sway, rotation row by row, origin, then the
-    mass centre in the trunk.  ``report`` gets the margin (m), the largest part of a joint's speed,
-    the joint with the largest excess over a limit of position and that excess.  Gives -1, or the
-    leg that cannot reach.  ``trunk`` gets its pose over the ground.
-    """
+@kernel(i8(IN3, IN3, _PATTERN, _STEP, _OLD, _NEW, _SEEN))
+def advance(packed, limits, pattern, step, old, new, seen):
+    """Go on by a step from a state to a new one; gives -1, or the leg that cannot reach."""
+    geometry, settings = pattern
+    twist, pose, time, period = step
+    body, feet, q = new
+    rates, trunk, report = seen
     count = geometry.shape[0]
-    for i in range(old.shape[0]):
-        body[i] = old[i]
+    for i in range(body.shape[0]):
+        body[i] = old.body[i]
     for k in range(count):
         for i in range(8):
-            feet[k, i] = old_feet[k, i]
+            feet[k, i] = old.feet[k, i]
         for i in range(3):
-            q[k, i] = old_q[k, i]
+            q[k, i] = old.q[k, i]
     wants = twist[0] != 0.0 or twist[1] != 0.0 or twist[2] != 0.0
-    body[0], body[1], body[2] = _along(old[0], old[1], old[2], twist[0], twist[1], twist[2], time)
+    body[0], body[1], body[2] = _along(
+        body[0], body[1], body[2], twist[0], twist[1], twist[2], time
+    )
     for i in range(3):
-        body[12 + i] += min(1.0, time / _FOLLOWING) * (twist[i] - old[12 + i])
+        body[12 + i] += min(1.0, time / _FOLLOWING) * (twist[i] - body[12 + i])
     if settings[5] != 0.0:
-        body[3] = old[3] + time / settings[0]
+        body[3] += time / settings[0]
         if settings[4] > 0.0:
             _sway(geometry, settings, body, feet, wants)
-        _feet_on(geometry, settings, old, body, twist, time, feet)
+        _feet_on(geometry, settings, old.body, body, twist, time, feet)
     px, py, pz = pose[9] + body[4], pose[10] + body[5], pose[11]
     J, T, standing = scratch(6, 3), scratch(4, 4), scratch(MOST_LEGS, 2)
     down = 0
@@ -248,7 +321,7 @@ def advance(
         if follow_foot(packed[k], tx, ty, tz, q[k], J, T) != FOLLOWED:
             return k
         for i in range(3):
-            rates[k, i] = (q[k, i] - old_q[k, i]) / period
+            rates[k, i] = (q[k, i] - old.q[k, i]) / period
             report[1] = max(report[1], abs(rates[k, i]) / limits[k, 2, i])
             excess = max(limits[k, 0, i] - q[k, i], q[k, i] - limits[k, 1, i])
             if excess > report[3]:

@@ -156,14 +156,15 @@ class Driver:
         if not self._stands:
             summary = self._fault or self._waits_for()
         limited = f"follows {part:.0%} of the command, which legs or joints limit"
-        trouble = intake.refusal or intake.twists.refusal or (limited if part < 1.0 else "")
+        refusal = "; ".join(filter(None, (intake.refusal, intake.twists.refusal)))
+        trouble = refusal or (limited if part < 1.0 else "")
         values = {
             "gait": walker.gait,
             "stability margin (m)": f"{self._margin:.6g}",
             "stability bound (m)": f"{walker.bound:.6g}",
             "part of the command": f"{part:.3g}",
             "ignored commands": intake.refused + intake.twists.refused,
-            "last ignored": intake.refusal or intake.twists.refusal,
+            "last ignored": refusal,
         }
         text = f"{summary}; {trouble}" if trouble else summary
         return NodeCondition(text, bool(trouble or not self._stands), values)

@@ -70,10 +70,10 @@ class WalkerSettings:
         "m",
     )
     max_linear_acceleration: float = parameter(
-        0.5, "Of the trunk, forward and sideways", 1e-3, 1e3, "m/s^2"
+        0.5, "Of the walk, forward and sideways", 1e-3, 1e3, "m/s^2"
     )
     max_angular_acceleration: float = parameter(
-        1.0, "Of the trunk, about the vertical", 1e-3, 1e3, "rad/s^2"
+        1.0, "Of the walk, about the vertical", 1e-3, 1e3, "rad/s^2"
     )
     joint_speed: float = parameter(
         0.95,
