@@ -43,8 +43,8 @@ class SimulatedBase:
         Of all wheels (rad, rad/s).
     steering : ndarray, shape (s,)
         Of the steered wheels (rad).
-    brackets : ndarray, shape (c,)
-        Angles of the casters' brackets (rad).
+    brackets, bracket_rates : ndarray, shape (c,)
+        Of the casters' brackets (rad, rad/s).
     driven : ndarray, shape (n,)
         Which wheels are driven.
     torques : ndarray, shape (k,), or None
@@ -69,7 +69,7 @@ class SimulatedBase:
         self.rates = np.zeros(len(base.wheels))
         self.steering = np.zeros(len(base.steered))
         self.driven = np.array([wheel.driven for wheel in base.wheels])
-        self.brackets = np.zeros(len(base.casters))
+        self.brackets, self.bracket_rates = np.zeros(len(base.casters)), np.zeros(len(base.casters))
         self.torques: Array | None = np.zeros(len(base.driven)) if dynamic else None
         self.saturated: tuple[str, ...] = ()
 
@@ -86,6 +86,7 @@ class SimulatedBase:
 
     def _turn_brackets(self, period: float) -> None:
         """Let casters trail behind; a step that goes far is cut, so that none turns over."""
+        before, time = self.brackets, period
         for _ in range(_MOST_CUT):
             rates = self._base.caster_rates(self.twist, self.brackets)
             far = float(np.abs(rates).max()) * period
@@ -94,6 +95,7 @@ class SimulatedBase:
             period -= step
             if period <= 0.0:
                 break
+        self.bracket_rates = (self.brackets - before) / time
 
     def _moved_by_motors(self, motion: BaseMotion, period: float) -> Array:
         """Give the twist after a period under the torques that the motors give."""

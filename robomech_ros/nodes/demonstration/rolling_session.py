@@ -56,8 +56,7 @@ def demonstrate(robot: str, output: Path) -> None:
     )
     interface = INTERFACES[rolling.drive]
     commands = LaunchOptions(robot, kind="rolling").commands()
-    joints = joints_of(base)
-    names = (*(name for name, _ in joints.rolling), *joints.steering)
+    names = joints_of(base).names
     with running_client(commands, _Joints(names, ("rad",) * len(names))) as (suite, client):
         client.wait_until_up({})
         task = DriveTask(client, rolling, interface, reporter)
@@ -100,15 +99,11 @@ def _page(
     times = times + client.began
     keep = (times >= max(driven[0].begin, places[0, 0])) & (times <= places[-1, 0])
     times, turned = times[keep], turned[keep]
-    joints = joints_of(robot.base)
-    known = dict(zip((name for name, _ in joints.rolling), turned.T, strict=False))
-    known |= dict(zip(joints.steering, turned.T[len(joints.rolling) :], strict=True))
+    known = dict(zip(joints_of(robot.base).names, turned.T, strict=True))
     for name, column in zip(BASE_JOINTS, places.T[1:], strict=True):
         known[name] = np.interp(times, places[:, 0], column)
     description = rolling_description(robot.base)
-    # Brackets of casters are not told by the node.
-    still = np.zeros(len(times))
-    q = np.column_stack([known.get(name, still) for name in description.joint_names])
+    q = np.column_stack([known[name] for name in description.joint_names])
     choices = tuple(Choice(one.begin, one.path.name, "", ()) for one in driven)
     name = robot.base.name
     path, title = output / f"{name}.html", f"{name}: closed paths"

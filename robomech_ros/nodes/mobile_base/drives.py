@@ -84,10 +84,18 @@ class DriveJoints:
         Joints that roll, each with the number of its wheel: several wheels of one side are one.
     steering : tuple of str
         Of the steered wheels.
+    brackets : tuple of str
+        Of the casters.
     """
 
     rolling: tuple[tuple[str, int], ...]
     steering: tuple[str, ...]
+    brackets: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All of them, in this order."""
+        return (*(name for name, _ in self.rolling), *self.steering, *self.brackets)
 
 
 def chosen_robot(settings: MobileBaseSettings) -> tuple[RollingRobot, DriveJoints]:
@@ -116,7 +124,8 @@ def chosen_robot(settings: MobileBaseSettings) -> tuple[RollingRobot, DriveJoint
 def joints_of(base: RollingBase) -> DriveJoints:
     """Name the joints of a base after its wheels."""
     rolling = tuple((name, number) for number, name in enumerate(base.names))
-    return DriveJoints(rolling, tuple(f"{name}_steering" for name in base.steered))
+    steering = tuple(f"{name}_steering" for name in base.steered)
+    return DriveJoints(rolling, steering, tuple(f"{name}_bracket" for name in base.casters))
 
 
 def _limits(known: MotionLimits, settings: MobileBaseSettings) -> MotionLimits:

@@ -56,7 +56,7 @@ class BasePublication:
         prefix = frame_prefix(settings, node.get_namespace())
         self._odom, self._frame = prefix + settings.odom_frame_id, prefix + settings.base_frame_id
         self._wheels = np.array([number for _, number in joints.rolling])
-        self._states = JointState(name=[*(name for name, _ in joints.rolling), *joints.steering])
+        self._states = JointState(name=list(joints.names))
         # The driven wheels in the order of their joints, for commands.
         order = np.flatnonzero(base.simulated.driven).tolist()
         self._commanded = [order.index(number) for number in self._wheels if number in order]
@@ -88,10 +88,9 @@ class BasePublication:
         """Publish where the base and its wheels are, at a ROS time (ns)."""
         base, simulated = self._base, self._base.simulated
         fill_header(self._states.header, "", stamp)
-        steering = simulated.steering
-        rolled = simulated.positions[self._wheels]
-        self._states.position = floats(np.concatenate([rolled, steering]))
-        rates = [simulated.rates[self._wheels], base.steering_rates]
+        positions = [simulated.positions[self._wheels], simulated.steering, simulated.brackets]
+        self._states.position = floats(np.concatenate(positions))
+        rates = [simulated.rates[self._wheels], base.steering_rates, simulated.bracket_rates]
         self._states.velocity = floats(np.concatenate(rates))
         self._joint_states.publish(self._states)
         message = Odometry(child_frame_id=self._frame)

@@ -11,8 +11,9 @@ from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.mobile_base.drives import INTERFACES, chosen_robot
 from robomech_ros.nodes.mobile_base.mobile_base import BaseOptions, MobileBase
 from robomech_ros.nodes.mobile_base.settings import MobileBaseSettings, check_settings
-from robomech_ros.rolling import list_rolling
+from robomech_ros.rolling import list_rolling, rolling_description
 from robomech_ros.rolling.arcs import moved
+from robomech_ros.rolling.tree import BASE_JOINTS
 
 PERIOD = 0.01
 MECANUM = {
@@ -396,6 +397,26 @@ def test_limits_that_a_file_of_older_ros2_controllers_switches_off_do_not_count(
 def test_parameters_of_the_wrong_sign_or_number_are_refused(name, value):
     with pytest.raises(ParameterError, match=name.replace("__", ".")):
         check_settings(MobileBaseSettings(**{name: value}))
+
+
+@pytest.mark.parametrize("name", list_rolling())
+def test_the_joints_that_are_told_are_those_of_the_description(name):
+    robot, joints = chosen_robot(MobileBaseSettings(robot_description=name))
+    moved = set(rolling_description(robot.base).joint_names) - set(BASE_JOINTS)
+    assert set(joints.names) == moved and len(joints.names) == len(moved)
+
+
+def test_rates_of_brackets_are_those_of_the_period():
+    robot, _ = chosen_robot(MobileBaseSettings(robot_description="differential"))
+    base = MobileBase(robot, INTERFACES["diff"], BaseOptions(period=PERIOD, timeout=0.5))
+    for command in ([0.5, 0.3, 0.0], [-0.5, -0.3, 0.0]):
+        base.take(command, 0.0)
+        for _ in range(20):
+            before = base.simulated.brackets
+            base.update()
+            told = base.simulated.bracket_rates * base.options.period
+            assert told == pytest.approx(base.simulated.brackets - before, abs=1e-15)
+    assert base.simulated.brackets[0] != 0.0
 
 
 def test_every_robot_has_a_drive_with_an_interface():

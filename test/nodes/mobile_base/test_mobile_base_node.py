@@ -85,6 +85,22 @@ def test_wheels_have_the_rates_of_the_limited_command(graph):
     assert tuple(states.name) == base.names and min(states.position) > 0.0
 
 
+def test_the_joint_states_have_the_brackets_of_casters_too(graph):
+    """Without them neither RViz nor the view would know where a caster is."""
+    node = graph.start(MobileBaseNode, robot_description="differential", **FAST)
+    Driver(graph, "mobile_base/cmd_vel").command(0.3, 0.0, 0.6)
+    settled = graph.receive(
+        JointState,
+        "joint_states",
+        10,
+        lambda m: abs(m.position[3]) > 0.3 and abs(m.velocity[3]) < 1e-6,
+    )
+    assert settled.name == ["left", "right", "caster", "caster_bracket"]
+    # Settled on the circle, it does not turn any more beside the base.
+    base = node._base.robot.base
+    assert base.caster_rates([0.6, 0.3, 0.0], settled.position[3:])[0] == pytest.approx(0, abs=1e-5)
+
+
 def test_frames_have_the_namespace_and_covariances_those_of_the_parameters(graph):
     diagonal = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
     graph.start(

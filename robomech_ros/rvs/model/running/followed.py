@@ -109,11 +109,12 @@ class Followed(SeenTree):
 
 
 def followed_base(robot: RollingRobot) -> Followed:
-    """Give a rolling robot that runs; its brackets of casters are not heard of."""
+    """Give a rolling robot that runs."""
     base = robot.base
     ways = WAYS if base.axle is None else (WAYS[0], WAYS[2])
     seen = SeenBase(robot)
-    joints = (*base.names, *(f"{name}_steering" for name in base.steered))
+    turned = [f"{name}_steering" for name in base.steered]
+    joints = (*base.names, *turned, *(f"{name}_bracket" for name in base.casters))
 
     def placed(T: Array) -> Mapping[str, float]:
         return dict(zip(BASE_JOINTS, on_plane(T).tolist(), strict=True))
