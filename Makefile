@@ -84,7 +84,7 @@ test: compat ## everything: lint, all tests, colcon, the other distribution
 	@$(AT_ONCE) installed beside
 
 test-fast: compat ## what a developer runs again and again: no long and no installed tests
-	@$(AT_ONCE) CHOSEN='-q -m "not slow"' answering computing
+	@$(AT_ONCE) CHOSEN='-q -m "not slow and not long"' answering computing
 
 # Two rows: one after the other what has the processor first, and what takes the rest.
 moving:
@@ -106,7 +106,7 @@ beside: other
 computing:
 	$(RUN) $(LEFT) $(VENV)/bin/python -m pytest $(CHOSEN) $(COMPUTING)
 
-test-long: compat ## what takes minutes a test: random motions by the thousand
+test-long: compat ## what takes minutes a test, and large counts: random cases by the thousand
 	$(PYTEST) -m long $(COMPUTING)
 	$(PYTEST) -m long test/installed
 

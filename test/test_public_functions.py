@@ -79,6 +79,8 @@ PATHS = "trajectory/paths/test_wrong_arguments.py"
 NOT_OF_A_STATE = ("simulate", "consistent_fit", "torque_summary")
 
 PUMA, PANDA = load_robot("puma560"), load_robot("panda")
+# What searches all postures of an arm is asked for one of few joints.
+PLANAR = load_robot("planar3r")
 LIMITS = Limits(list("abcdef"), velocity=1.0, acceleration=2.0, jerk=3.0)
 TABLE = {"a": [0.1] * 6, "b": [0.2] * 6, "alpha": [0.3] * 6}
 MOTION = point_to_point([0] * 6, [0.5] * 6, limits=LIMITS)
@@ -146,7 +148,7 @@ def calls():
     for function in (singularity_report, nearest_singular_posture):
         found |= with_options(function, chain=PUMA, q=q, length=0.3)
     found |= with_options(characteristic_length, chain=PUMA)
-    found |= with_options(best_conditioned_posture, chain=PUMA, length=0.3)
+    found |= with_options(best_conditioned_posture, chain=PLANAR, length=0.3)
     found |= with_options(manipulability_ellipsoid, rows=np.eye(3))
     found |= with_options(self_motion_curve, chain=PANDA, q=PANDA.home())
     found |= with_options(even_rotations, count=2) | with_options(

@@ -74,7 +74,7 @@ def test_agree_pairwise(arm):
     agree_pairwise(arm, 100)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_agree_pairwise_at_many_states(arm):
     agree_pairwise(arm, 1000)
 

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-COUNTS = {"puma560": 400, "mecanum": 100, "phantomx": 100, "three_fingered": 100}
+COUNTS = {"puma560": 200, "mecanum": 60, "phantomx": 60, "three_fingered": 60}
 
 
 @pytest.mark.timeout(900)

@@ -14,7 +14,16 @@ from robomech_ros.kinetostatics import (
 from robomech_ros.robots import load_robot
 
 
-@pytest.mark.parametrize("robot", ["general6r", "m1013", "puma560", "planar3r", "ur5e"])
+@pytest.mark.parametrize(
+    "robot",
+    [
+        "general6r",
+        "planar3r",
+        "ur5e",
+        pytest.param("m1013", marks=pytest.mark.long),
+        pytest.param("puma560", marks=pytest.mark.long),
+    ],
+)
 def test_is_the_least_of_all_where_that_is_inside_the_limits(robot):
     chain = load_robot(robot)
     everywhere = characteristic_length(chain).condition_number
@@ -24,11 +33,12 @@ def test_is_the_least_of_all_where_that_is_inside_the_limits(robot):
 @pytest.mark.parametrize("robot", ["panda", "scara", "vx300", "stanford"])
 def test_is_inside_the_limits_and_no_sample_improved_is_better(robot):
     chain = load_robot(robot)
-    length = float(characteristic_length(chain))
+    everywhere = characteristic_length(chain)
+    length = float(everywhere)
     best = best_conditioned_posture(chain, length=length)
     assert (chain.lower <= best.q).all() and (best.q <= chain.upper).all()
     assert condition_number(chain, best.q, length=length) == best.condition_number
-    assert best.condition_number > characteristic_length(chain).condition_number
+    assert best.condition_number > everywhere.condition_number
 
     def condition(x):
         return condition_number(chain, np.clip(x, chain.lower, chain.upper), length=length)

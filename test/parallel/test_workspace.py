@@ -51,10 +51,10 @@ def test_ten_thousand_poses_of_a_hexapod_are_judged_as_by_lengths_and_cones():
         assert found.excess[k] == pytest.approx(amounts[kind], rel=1e-12)
 
 
-@pytest.mark.slow
-def test_ten_thousand_places_of_a_delta_are_judged_as_by_inverse_kinematics():
+@pytest.mark.parametrize("count", [1_000, pytest.param(10_000, marks=pytest.mark.long)])
+def test_places_of_a_delta_are_judged_as_by_inverse_kinematics(count):
     rng = np.random.default_rng(2)
-    places = rng.uniform([-0.8, -0.8, -1.1], [0.8, 0.8, 0.0], size=(10_000, 3))
+    places = rng.uniform([-0.8, -0.8, -1.1], [0.8, 0.8, 0.0], size=(count, 3))
     found, outward = pose_limits(LIMITED, places), pose_limits(LIMITED, places, branches="---")
     for place, inside, cause, own in zip(
         places, found.inside, found.cause, outward.inside, strict=True
@@ -62,7 +62,7 @@ def test_ten_thousand_places_of_a_delta_are_judged_as_by_inverse_kinematics():
         result = LIMITED.inverse(place)
         assert inside == (len(result) > 0) and (cause == "") == inside
         assert own == ("---" in result.branches)
-    assert 500 < found.inside.sum() < 9_500
+    assert 0.02 * count < found.inside.sum() < 0.95 * count
 
 
 def test_a_few_places_of_a_delta_are_judged_as_by_inverse_kinematics():

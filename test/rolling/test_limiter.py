@@ -98,7 +98,8 @@ def test_black_box_10_random_streams_stay_within_all_limits(name):
     run_streams(limiter_of(name), STREAMS, 1)
 
 
-@pytest.mark.slow
+@pytest.mark.long
+@pytest.mark.timeout(900)
 @pytest.mark.parametrize("name", list_rolling())
 def test_ten_thousand_random_streams_stay_within_all_limits(name):
     run_streams(limiter_of(name), 10 * STREAMS, 2)

@@ -49,8 +49,17 @@ def random_delays(seed):
     return lambda count: delays[count]
 
 
-@pytest.mark.parametrize("speed", [0.05, 0.4, 1.0])
-@pytest.mark.parametrize("direction", DIRECTIONS)
+@pytest.mark.parametrize(
+    ("direction", "speed"),
+    [
+        ("across", 0.05),
+        ("up", 0.4),
+        ("across", 1.0),
+        pytest.param("up", 0.05, marks=pytest.mark.long),
+        pytest.param("across", 0.4, marks=pytest.mark.long),
+        pytest.param("up", 1.0, marks=pytest.mark.long),
+    ],
+)
 @pytest.mark.parametrize("robot", POSTURES)
 def test_twists_at_any_speed_that_come_late(robot, direction, speed):
     command = twist(DIRECTIONS[direction], speed)

@@ -69,13 +69,12 @@ def test_random_approaches(robot):
     run_approaches(robot, 2, 1, 0.01)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("robot", LIBRARY)
 def test_more_random_approaches(robot):
     run_approaches(robot, 6, 2, 0.01)
 
 
-@pytest.mark.slow
 @pytest.mark.long
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize("robot", LIBRARY)

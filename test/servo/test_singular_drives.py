@@ -142,10 +142,8 @@ def test_random_twists(robot):
 @pytest.mark.parametrize(
     ("robot", "minutes"),
     [
-        ("puma560", 1.5),
-        ("ur5e", 0.5),
-        ("iiwa14", 0.5),
-        ("scara", 0.5),
+        ("puma560", 0.5),
+        ("iiwa14", 0.3),
         pytest.param("puma560", 10.0, marks=pytest.mark.long),
         pytest.param("ur5e", 2.0, marks=pytest.mark.long),
         pytest.param("iiwa14", 2.0, marks=pytest.mark.long),

@@ -113,7 +113,7 @@ def test_torques_of_general_arms_with_friction_and_rotors_agree(random_chain, ki
     np.testing.assert_allclose(model.compiled("mass_matrix")(q), inertia, rtol=1e-10, atol=1e-11)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_torques_of_puma_with_general_bodies_agree_at_many_states():
     arm = furnished(load_robot("puma560"), 1, drives=True)
     model = symbolic_model(arm, gravity=DOWN, parameters="numbers")

@@ -64,7 +64,7 @@ def test_the_bivariate_route_gives_the_same_real_postures(name):
     assert unmatched(theirs, ours.q) < bound_of(name)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("name", MANY)
 def test_a_hundred_arms(name):

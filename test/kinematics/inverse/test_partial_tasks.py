@@ -74,11 +74,12 @@ def test_all_solutions_of_random_poses(name):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("count", [1, pytest.param(4, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", ARMS)
-def test_nothing_is_missing(name):
+def test_nothing_is_missing(name, count):
     chain, task = ARMS[name]
     rng = np.random.default_rng(8)
-    for q in rng.uniform(-np.pi, np.pi, (4, chain.n)):
+    for q in rng.uniform(-np.pi, np.pi, (count, chain.n)):
         T = forward_kinematics(chain, q)
         ours = inverse_kinematics(chain, T, task_mask=task, respect_limits=False).q
         for start in rng.uniform(-np.pi, np.pi, (40, chain.n)):

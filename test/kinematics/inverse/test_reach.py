@@ -50,7 +50,7 @@ def least_distance(chain, point, rng, starts=15):
     return math.sqrt(2.0 * best)
 
 
-def least_distance_inside(chain, point, rng, starts=15):
+def least_distance_inside(chain, point, rng, starts=8):
     """The least distance inside the limits by a quasi-Newton method for bounds."""
 
     def value_and_gradient(q):
@@ -65,7 +65,7 @@ def least_distance_inside(chain, point, rng, starts=15):
             jac=True,
             method="L-BFGS-B",
             bounds=list(zip(lower, upper, strict=True)),
-            options={"ftol": 1e-15, "gtol": 1e-10},
+            options={"ftol": 1e-13, "gtol": 1e-8},
         ).fun
         for _ in range(starts)
     ]

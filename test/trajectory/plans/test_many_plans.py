@@ -38,7 +38,7 @@ def of(profile, count, **marks):
     ("profile", "count"),
     [
         *(of(profile, SLOWER.get(profile, 300)) for profile in CASES),
-        *(of(profile, 4 * count, marks=pytest.mark.slow) for profile, count in SLOWER.items()),
+        *(of(profile, 4 * count, marks=pytest.mark.long) for profile, count in SLOWER.items()),
     ],
 )
 def test_plans_over_many_magnitudes(profile, count):

@@ -49,7 +49,7 @@ def largest_ratios(motion, limits):
 
 
 @pytest.mark.parametrize(
-    "count", [pytest.param(300, id="300"), pytest.param(3000, marks=pytest.mark.slow, id="3000")]
+    "count", [pytest.param(300, id="300"), pytest.param(3000, marks=pytest.mark.long, id="3000")]
 )
 @pytest.mark.parametrize("profile", sorted(PROFILES))
 def test_random_plans_fill_the_limits_and_keep_to_them(profile, count, limits_of_robots):

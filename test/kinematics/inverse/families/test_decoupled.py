@@ -203,11 +203,11 @@ def farthest(chain, q, rng):
     return minimize(distance, rng.uniform(-3, 3, 2), method="Nelder-Mead", tol=1e-14).x
 
 
-@pytest.mark.slow
+@pytest.mark.parametrize("count", [12, pytest.param(50, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", ("puma560", "stanford", "orthogonal", "general8", *SKEW[::3]))
-def test_nothing_missing(arm, apart, search_everywhere, name):
+def test_nothing_missing(arm, apart, search_everywhere, name, count):
     chain = arm(name)
-    targets = forward_kinematics(chain, random_postures(chain, 50, 2))
+    targets = forward_kinematics(chain, random_postures(chain, count, 2))
     solutions, counts, _ = inverse_kinematics_batch(chain, targets, respect_limits=False)
     for k, postures in enumerate(search_everywhere(chain, targets)):
         ours = solutions[k, : counts[k]]

@@ -93,9 +93,10 @@ def test_nothing_is_missing(search_everywhere, apart, types):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("count", [3, pytest.param(10, marks=pytest.mark.long)])
 @pytest.mark.parametrize("types", TYPES)
-def test_nothing_is_missing_at_length(search_everywhere, apart, types):
-    check_nothing_missing(arm(types, 7), 10, search_everywhere, apart, 400)
+def test_nothing_is_missing_at_length(search_everywhere, apart, types, count):
+    check_nothing_missing(arm(types, 7), count, search_everywhere, apart, 400)
 
 
 @pytest.mark.parametrize("types", FEW)

@@ -104,7 +104,7 @@ def test_generating_postures_of_random_tables(apart, pose_errors, number):
     check_generating(chain, random_postures(100, number), apart, pose_errors)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("number", range(100))
 def test_generating_postures_of_random_tables_at_length(apart, pose_errors, number):
     chain = general_arm(f"random-{number}")
@@ -116,7 +116,7 @@ def test_nearly_special_arms_lose_nothing(apart, pose_errors, name):
     check_generating(general_arm(name), random_postures(200, 2), apart, pose_errors)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", NEAR)
 def test_nearly_special_arms_lose_nothing_at_length(apart, pose_errors, name):
     check_generating(general_arm(name), random_postures(2000, 12), apart, pose_errors)
@@ -132,10 +132,11 @@ def test_random_poses_are_proved_complete(name):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("count", [12, pytest.param(50, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", (*ARMS, "random-0", "random-1", *NEAR[::4]))
-def test_nothing_missing_and_nothing_spurious(search_everywhere, apart, name):
+def test_nothing_missing_and_nothing_spurious(search_everywhere, apart, name, count):
     chain = general_arm(name)
-    targets = forward_kinematics(chain, random_postures(50, 4))
+    targets = forward_kinematics(chain, random_postures(count, 4))
     solutions, counts, _ = inverse_kinematics_batch(chain, targets, respect_limits=False)
     for k, postures in enumerate(search_everywhere(chain, targets)):
         ours = solutions[k, : counts[k]]

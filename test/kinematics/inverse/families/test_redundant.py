@@ -105,7 +105,7 @@ def test_generating_postures_are_found(name, pose_errors, apart):
     check_generating_postures(name, 60, pose_errors, apart)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", ARMS)
 def test_a_thousand_generating_postures_are_found(name, pose_errors, apart):
     check_generating_postures(name, 1000, pose_errors, apart)

@@ -56,11 +56,11 @@ def test_family(three_parallel_arm, name):
     assert result.family == "three-parallel" and result.complete
 
 
-@pytest.mark.slow
+@pytest.mark.parametrize("count", [12, pytest.param(50, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", ("ur5e", "no-offset", *SYNTHETIC, *SLIDING[::3]))
-def test_nothing_missing(three_parallel_arm, apart, search_everywhere, name):
+def test_nothing_missing(three_parallel_arm, apart, search_everywhere, name, count):
     chain = three_parallel_arm(name)
-    q = random_postures(chain, 50, 2)
+    q = random_postures(chain, count, 2)
     targets = forward_kinematics(chain, q)
     solutions, counts, _ = inverse_kinematics_batch(chain, targets, respect_limits=False)
     for k, postures in enumerate(search_everywhere(chain, targets)):
