@@ -60,8 +60,9 @@ def off_the_path(path, poses):
     return max(nearest)
 
 
+@pytest.mark.parametrize("enough", [2, pytest.param(4, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", list_robots())
-def test_plans_of_all_robots_keep_to_path_and_limits(name):
+def test_plans_of_all_robots_keep_to_path_and_limits(name, enough):
     """Random lines, often too long to be followed: what is planned holds, the rest has a reason."""
     chain = load_robot(name)
     limits, rng = limits_of(chain), np.random.default_rng(3)
@@ -69,6 +70,8 @@ def test_plans_of_all_robots_keep_to_path_and_limits(name):
     low, high = np.maximum(chain.lower, middle - 1.0), np.minimum(chain.upper, middle + 1.0)
     planned = 0
     for _ in range(4):
+        if planned == enough:
+            break
         start = low + (high - low) * rng.uniform(0.2, 0.8, chain.n)
         here = forward_kinematics(chain, start)
         ends = shifted(rng.uniform(-0.15, 0.15, 3), of=here)

@@ -49,7 +49,9 @@ def test_given_samples_are_solved_and_saved(suite, tmp_path):
 
 
 @pytest.mark.timeout(600)
-@pytest.mark.parametrize("kind", ["eye_in_hand", "eye_on_base"])
+@pytest.mark.parametrize(
+    "kind", ["eye_in_hand", pytest.param("eye_on_base", marks=pytest.mark.long)]
+)
 def test_the_demonstration_finds_the_camera_and_the_wrong_sample(suite, tmp_path, kind):
     options = ("--type", kind, "--samples", "8", "--output", str(tmp_path / "out"))
     done = suite.run("robomech", "calibrate-demo", *options, timeout=500)
