@@ -87,8 +87,12 @@ def _explained(error: Exception) -> str:
     from robomech_ros.errors import UnknownRobotError
     from robomech_ros.robots.kinds import kind_of
 
-    kind = kind_of(error.name) if isinstance(error, UnknownRobotError) else ""
-    return f"{error}; a robot of kind '{kind}' is not taken here" if kind else str(error)
+    if not isinstance(error, UnknownRobotError) or not (kind := kind_of(error.name)):
+        return str(error)
+    known = ", ".join(error.available)
+    return (
+        f"'{error.name}' is a robot of kind '{kind}', which is not taken here; available: {known}"
+    )
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.errors import RobomechError, RobotDescriptionError
+from robomech_ros.errors import RobomechError, RobotDescriptionError, shown
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.dh import chain_from_dh
@@ -71,7 +71,11 @@ def description_from_yaml(text: str | bytes, where: str = "YAML") -> RobotDescri
         Keys are unknown or missing, or a value is not what it should be: the place in the
         document, the value and what is allowed are named.
     """
-    document = check_keys(parse_yaml(text, where), where, _TOP_KEYS, _TOP_OPTIONAL)
+    given = parse_yaml(text, where)
+    if "kind" in given:
+        why = f"{shown(given['kind'])}, expected the document of an arm, which has no kind"
+        raise RobotDescriptionError(f"{where}: kind", why)
+    document = check_keys(given, where, _TOP_KEYS, _TOP_OPTIONAL)
     rows = read_rows(document["joints"], where)
     chain = _chain(document, rows, where)
     links = [frame.name for frame in chain.frames]

@@ -4,7 +4,7 @@ import pytest
 
 from robomech_ros.errors import RobotDescriptionError, UnknownRobotError
 from robomech_ros.parallel import load_described
-from robomech_ros.robots import list_robots
+from robomech_ros.robots import list_robots, load_robot
 from robomech_ros.robots.kinds import ARM, KINDS, check_name, documents_of, kind_of
 
 EVERY = [(kind, name) for kind in KINDS for name in documents_of(kind)]
@@ -62,3 +62,11 @@ def test_an_unknown_name_lists_all_robots_of_the_kinds_that_are_taken_nearest_fi
         check_name("hexapo", (ARM, *KINDS))
     assert caught.value.available[:2] == ("hexapod", "hexapod_walker")
     assert "more" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("kind", "name"), EVERY)
+def test_what_loads_arms_says_of_a_file_which_kind_it_is_of(kind, name):
+    expected = f"{name}.yaml: kind: '{kind}', expected the document of an arm"
+    path = documents_of(kind)[name]
+    with pytest.raises(RobotDescriptionError, match=expected.replace(name, path.stem)):
+        load_robot(path)
