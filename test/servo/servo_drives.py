@@ -107,16 +107,21 @@ class Drive:
 
     def excess(self, plans_too=True):
         """How far the stream and every plan to stop are over the limits: parts of them, and rad."""
-        times = np.arange(len(self.positions)) * self.period
-        worst = self._excess_of(times, np.array(self.positions), np.array(self.velocities))
+        durations = np.full(len(self.positions) - 1, self.period)
+        worst = self._excess_of(durations, np.array(self.positions), np.array(self.velocities))
         for plan in self.plans if plans_too else ():
             assert not plan.velocities[-1].any()
-            worst = np.maximum(worst, self._excess_of(*plan))
+            worst = np.maximum(worst, self._excess_of_plan(plan))
         return dict(zip(("position", "velocity", "acceleration", "jerk"), worst, strict=True))
 
-    def _excess_of(self, times, p, v):
+    def _excess_of_plan(self, plan):
+        times, p, v = plan
+        return self._excess_of(np.diff(times), p, v)
+
+    def _excess_of(self, durations, p, v):
+        """Take durations rather than times: differences of late times are wrong by 1e-13 s."""
         limits = self.servo.limits
-        h = np.diff(times)[:, None]
+        h = durations[:, None]
         # What rounding of positions of some rad makes of differences.
         rounding = 1e-14 * np.maximum(1.0, np.abs(p).max())
         # Cubics between knots, at five places each; accelerations at the ends.
@@ -158,4 +163,4 @@ class Drive:
     def assert_plans(self):
         """Limits of the plans to stop that were kept."""
         for plan in self.plans:
-            assert (self._excess_of(*plan) <= 1e-8).all()
+            assert (self._excess_of_plan(plan) <= 1e-8).all()
