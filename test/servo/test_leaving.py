@@ -69,6 +69,7 @@ def test_who_stands_in_a_singular_posture_is_told_what_is_lost():
         ("xarm6", [0, 0, 1]),
         ("puma560", [0, 1, 0]),
         ("stanford", [1, 0, 0]),
+        ("stanford", [-1, 0, 0]),
     ],
 )
 def test_a_line_that_inverse_kinematics_can_follow_leads_out(robot, direction):
