@@ -97,8 +97,8 @@ def internal_forces(contacts: Sequence[Contact]) -> Array:
     Returns
     -------
     ndarray, shape (m, s)
-        Orthonormal columns, each in the components of :func:`grasp_matrix`; moments of soft fingers
-        are in units of the distance of the farthest contact from their centre.
+        Orthonormal columns, each in the components of :func:`grasp_matrix` (N, N m): the product of
+        that matrix with them is 0.
 
     Raises
     ------

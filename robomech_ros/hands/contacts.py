@@ -37,7 +37,7 @@ class Contact:
         Where it is (m); two coordinates make it one in the plane, where wrenches are the moment
         about z and the force along x and y.
     normal : array_like, shape (3,) or (2,)
-        Inward: the direction in which the finger presses.  Any length.
+        Inward: the direction in which the finger presses.  Any length above 1e-9.
     model : {"frictionless", "point", "soft"}, optional
         A normal force only; friction, too; or friction and a moment about the normal.
     friction : float, optional
@@ -86,7 +86,7 @@ class Contact:
             raise WrongSizeError("normal of the contact", normal.shape, position.shape)
         largest = float(np.abs(normal).max())
         if not largest > _NO_NORMAL:
-            why = "a direction into the object, not of length 0"
+            why = f"a direction into the object, of a length above {_NO_NORMAL:g}"
             raise BadValueError("normal of the contact", normal.tolist(), why)
         normal = normal / largest
         normal = normal / np.linalg.norm(normal)

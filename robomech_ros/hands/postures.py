@@ -16,13 +16,13 @@ from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
 from robomech_ros.spatial.arrays import as_finite, as_flag, listed, real_number
 from robomech_ros.spatial.poses import as_pose
 
-__all__ = ["grasp_postures", "tip_postures", "whole_postures"]
+__all__ = ["MOST_POSTURES", "grasp_postures", "tip_postures", "whole_postures"]
 
 Array = NDArray[np.float64]
 
 _POSITION = (True, True, True, False, False, False)
 # More whole postures than anyone looks at.
-_MOST = 10_000
+MOST_POSTURES = 10_000
 
 
 def grasp_postures(
@@ -168,8 +168,8 @@ def whole_postures(
     start = _seed(hand, seed)
     results = listed("found", found, "results of grasp_postures")
     owners = _distinct(finger_numbers(hand, len(results), fingers))
-    expected = f"a whole number from 1 to {_MOST}"
-    if real_number("most", most, expected) not in range(1, _MOST + 1):
+    expected = f"a whole number from 1 to {MOST_POSTURES}"
+    if real_number("most", most, expected) not in range(1, MOST_POSTURES + 1):
         raise BadValueError("most", most, expected)
     parts = hand.split(start)
     branches, costs = [], []

@@ -15,10 +15,12 @@ from robomech_ros.hands.closure import is_force_closed
 from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, cones_of, rows_of
 from robomech_ros.spatial.arrays import real_number
 
-__all__ = ["GraspQuality", "grasp_quality"]
+__all__ = ["SHORTEST", "GraspQuality", "grasp_quality"]
 
 Array = NDArray[np.float64]
 
+# Of lengths (m) and tolerances.
+SHORTEST = 1e-9
 _MOST_POINTS = 100_000
 # Facets at one time: in space more than any grasp of six contacts takes, in the plane twice as many
 # as points.
@@ -121,11 +123,11 @@ def grasp_quality(
 
 
 def _positive(what: str, value: object, largest: float) -> float:
-    expected = f"a number above 0, up to {largest:g}"
+    expected = f"a number from {SHORTEST:g} to {largest:g}"
     number = real_number(what, value, expected)
     if not np.isfinite(number):
         raise NonFiniteError(what, number)
-    if not 1e-9 <= number <= largest:
+    if not SHORTEST <= number <= largest:
         raise BadValueError(what, value, expected)
     return number
 

@@ -168,5 +168,6 @@ def stamped_twist(twist: Array, frame: str) -> TwistStamped:
 
 
 def linear_rows_first(J: Array) -> Array:
-    """Reorder the rows of a Jacobian, shape (6, n), from angular first to linear first."""
-    return np.concatenate((J[3:], J[:3]))
+    """Reorder rows, shape (6, n), or (3, n) in the plane, from angular first to linear first."""
+    half = len(J) // 2
+    return np.concatenate((J[half:], J[:half]))

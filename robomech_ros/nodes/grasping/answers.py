@@ -30,6 +30,7 @@ from robomech_ros.kinematics import InverseKinematicsResult
 from robomech_ros.nodes.common.error_codes import answer
 from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.pose_messages import linear_rows_first, stamped_twist
+from robomech_ros.nodes.grasping.requests import in_space
 from robomech_ros.outcomes import Code
 
 __all__ = ["GraspAnalysis", "analysed", "fill_efforts", "fill_forces", "fill_postures"]
@@ -56,9 +57,8 @@ class GraspAnalysis:
         response.force_closed, response.form_closed = self.force_closed, self.form_closed
         response.quality_lower, response.quality_upper = quality.lower, quality.upper
         response.certified, response.length = quality.certified, quality.length
-        weakest = quality.weakest.copy()
-        weakest[:3] *= quality.length
-        response.weakest = _wrench(weakest, frame)
+        weakest = in_space(quality.weakest)
+        response.weakest = _wrench(np.r_[weakest[:3] * quality.length, weakest[3:]], frame)
         response.grasp_matrix = floats(linear_rows_first(G))
         response.force_components = G.shape[1]
         response.rank = G.shape[1] - inner.shape[1]
@@ -110,7 +110,7 @@ def analysed(
     Parameters
     ----------
     contacts : sequence of Contact
-    matrix : ndarray, shape (6, m)
+    matrix : ndarray, shape (6, m), or (3, m) in the plane
         Their grasp matrix about the origin.
     origin, length, tolerance, most_points
         As for :func:`grasp_quality`.
@@ -145,15 +145,17 @@ def fill_forces(found: ContactForces, load: Array, frame: str, response: Any) ->
         text = "the conic solver found neither forces nor a proof that there are none"
         return answer(response, Code.NOT_CONVERGED, text)
     if found.separating_wrench is not None:
-        s = found.separating_wrench
+        s = in_space(found.separating_wrench)
         response.separating_wrench = _wrench(s, frame)
         text = (
             "no forces inside the friction cones hold this load: the contacts exert nothing along "
             f"the wrench of force {_listed(s[3:])} and torque {_listed(s[:3])}, and the load "
-            f"needs {-float(s @ load):.4g}"
+            f"needs {-float(s @ in_space(load)):.4g}"
         )
         return answer(response, Code.LOAD_NOT_HELD, text)
-    response.forces = [Vector3(x=x, y=y, z=z) for x, y, z in found.forces.tolist()]
+    response.forces = [
+        Vector3(**dict(zip("xyz", one, strict=False))) for one in found.forces.tolist()
+    ]
     response.torsions = floats(found.torsions)
     response.largest, response.total = found.largest, found.total
     return answer(response)

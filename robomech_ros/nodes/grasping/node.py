@@ -9,6 +9,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from robomech_interfaces.srv import AnalyzeGrasp, ContactForces, SolveGrasp
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError
 from robomech_ros.hands import (
     ForceStatus,
@@ -21,12 +22,14 @@ from robomech_ros.hands import (
 from robomech_ros.hands.conic_solver import ConicSolverUnavailableError
 from robomech_ros.hands.contacts import span
 from robomech_ros.hands.forces import SMALLEST
+from robomech_ros.hands.postures import MOST_POSTURES
+from robomech_ros.hands.quality import SHORTEST
 from robomech_ros.nodes.common.error_codes import ShutdownError, guarded
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_positions import is_empty
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.pauses import Worker
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, point_vector
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.grasping.answers import (
     analysed,
@@ -38,6 +41,7 @@ from robomech_ros.nodes.grasping.requests import (
     GivenHand,
     load_wrench,
     read_contacts,
+    read_origin,
     read_points,
 )
 from robomech_ros.nodes.grasping.settings import GraspingSettings, check_settings
@@ -87,7 +91,7 @@ class GraspingNode(Node):
     @guarded
     async def _analyze_grasp(self, request: Any, response: Any) -> Any:
         contacts = read_contacts(request)
-        origin = point_vector(request.origin, "origin")
+        origin = read_origin(request)
         matrix = grasp_matrix(contacts, origin)
         q = self._hand.state(request)
         fingers = self._hand.fingers(request.fingers, len(contacts))
@@ -96,7 +100,7 @@ class GraspingNode(Node):
             contacts,
             matrix,
             origin=origin,
-            length=request.length or span(contacts, origin),
+            length=request.length or min(max(span(contacts, origin), SHORTEST), LARGEST_LENGTH),
             tolerance=request.tolerance or _TOLERANCE,
             most_points=self._table.settings.most_points,
             made_by=None if q is None else (self._hand.required(), q, fingers),
@@ -109,8 +113,8 @@ class GraspingNode(Node):
         contacts = read_contacts(request)
         if request.smallest >= len(SMALLEST):
             raise BadValueError("smallest", request.smallest, "LARGEST (0) or TOTAL (1)")
-        load = load_wrench(request.wrench)
-        origin = point_vector(request.origin, "origin")
+        load = load_wrench(request)
+        origin = read_origin(request)
         q = self._hand.state(request)
         fingers = self._hand.fingers(request.fingers, len(contacts))
         found = contact_forces(contacts, load, origin=origin, smallest=SMALLEST[request.smallest])
@@ -125,11 +129,13 @@ class GraspingNode(Node):
         self._hand.require_palm(request.object_pose.header.frame_id)
         T = matrix_from_pose(request.object_pose.pose, "object_pose")
         points = read_points(request.positions) @ T[:3, :3].T + T[:3, 3]
-        numbers = self._hand.fingers(request.fingers, len(points))
+        numbers = self._hand.fingers(request.fingers, len(points), each_once=True)
         seed = None
         if not is_empty(request.seed):
             seed = positions_by_name(request.seed, hand.joint_names, "seed")
         respected, most = not request.ignore_limits, request.max_solutions or _POSTURES
+        if most > MOST_POSTURES:
+            raise BadValueError("max_solutions", most, f"0 to {MOST_POSTURES}")
         found = tip_postures(hand, points, fingers=numbers, seed=seed, respect_limits=respected)
         whole = whole_postures(hand, found, fingers=numbers, seed=seed, most=most)
         owners = range(len(points)) if numbers is None else numbers

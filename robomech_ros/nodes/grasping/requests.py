@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import Vector3, Wrench
+from geometry_msgs.msg import Vector3
 from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
@@ -16,7 +16,7 @@ from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_positions import is_empty
 from robomech_ros.nodes.common.pose_messages import point_vector
 
-__all__ = ["GivenHand", "load_wrench", "read_contacts", "read_points"]
+__all__ = ["GivenHand", "in_space", "load_wrench", "read_contacts", "read_origin", "read_points"]
 
 Array = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ def read_contacts(request: Any) -> list[Contact]:
     Raises
     ------
     WrongSizeError, NonFiniteError, BadValueError
-        The contact at fault is named by its number.
+        The contact at fault is named by its number; one out of the plane of a planar grasp, too.
     """
     points = read_points(request.positions)
     count = len(points)
@@ -52,7 +52,7 @@ def read_contacts(request: Any) -> list[Contact]:
     friction = _for_each("friction", list(request.friction), count, 0.0)
     torsional = _for_each("torsional", list(request.torsional), count, 0.0)
     rows = zip(points, request.normals, models, friction, torsional, strict=True)
-    return [_contact(k, *row) for k, row in enumerate(rows)]
+    return [_contact(k, request.planar, *row) for k, row in enumerate(rows)]
 
 
 def _for_each(what: str, given: list[Any], count: int, default: object) -> list[Any]:
@@ -63,9 +63,18 @@ def _for_each(what: str, given: list[Any], count: int, default: object) -> list[
 
 
 def _contact(
-    k: int, point: Array, normal: Vector3, model: str, friction: float, torsional: float
+    k: int,
+    planar: bool,
+    point: Array,
+    normal: Vector3,
+    model: str,
+    friction: float,
+    torsional: float,
 ) -> Contact:
     pressed = np.array([normal.x, normal.y, normal.z])
+    if planar:
+        point = _in_plane(point, f"positions[{k}]")
+        pressed = _in_plane(pressed, f"normals[{k}]")
     try:
         return Contact(point, pressed, model, friction, torsional)
     except BadValueError as error:
@@ -78,15 +87,47 @@ def _numbered(what: str, k: int) -> str:
     return what.replace("the contact", f"contact {k}")
 
 
-def load_wrench(wrench: Wrench) -> Array:
-    """Read a load, shape (6,): torque (Nm), then force (N).
+def _in_plane(vector: Array, what: str) -> Array:
+    """Give x and y of a vector without a part along z; NaN is for others to refuse."""
+    if vector[2] != 0.0 and np.isfinite(vector[2]):
+        raise BadValueError(f"{what}.z", float(vector[2]), "0, since planar is true")
+    return vector[:2] if vector[2] == 0.0 else vector
+
+
+def read_origin(request: Any) -> Array:
+    """Read the point that moments are about, shape (3,), or (2,) of a planar request.
 
     Raises
     ------
-    NonFiniteError
+    NonFiniteError, BadValueError
     """
-    parts = (wrench.torque, "wrench.torque"), (wrench.force, "wrench.force")
-    return np.concatenate([point_vector(part, what) for part, what in parts])
+    origin = point_vector(request.origin, "origin")
+    return _in_plane(origin, "origin") if request.planar else origin
+
+
+def load_wrench(request: Any) -> Array:
+    """Read a load, shape (6,): torque (Nm), then force (N); of a planar request (3,).
+
+    Raises
+    ------
+    NonFiniteError, BadValueError
+    """
+    torque = point_vector(request.wrench.torque, "wrench.torque")
+    force = point_vector(request.wrench.force, "wrench.force")
+    if not request.planar:
+        return np.concatenate([torque, force])
+    for k, name in enumerate("xy"):
+        if torque[k] != 0.0:
+            expected = "0, since planar is true"
+            raise BadValueError(f"wrench.torque.{name}", float(torque[k]), expected)
+    return np.concatenate([torque[2:], _in_plane(force, "wrench.force")])
+
+
+def in_space(wrench: Array) -> Array:
+    """Give a wrench with its moment first, shape (6,), that may be one in the plane, shape (3,)."""
+    if len(wrench) == 6:
+        return wrench
+    return np.array([0.0, 0.0, wrench[0], wrench[1], wrench[2], 0.0])
 
 
 class GivenHand:
@@ -148,7 +189,9 @@ class GivenHand:
         self.require_palm(request.frame_id)
         return positions_by_name(request.state, hand.joint_names, "state")
 
-    def fingers(self, names: Sequence[str], count: int) -> list[int] | None:
+    def fingers(
+        self, names: Sequence[str], count: int, *, each_once: bool = False
+    ) -> list[int] | None:
         """Read which finger makes each of so many contacts; None = one after the other.
 
         Raises
@@ -163,4 +206,7 @@ class GivenHand:
         for k, name in enumerate(names):
             if name not in known:
                 raise BadValueError(f"fingers[{k}]", name, f"one of {', '.join(known)}")
+        if each_once and len(set(names)) < len(names):
+            expected = "each finger once: a finger has one tip"
+            raise BadValueError("fingers", list(names), expected)
         return [known.index(name) for name in names]

@@ -376,6 +376,87 @@ WRONG_CONTACTS = [
 ]
 
 
+def flat(kind, count, friction=0.5, model="point", **more):
+    """A request about contacts evenly spaced on a disc of radius 1."""
+    angles = 2.0 * np.pi * np.arange(count) / count
+    rim = np.stack([np.cos(angles), np.sin(angles), 0.0 * angles], axis=1)
+    return requested(kind, rim, model, friction, planar=True, **more)
+
+
+@pytest.mark.parametrize(
+    ("count", "friction", "quality"),
+    [
+        (2, 0.5, 0.5 / math.sqrt(2.25)),
+        (3, 0.3, 0.3),
+        (3, 0.5, 0.5),
+        (3, 1.0, 0.935113),
+        (4, 0.5, 0.5),
+        (4, 1.0, 1.0),
+    ],
+)
+def test_1_qualities_of_discs(analyze, count, friction, quality):
+    answer = analyze(flat(AnalyzeGrasp, count, friction, length=1.0))
+    assert (answer.error_code, answer.force_closed, answer.certified) == (0, True, True)
+    assert answer.quality_lower <= quality + 1e-6
+    assert answer.quality_upper >= quality - 1e-6
+    assert (answer.force_components, answer.rank) == (2 * count, 3)
+    G = rows(answer.grasp_matrix, 3)
+    inner = rows(answer.internal_forces, 2 * count)
+    assert np.abs(G @ inner).max() < 1e-12
+    np.testing.assert_allclose(
+        G[:, 1::2].T,
+        [[0.0, 1.0, x] for x in np.cos(2.0 * np.pi * np.arange(count) / count)],
+        atol=1e-12,
+    )
+    weakest = six(answer.weakest)
+    assert (weakest[2:5] == 0.0).all()
+    assert np.linalg.norm(weakest) == pytest.approx(1.0)
+
+
+def test_forces_on_a_disc(hold):
+    load = loaded((0.3, -1.0, 0.0), (0.0, 0.0, 0.2))
+    answer = hold(flat(ContactForces, 3, wrench=load))
+    assert answer.error_code == 0
+    forces = np.array([[one.x, one.y, one.z] for one in answer.forces])
+    assert (forces[:, 2] == 0.0).all()
+    angles = 2.0 * np.pi * np.arange(3) / 3.0
+    turned = np.cos(angles) * forces[:, 1] - np.sin(angles) * forces[:, 0]
+    np.testing.assert_allclose(forces.sum(axis=0), [-0.3, 1.0, 0.0], atol=1e-9)
+    assert turned.sum() == pytest.approx(-0.2, abs=1e-9)
+    refused = hold(flat(ContactForces, 3, model="frictionless", wrench=load))
+    assert refused.error_code == ErrorCode.LOAD_NOT_HELD
+    separating = six(refused.separating_wrench)
+    assert separating[5] * 0.2 < 0.0
+    assert "the load needs 0.2" in refused.error_msg
+
+
+@pytest.mark.parametrize(
+    ("wrong", "text"),
+    [
+        ({"positions": [Point(z=0.1)] * 3}, "positions[0].z is 0.1, expected 0, since planar"),
+        ({"normals": [Vector3(x=1.0, z=0.1)] * 3}, "normals[0].z is 0.1"),
+        ({"origin": Point(z=2.0)}, "origin.z is 2.0"),
+        ({"models": ["soft"]}, "model of contact 0 is 'soft'"),
+        ({"state": JointState(position=[0.0] * 9)}, "contacts is 'in the plane'"),
+    ],
+)
+def test_what_is_out_of_the_plane_is_refused(analyze, wrong, text):
+    request = flat(AnalyzeGrasp, 3)
+    for field, value in wrong.items():
+        setattr(request, field, value)
+    answer = analyze(request)
+    assert (answer.error_code, text in answer.error_msg) == (109, True), answer.error_msg
+
+
+def test_loads_out_of_the_plane_are_refused(hold):
+    for load, text in (
+        (loaded((0.0, 0.0, 1.0)), "wrench.force.z is 1.0, expected 0, since planar is true"),
+        (loaded(torque=(0.0, 2.0, 0.0)), "wrench.torque.y is 2.0"),
+    ):
+        answer = hold(flat(ContactForces, 3, wrench=load))
+        assert (answer.error_code, text in answer.error_msg) == (109, True), answer.error_msg
+
+
 def test_wrong_contacts_have_a_code_and_a_text(ask):
     for kind, name in ((AnalyzeGrasp, "analyze_grasp"), (ContactForces, "contact_forces")):
         for wrong, code, text in WRONG_CONTACTS:
@@ -390,6 +471,7 @@ def test_other_wrong_requests_have_a_code_and_a_text(analyze, hold, solve):
     for answer, code, text in (
         (analyze(requested(AnalyzeGrasp, EQUATOR, length=-1.0)), 109, "length is -1.0"),
         (analyze(requested(AnalyzeGrasp, EQUATOR, length=math.nan)), 104, "length is nan"),
+        (analyze(requested(AnalyzeGrasp, EQUATOR, length=1e-12)), 109, "a number from 1e-09 to 1e"),
         (analyze(requested(AnalyzeGrasp, EQUATOR, tolerance=2.0)), 109, "tolerance is 2.0"),
         (hold(requested(ContactForces, EQUATOR, smallest=2)), 109, "smallest is 2, expected LAR"),
         (
@@ -399,8 +481,8 @@ def test_other_wrong_requests_have_a_code_and_a_text(analyze, hold, solve):
         ),
         (hold(requested(ContactForces, EQUATOR, wrench=loaded((1e300, 0, 0)))), 109, "wrench"),
         (solve(SolveGrasp.Request()), 108, "positions has size 0"),
-        (solve(touching(fingers=["finger_1"] * 3)), 109, "each finger once"),
-        (solve(touching(max_solutions=10_001)), 109, "most is 10001"),
+        (solve(touching(fingers=["finger_1"] * 3)), 109, "'finger_1'], expected each finger once"),
+        (solve(touching(max_solutions=10_001)), 109, "max_solutions is 10001, expected 0 to 10000"),
         (solve(touching(seed=JointState(position=[math.nan] * 9))), 104, "seed"),
         (solve(touching(seed=JointState(position=[9.0] * 9))), 106, "finger_1_spread"),
     ):
