@@ -52,7 +52,7 @@ def numbered():
 def public_functions():
     """Every function that a package of the core exports, as the page names it."""
     for package in pkgutil.iter_modules(robomech_ros.__path__):
-        if not package.ispkg or package.name in ("_kernels", "nodes"):
+        if not package.ispkg or package.name in ("_kernels", "nodes", "errors"):
             continue
         module = import_module(f"robomech_ros.{package.name}")
         for name in getattr(module, "__all__", ()):

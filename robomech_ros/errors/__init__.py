@@ -1,0 +1,62 @@
+"""The errors that a wrong request raises; one class for each cause a caller can act on.
+
+An outcome of the mathematics (out of reach, singular) is never an error: it is a status in a
+result.  Every message gives the value, what was expected and, where there is one, the list of
+what is available; the same facts are attributes of the exception.
+"""
+
+from robomech_ros.errors.limits import (
+    DurationTooShortError,
+    LimitExceededError,
+    SeedOutsideLimitsError,
+)
+from robomech_ros.errors.machine import (
+    MapFileError,
+    NotEnoughMemoryError,
+)
+from robomech_ros.errors.names import (
+    UnknownJointError,
+    UnknownLinkError,
+    UnknownRobotError,
+)
+from robomech_ros.errors.robots import (
+    MissingInertiaError,
+    MissingLimitsError,
+    OpenLoopsError,
+    RobotDescriptionError,
+    SingularPostureError,
+)
+from robomech_ros.errors.texts import shown
+from robomech_ros.errors.values import (
+    BadQuaternionError,
+    BadValueError,
+    ContradictionError,
+    NonFiniteError,
+    RobomechError,
+    UndeterminedError,
+    WrongSizeError,
+)
+
+__all__ = [
+    "BadQuaternionError",
+    "BadValueError",
+    "ContradictionError",
+    "DurationTooShortError",
+    "LimitExceededError",
+    "MapFileError",
+    "MissingInertiaError",
+    "MissingLimitsError",
+    "NonFiniteError",
+    "NotEnoughMemoryError",
+    "OpenLoopsError",
+    "RobomechError",
+    "RobotDescriptionError",
+    "SeedOutsideLimitsError",
+    "SingularPostureError",
+    "UndeterminedError",
+    "UnknownJointError",
+    "UnknownLinkError",
+    "UnknownRobotError",
+    "WrongSizeError",
+    "shown",
+]

@@ -1,0 +1,95 @@
+"""Errors of robots: of their descriptions, of what these lack, and of postures."""
+
+from collections.abc import Iterable
+
+from robomech_ros.errors.texts import listed
+from robomech_ros.errors.values import BadValueError, RobomechError
+
+__all__ = [
+    "MissingInertiaError",
+    "MissingLimitsError",
+    "OpenLoopsError",
+    "RobotDescriptionError",
+    "SingularPostureError",
+]
+
+
+class RobotDescriptionError(RobomechError):
+    """A robot's description is broken, hostile or of a kind that is not supported.
+
+    Parameters
+    ----------
+    where : str
+        The file, and the element in it, for example ``"arm.urdf: joint 'elbow'"``.
+    why : str
+        What is wrong with it and what is allowed.
+    """
+
+    def __init__(self, where: str, why: str) -> None:
+        self.where = where
+        self.why = why
+        super().__init__(f"{where}: {why}")
+
+
+class MissingLimitsError(RobomechError):
+    """Joints lack a limit that the request needs.
+
+    Parameters
+    ----------
+    kind : str
+        ``"position"``, ``"velocity"``, ``"acceleration"``, ``"jerk"`` or ``"effort"``.
+    joints : iterable of str
+        The joints without it.
+    """
+
+    def __init__(self, kind: str, joints: Iterable[str]) -> None:
+        self.kind = kind
+        self.joints = tuple(joints)
+        noun = "joint" if len(self.joints) == 1 else "joints"
+        super().__init__(f"no {kind} limit for {noun} {listed(self.joints)}")
+
+
+class MissingInertiaError(RobomechError):
+    """Nothing is known of the mass of what some joints move.
+
+    Parameters
+    ----------
+    links : iterable of str
+        The links that the joints move.
+    joints : iterable of str
+        The joints.
+    """
+
+    def __init__(self, links: Iterable[str], joints: Iterable[str]) -> None:
+        self.links = tuple(links)
+        self.joints = tuple(joints)
+        super().__init__(
+            f"no mass and inertia of links {listed(self.links)}, which joints "
+            f"{listed(self.joints)} move; give them in the robot's description"
+        )
+
+
+class OpenLoopsError(BadValueError):
+    """Joint values with which the limbs of a parallel robot do not hold one platform.
+
+    ``limb``, from 1, is farthest off: by ``distance`` (m) and ``angle`` (rad) from limb 1.
+    """
+
+    def __init__(
+        self, what: str, limb: int, distance: float, angle: float, expected: str = "closed loops"
+    ) -> None:
+        self.limb, self.distance, self.angle = limb, distance, angle
+        super().__init__(what, (distance, angle), expected)
+        RobomechError.__init__(
+            self,
+            f"{what} has open loops: limb {limb} ends {distance:.3g} m and {angle:.3g} rad from "
+            f"where limb 1 holds the platform, expected {expected}",
+        )
+
+
+class SingularPostureError(BadValueError):
+    """A posture in which the drives of a parallel robot do not hold it."""
+
+    def __init__(self, what: str, value: object, expected: str) -> None:
+        super().__init__(what, value, expected)
+        RobomechError.__init__(self, f"{what} is singular, expected {expected}")
