@@ -37,8 +37,9 @@ _LONGEST = 0.25
 # A move that changes nothing any more, and errors of loops that are closed (rad; of the size).
 _SETTLED, _CLOSED = 1e-13, 1e-12
 _ITERATIONS, _STEPS = 20, 3000
-# Least part of a way of 1 rad, after which a singularity is in it.
-_LEAST = 1e-5
+# Least part of a way of 1 rad, after which a singularity is in it; and while little is gone, least
+# part of what is gone, or at the start: steps that lead away from a singularity grow.
+_LEAST, _LEAST_OF_GONE, _LEAST_AT_START = 1e-5, 1e-3, 1e-8
 # Part of the longest step that is proved, how much shorter and longer than the one before.
 _PART, _SHORTER, _LONGER = 0.8, 0.1, 4.0
 
@@ -183,7 +184,8 @@ def close(packed, starts, drives, scale, weights, target, q, report):
             step *= min(_LONGER, _PART / max(part, 1e-3))
         else:
             step = min(step, left) * max(_SHORTER, min(_PART, _PART / part))
-        if step * length < _LEAST:
+        gone = _LEAST_OF_GONE * (1.0 - left) * length
+        if step * length < min(_LEAST, max(_LEAST_AT_START, gone)):
             status = SINGULAR
             break
     report[0] = 1.0 - left

@@ -54,6 +54,29 @@ def test_a_singularity_in_the_way_is_found_and_nothing_jumps_over_it():
     assert lost >= 3
 
 
+def test_the_way_back_from_a_singularity_is_free():
+    """Right in front of one the first steps are tiny, and grow as the robot gets away from it."""
+    mechanism = load_parallel("hexapod").mechanism
+    home = mechanism.home()
+    drives = home[mechanism.drive_index]
+    ways = [
+        [1.033, 0.209, 2.369, 0.999, 1.842, -1.451],
+        [2.167, -0.381, -0.19, 1.076, -0.742, 2.909],
+        [1.328, 1.014, 1.628, 0.962, 0.038, 1.126],
+        [0.609, 1.007, 0.777, -0.726, -0.191, 1.372],
+    ]
+    for way in ways:
+        stopped = mechanism.close(drives + way, home)
+        assert stopped.status == Code.SINGULAR
+        # On is refused as before, at a place that is hardly further.
+        again = mechanism.close(drives + way, stopped.q)
+        assert again.status == Code.SINGULAR
+        assert again.part <= 1e-3
+        back = mechanism.close(drives, stopped.q)
+        assert back.status == Code.NONE
+        assert np.abs(back.q - home).max() <= 1e-9
+
+
 @pytest.mark.parametrize("name", ["agile_eye", "delta", "hexapod"])
 def test_a_long_way_ends_in_the_mode_in_which_short_ones_end(name):
     """One call for turns of up to 2 rad, or for half of the strokes, against 200 calls."""
