@@ -96,8 +96,11 @@ class ExecuteService:
         return answer(response, Code.INTERNAL, f"internal error, please report it: {error}")
 
     def _delivery(self, trajectory: JointTrajectory) -> Delivery:
-        """Find the delivery that a request means: a new one, or the latest plan's."""
-        if not _asks_for_latest(trajectory):
+        """Find the delivery that a request means: a new one, or the latest plan's.
+
+        A client that gives the latest plan, which is executed anyway, means that one.
+        """
+        if not (_asks_for_latest(trajectory) or self._plans.executes(trajectory)):
             return self._offered(trajectory)
         latest = self._plans.latest
         if latest is None:
@@ -109,7 +112,7 @@ class ExecuteService:
         return self._plans.latest
 
     def _offered(self, trajectory: JointTrajectory) -> Delivery:
-        delivery = self._reader.read(trajectory, self._transport)
+        delivery = self._plans.asked = self._reader.read(trajectory, self._transport)
         self._loop.offer(delivery)
         return delivery
 

@@ -47,6 +47,8 @@ class ReceivedPlans:
     ----------
     latest : Delivery or None
         The plan that came last.
+    asked : Delivery or None
+        The trajectory that a request gave last.
     refusal : str
         Why the plan that came last was refused; empty if it was not.
     topics : str
@@ -68,8 +70,15 @@ class ReceivedPlans:
         self._next: Future | None = None
         self._waiting = self._given_up = 0
         self.latest: Delivery | None = None
+        self.asked: Delivery | None = None
         self.refusal = ""
         self.topics = self._listen(table.settings.planner_topic)
+
+    def executes(self, trajectory: JointTrajectory) -> bool:
+        """Whether a trajectory is the latest plan, which nobody needs to ask for."""
+        latest = self.latest
+        automatic = self._table.settings.auto_execute
+        return automatic and latest is not None and bool(latest.trajectory == trajectory)
 
     async def next_on_its_way(self) -> bool:
         """Wait a moment for a plan that was made before a request but has not arrived.
@@ -122,9 +131,14 @@ class ReceivedPlans:
         if arrived is not None and not arrived.done():
             arrived.set_result(None)
         try:
-            self.latest = self._reader.read(plan, Transport(settings.transport))
-            if settings.auto_execute:
-                self._loop.offer(self.latest)
+            asked = self.asked
+            if asked is not None and asked.report is None and asked.trajectory == plan:
+                # The request for it was faster.
+                self.latest = asked
+            else:
+                self.latest = self._reader.read(plan, Transport(settings.transport))
+                if settings.auto_execute:
+                    self._loop.offer(self.latest)
             self.refusal = ""
         except RobomechError as error:
             self.refusal = str(error)

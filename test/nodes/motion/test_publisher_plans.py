@@ -112,6 +112,30 @@ def test_execute_joins_the_plan_that_is_being_executed(suite):
     assert arm.value("sent") == "1"
 
 
+@pytest.mark.slow
+def test_who_gives_the_plan_that_is_executed_anyway_joins_it(suite):
+    arm = suite()
+    there, back = (arm.trajectory(*ends, duration=0.5) for ends in ((0.0, MOVE), (MOVE, 0.0)))
+    arm.send(there)
+    arm.until_moving()
+    answer = arm.execute(there)
+    assert (answer.error_code, answer.error_msg) == DONE
+    arm.until_at(arm.home + MOVE)
+    assert "executed before this request" in arm.execute(there).error_msg
+    # The request is the faster one.
+    waiting = arm.start_execute(back)
+    arm.until_moving()
+    arm.send(back)
+    arm.until(waiting.done)
+    assert (waiting.result().error_code, waiting.result().error_msg) == DONE
+    arm.until_at(arm.home)
+    assert arm.value("sent", idle) == "2"
+    # Another trajectory is another motion, wherever the robot is.
+    assert arm.execute(there).error_code == ErrorCode.NONE
+    assert arm.execute(back).error_code == ErrorCode.NONE
+    assert arm.value("sent", idle) == "4"
+
+
 def test_the_latest_plan_is_executed_on_request(suite):
     arm = suite(auto_execute=False)
     arm.plan(0.0, MOVE)
