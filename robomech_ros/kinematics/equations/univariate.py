@@ -8,7 +8,7 @@ Manocha and Canny, IEEE Trans. Robotics and Automation 10(5), 1994, pp. 648-657.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,8 +46,8 @@ Complex = NDArray[np.complex128]
 _DEGREE = 16
 # Least over greatest singular value below which a matrix is singular up to rounding.
 _SINGULAR = 1e-10
-# Roots this near to each other (rad) may be one, parted by rounding.
-_CROWD = 2e-2
+# Roots this near to each other (rad) may be one, parted by rounding: of two, of four, of eight.
+_CROWDS = (1e-6, 1e-3, 2e-2)
 # Imaginary part (rad) of a root below which it may belong to a real posture.
 _MAYBE_REAL = 2e-2
 # Imaginary part (rad) from which on an angle is at infinity: its cosine has lost half the digits.
@@ -306,16 +306,24 @@ def _add_crowded(
 ) -> None:
     """Look for postures that share an angle, where fewer were found than there are roots."""
     z = np.exp(1j * angles)
-    left = np.ones(len(z), dtype=bool)
     joint = equations.joints[2 + place]
-    for k in range(len(z)):
-        near = left & (np.abs(z / z[k] - 1.0) < _CROWD)
-        left &= ~near
-        if near.sum() < 2:
-            continue
-        middle = complex(-1j * np.log(z[near].mean()))
+    for middle, many, apart in _crowds(z):
         known = np.array([np.exp(1j * q[joint]) for q in found])
-        if np.sum(np.abs(known / np.exp(1j * middle) - 1.0) < _CROWD) >= near.sum():
+        if np.sum(np.abs(known / middle - 1.0) < apart) >= many:
             continue
-        for three in angles_beside(equations, place, middle):
+        for three in angles_beside(equations, place, complex(-1j * np.log(middle))):
             _add(equations, found, three)
+
+
+def _crowds(z: Complex) -> Iterator[tuple[complex, int, float]]:
+    """Give the middle of numbers close to each other, how many they are, and how close.
+
+    Close ones come first: among others their middle would be lost.
+    """
+    for apart in _CROWDS:
+        left = np.ones(len(z), dtype=bool)
+        for one in z:
+            near = left & (np.abs(z / one - 1.0) < apart)
+            left &= ~near
+            if near.sum() > 1:
+                yield complex(z[near].mean()), int(near.sum()), apart
