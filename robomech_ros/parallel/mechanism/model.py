@@ -32,6 +32,8 @@ Array = NDArray[np.float64]
 
 # Errors (rad, m) of loops that are closed where all joints are at zero.
 _CLOSED = 1e-9
+# Postures whose regularity differs by no more than this part are regular alike.
+_ALIKE = 1e-9
 
 
 class Mechanism(LoopMotion):
@@ -243,7 +245,7 @@ class Mechanism(LoopMotion):
         return AssemblyModes(**{key: getattr(found, key) for key in fields}, q=q)
 
     def home(self) -> Array:
-        """Give the posture to begin with: of those offered, the one furthest from singular.
+        """Give the posture to begin with: of those offered, the first one furthest from singular.
 
         Returns
         -------
@@ -269,7 +271,10 @@ class Mechanism(LoopMotion):
                     break
         if not found:
             raise BadValueError("limbs", self.name, "limbs that close at their home")
-        return max(found, key=self._regularity)
+        # Of postures that mirror each other, rounding must not choose.
+        regular = np.array([self._regularity(q) for q in found])
+        first: Array = found[int(np.argmax(regular >= (1.0 - _ALIKE) * regular.max()))]
+        return first
 
     def _regularity(self, q: Array) -> float:
         """Give the ratio of least to greatest singular value of the twists of the drives."""

@@ -5,7 +5,7 @@ import pytest
 
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel import load_parallel
+from robomech_ros.parallel import Planar3RRR, load_parallel
 
 
 def test_closing_keeps_the_mode_that_following_proves():
@@ -181,3 +181,14 @@ def test_open_loops_that_do_not_close_are_said():
     assert closed.status == Code.NOT_CONVERGED
     assert "loops of the posture given are open" in closed.reason
     assert np.array_equal(closed.q, torn)
+
+
+def test_rounding_does_not_choose_between_homes_that_mirror_each_other():
+    rng = np.random.default_rng(2)
+    given = load_parallel("planar_3rrr")
+    home = given.mechanism.home()
+    for _ in range(8):
+        noise = 1e-14 * rng.normal(size=(2, 3, 2))
+        points = given.base_points + noise[0], given.platform_points + noise[1]
+        robot = Planar3RRR(*points, given.proximal, given.distal)
+        assert np.abs(robot.mechanism.home() - home).max() <= 1e-9
