@@ -36,7 +36,7 @@ def test_a_machine_walks_on_feet_that_stay_and_leaves_a_trail(name):
     np.testing.assert_allclose(feet_seen(walker)[:, 2], 0.0, atol=1e-3)
     walker.command[:] = [0.0, 0.5 * walker.most[1], 0.0]
     lifted = set()
-    for _ in range(900):
+    for _ in range(round(1.1 * walker._walker.cycle / walker.period)):
         before, feet = walker.support, feet_seen(walker)
         walker.drive(1)
         after = walker.support
