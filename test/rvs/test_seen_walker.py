@@ -49,7 +49,7 @@ def test_a_machine_walks_on_feet_that_stay_and_leaves_a_trail(name):
     assert lifted == set(range(len(walker.robot.legs)))
     assert walker.study.sentence.startswith("Walks on ") and not walker.stands
     trail = walker.trail
-    assert len(trail) > 5 and (np.diff(trail[:, 0]) > 0.0).all()
+    assert len(trail) > 2 and (np.diff(trail[:, 0]) > 0.0).all()
     np.testing.assert_allclose(walker.way_ahead()[0, :2], [walker.positions["base_x"], 0.0])
     settled(walker)
     assert walker.support.contacts.all() and walker.study.sentence.startswith("Stands on ")
