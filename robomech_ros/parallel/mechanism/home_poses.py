@@ -89,7 +89,7 @@ def _best(
 
 def planar_homes(base_points: Array, platform_points: Array) -> Array:
     """Give poses (k, 4, 4) with the centre of the platform over that of the base, all round."""
-    angles = np.linspace(-np.pi, np.pi, _TURNS, endpoint=False)
+    angles = np.linspace(np.pi, -np.pi, _TURNS, endpoint=False)
     shift = base_points.mean(axis=0)
     poses = pose_about_z(np.stack((0.0 * angles, 0.0 * angles, angles), axis=1))
     poses[:, :2, 3] = shift - poses[:, :2, :2] @ platform_points.mean(axis=0)

@@ -62,18 +62,18 @@ def test_a_payload_on_the_platform_is_held_where_the_observer_is_off(platform, g
 
 
 def test_the_end_of_an_assembly_mode_stops_it(platform):
-    # With all drives the way is regular; with the second one stuck a singular posture is in it.
-    change = np.array([-1.6647, 1.0195, 0.4024])
-    robot = platform("planar_3rrr", simulation="dynamic", fault_stuck_joints="leg2_base")
+    # With all drives the way is regular; with the first one stuck a singular posture is in it.
+    change = np.array([-1.0195, 1.6647, -0.4024])
+    robot = platform("planar_3rrr", simulation="dynamic", fault_stuck_joints="leg1_base")
     mechanism, home = robot.mechanism, robot.position
-    assert mechanism.close(robot.drives + change * [1.0, 0.0, 1.0], home).status
+    assert mechanism.close(robot.drives + change * [0.0, 1.0, 1.0], home).status
     _, result = robot.execute(robot.move((3.0, change)), goal_time_tolerance=seconds(20.0))
     assert result.error_code == ErrorCode.SINGULAR, result.error_msg
     assert "stopped before a singular posture" in result.error_msg
     _, positions, _ = robot.path()
     assert mechanism.loop_errors(positions).max() < CLOSED
     assert np.abs(positions[-1] - home).max() > 0.01
-    assert np.ptp(positions[:, mechanism.drive_index[1]]) < 1e-9
+    assert np.ptp(positions[:, mechanism.drive_index[0]]) < 1e-9
 
 
 def test_what_would_cross_a_singularity_is_refused(platform):

@@ -176,11 +176,11 @@ def test_tree_and_loops_come_by_the_topic(platform, graph):
 
 
 def test_a_stuck_drive_ends_the_motion_before_the_singularity(platform):
-    # With all drives the way is regular; with the second one stuck a singular posture is in it.
-    change = np.array([-1.6647, 1.0195, 0.4024])
-    robot = platform("planar_3rrr", fault_stuck_joints="leg2_base")
+    # With all drives the way is regular; with the first one stuck a singular posture is in it.
+    change = np.array([-1.0195, 1.6647, -0.4024])
+    robot = platform("planar_3rrr", fault_stuck_joints="leg1_base")
     mechanism, home = robot.mechanism, robot.position
-    held = mechanism.close(robot.drives + change * [1.0, 0.0, 1.0], home)
+    held = mechanism.close(robot.drives + change * [0.0, 1.0, 1.0], home)
     assert held.status == ErrorCode.SINGULAR and 0.2 < held.part < 0.8
     _, result = robot.execute(robot.move((3.0, change)))
     assert result.error_code == ErrorCode.SINGULAR
