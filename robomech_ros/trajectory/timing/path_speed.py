@@ -85,8 +85,9 @@ def _first_grid(breaks: FloatArray) -> FloatArray:
     parts = np.arange(count) / count
     inner = (breaks[:-1, None] + np.diff(breaks)[:, None] * parts).ravel()
     # Finer towards both ends, where a motion from rest soon comes to other bounds.
-    first, last = np.diff(breaks)[[0, -1]] / count
-    begin, end = breaks[0] + first * _TO_ENDS, breaks[-1] - last * _TO_ENDS[::-1]
+    shortest = _SHORTEST * (breaks[-1] - breaks[0])
+    first, last = np.diff(breaks)[[0, -1], None] / count * _TO_ENDS
+    begin, end = breaks[0] + first[first >= shortest], breaks[-1] - last[last >= shortest][::-1]
     return np.concatenate([inner[:1], begin, inner[1:], end, breaks[-1:]])
 
 
