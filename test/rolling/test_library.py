@@ -77,7 +77,7 @@ def test_documents_that_are_wrong(old, new, text):
 
 
 def test_names_that_are_none():
-    with pytest.raises(UnknownRobotError, match="available: ackermann"):
+    with pytest.raises(UnknownRobotError, match="available: mecanum, ackermann"):
         load_rolling("mecanumm")
     with pytest.raises(BadValueError, match="a robot's name"):
         load_rolling(3)
