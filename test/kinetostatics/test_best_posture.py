@@ -37,7 +37,9 @@ def test_is_inside_the_limits_and_no_sample_improved_is_better(robot):
     length = float(everywhere)
     best = best_conditioned_posture(chain, length=length)
     assert (chain.lower <= best.q).all() and (best.q <= chain.upper).all()
-    assert condition_number(chain, best.q, length=length) == best.condition_number
+    assert condition_number(chain, best.q, length=length) == pytest.approx(
+        best.condition_number, rel=1e-12
+    )
     assert best.condition_number > everywhere.condition_number
 
     def condition(x):
