@@ -5,6 +5,7 @@ import pytest
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinetostatics import jacobian
+from robomech_ros.outcomes import Code
 from robomech_ros.parallel import (
     Delta,
     Mechanism,
@@ -23,6 +24,7 @@ from robomech_ros.parallel import (
     platform_wrench,
     singularity_distances,
     velocity_matrices,
+    velocity_matrix_rates,
 )
 
 CORNERS = np.array([[0.0, 1.0], [-0.9, -0.5], [0.8, -0.6]])
@@ -111,6 +113,67 @@ def test_their_maps_agree(name):
     assert both(drive_accelerations, twist, dt) == pytest.approx(accelerations)
     both(drive_forces, wrench)
     both(platform_wrench, forces)
+
+
+def in_front_of_a_singularity(mechanism, part):
+    """Joints at a part of the way of the drives to a posture of type 2, and rates that lead on."""
+    home, rng = mechanism.home(), np.random.default_rng(5)
+    drives = home[mechanism.drive_index]
+    while True:
+        way = rng.uniform(-1.5, 1.5, mechanism.dof)
+        found = mechanism.close(drives + way, home)
+        if found.status == Code.SINGULAR and 0.1 < found.part < 0.95:
+            return mechanism.close(drives + part * found.part * way, home).q, way
+
+
+def same_matrix_rates(robot, q, twist, tolerance=1e-9):
+    mechanism = robot.mechanism
+    T, drives = mechanism.pose(q), q[mechanism.drive_index]
+    signs = np.sign(np.diag(velocity_matrices(robot, T, drives).J))[:, None]
+    closed = velocity_matrix_rates(robot, T, twist, drives)
+    found = velocity_matrix_rates(mechanism, T, twist, q)
+    allowed = tolerance * max(np.abs(closed.K).max(), np.abs(closed.J).max())
+    assert allowed > 0.0
+    np.testing.assert_allclose(found.K * signs, closed.K, atol=allowed)
+    np.testing.assert_allclose(found.J * signs, closed.J, atol=allowed)
+
+
+@pytest.mark.parametrize("name", CLOSED_FORMS)
+def test_their_matrix_rates_agree(name):
+    robot = load_parallel(name)
+    mechanism = robot.mechanism
+    q = postures(mechanism, 1)[0]
+    twist = mechanism.rates(q, np.linspace(-1.0, 0.7, mechanism.dof))[1]
+    same_matrix_rates(robot, q, twist)
+
+
+@pytest.mark.parametrize("name", ANY_KIND)
+def test_matrix_rates_of_limbs_of_any_kind_fit_their_accelerations(name):
+    mechanism = load_parallel(name)
+    q = postures(mechanism, 1)[0]
+    rates, still = np.linspace(-1.0, 0.7, mechanism.dof), np.zeros(mechanism.dof)
+    speeds, twist = mechanism.rates(q, rates)
+    T, dt = mechanism.pose(q), mechanism.accelerations(q, speeds, still)[1]
+    dK, dJ, _ = velocity_matrix_rates(mechanism, T, twist, q)
+    K = velocity_matrices(mechanism, T, q).K
+    assert np.abs(dK).max() > 0.1
+    np.testing.assert_allclose(K @ dt + dK @ twist, dJ @ rates, atol=1e-9)
+
+
+@pytest.mark.parametrize("part", [0.9, 0.99, 0.999])
+def test_matrix_rates_are_as_exact_in_front_of_a_singularity_as_elsewhere(part):
+    robot = load_parallel("planar_3rrr")
+    q, rates = in_front_of_a_singularity(robot.mechanism, part)
+    same_matrix_rates(robot, q, robot.mechanism.rates(q, rates)[1])
+
+
+def test_matrix_rates_where_a_limb_is_nearly_stretched():
+    # By less than the differences reach: on their other side the limb bends the other way.
+    robot, pose = Planar3RRR(2.0 * CORNERS, CORNERS, [0.8, 3.0, 3.0], [0.6, 3.0, 3.0]), np.eye(4)
+    pose[1, 3] = 2.4 - 1e-7
+    q = robot.mechanism.postures(pose, ignore_limits=True).q[0]
+    # What the limb bears without its drive is as ill-conditioned as its reach.
+    same_matrix_rates(robot, q, np.array([0.0, 0.0, 0.3, 0.2, -0.1, 0.0]), 1e-7)
 
 
 @pytest.mark.parametrize("name", ANY_KIND)

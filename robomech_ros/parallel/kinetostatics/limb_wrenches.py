@@ -19,7 +19,7 @@ from robomech_ros.kinetostatics import jacobian, jacobian_rate
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["Wrenches", "limb_wrenches"]
+__all__ = ["Wrenches", "limb_wrenches", "wrenches_of_limbs"]
 
 Array = NDArray[np.float64]
 
@@ -109,6 +109,23 @@ def limb_wrenches(mechanism: Mechanism, poses: Array, q: Array) -> Wrenches:
         A limb does not hold the platform in the pose, or can move by itself.
     """
     _check_held(mechanism, poses, q)
+    return wrenches_of_limbs(mechanism, q)
+
+
+def wrenches_of_limbs(mechanism: Mechanism, q: Array) -> Wrenches:
+    """Find the wrenches that limbs bear, each where it holds the platform by itself.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    q : ndarray, shape (..., n)
+        All joints (rad or m); loops need not be closed.
+
+    Raises
+    ------
+    BadValueError
+        A limb can move by itself.
+    """
     lead, q = q.shape[:-1], q.reshape(-1, mechanism.n)
     drives, carried, numbers = list[tuple[Array, Array, Array]](), list[Array](), list[int]()
     for i, limb in enumerate(mechanism.limbs):

@@ -1,7 +1,9 @@
 """Time derivatives of the matrices of K t = J qd with limbs of any kind.
 
-The drives go on at their rates, and all joints with them: central differences of fourth order, to
-1e-9 or so of the largest entry.
+Both matrices are functions of the joints, which are smooth in singular postures, too: all joints go
+on straight at their rates, and central differences of fourth order are taken, to 1e-9 or so of the
+largest entry.  Loops stay closed to first order, which is all that a derivative asks for, while the
+joints of loops that are closed move like a root in front of a singular posture.
 """
 
 from __future__ import annotations
@@ -10,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.outcomes import Code
-from robomech_ros.parallel.kinetostatics.limb_wrenches import limb_wrenches
+from robomech_ros.parallel.kinetostatics.limb_wrenches import wrenches_of_limbs
 from robomech_ros.parallel.mechanism.model import Mechanism
 
 __all__ = ["mechanism_matrix_rates"]
@@ -50,16 +51,16 @@ def mechanism_matrix_rates(mechanism: Mechanism, q: Array, rates: Array) -> tupl
 
 def _differences(mechanism: Mechanism, q: Array, rates: Array) -> tuple[Array, Array] | None:
     try:
-        speed = np.abs(mechanism.rates(q, rates)[0] * mechanism.loops.weights).max()
+        speeds = mechanism.rates(q, rates)[0]
     except BadValueError:
         return None
+    speed = np.abs(speeds * mechanism.loops.weights).max()
     if not speed > 0.0:
         return np.zeros((mechanism.dof, 6)), np.zeros(mechanism.dof)
-    time, drives = _STEP / speed, q[mechanism.drive_index]
-    places = [mechanism.close(drives + k * time * rates, q) for k in _PLACES]
-    if any(one.status != Code.NONE for one in places):
-        return None
-    postures = np.array([one.q for one in places])
-    K, J = limb_wrenches(mechanism, mechanism.pose(postures), postures).rows()
+    time = _STEP / speed
+    K, J = wrenches_of_limbs(mechanism, q + np.outer(_PLACES, time * speeds)).rows()
+    # A row changes its sign where J goes through zero: all count as in the posture itself.
+    here = wrenches_of_limbs(mechanism, q).rows()[0]
+    signs = np.where((K * here).sum(axis=-1) < 0.0, -1.0, 1.0)
     weights = _WEIGHTS / time
-    return np.tensordot(weights, K, 1), np.tensordot(weights, J, 1)
+    return np.tensordot(weights, K * signs[..., None], 1), np.tensordot(weights, J * signs, 1)
