@@ -7,6 +7,7 @@ import pytest
 
 from robomech_ros.errors import BadValueError, RobomechError, RobotDescriptionError
 from robomech_ros.robots import load_description
+from robomech_ros.rvs.model.running.followed import followed_walker
 from robomech_ros.rvs.model.walking.placed_tree import BODY_JOINTS, placed_tree, placing
 from robomech_ros.rvs.model.walking.seen_walker import SeenWalker, seen_walker
 from robomech_ros.rvs.model.walking.support import Support
@@ -269,3 +270,10 @@ def test_nobody_who_looks_is_nobody_who_walks(walked):
     wait_until(lambda: walker.positions["base_heading"] > 0.02)
     connection.close()
     wait_until(lambda: walker.stands and not page._layers[0].stepping.moves)
+
+
+def test_a_machine_that_runs_has_the_sliders_of_its_trunk():
+    shifts = followed_walker(load_legged("go1")).shifts
+    assert [shift.name for shift in shifts[2:4]] == ["body z", "body roll"]
+    assert [shift.unit for shift in shifts] == 3 * ["m"] + 3 * ["rad"]
+    assert all(0.1 < shift.most < 1.0 for shift in shifts)

@@ -43,6 +43,13 @@ def place(browser):
     return np.array([at[name] for name in WAYS.values()])
 
 
+def control(browser, label):
+    """A control of the browser that commands, by its label."""
+    handles = browser.layer._controls.folder._handles
+    (found,) = (one for one in handles if getattr(one, "label", "") == label)
+    return found
+
+
 def until_still(graph, browser, topic):
     """Let the button go, and wait until the robot stands, and is drawn where it stands."""
     browser.set(browser.layer._controls._pad.handle, "")
@@ -109,33 +116,56 @@ def test_a_walking_machine_is_jogged_and_drawn_on_its_feet(graph, browse, name):
 
 
 def test_a_gait_is_chosen_and_a_refused_command_is_shown_with_leg_and_joint(graph, browse):
-    from geometry_msgs.msg import Pose
-
     graph.start(JointTrajectoryControllerNode, robot_description="phantomx")
     walker = graph.start(WalkerNode, robot_description="phantomx", lead=0.6)
     browser = page_of(graph, browse, "phantomx")
     wait_until(browser.node._robot._gaits.get_subscription_count)
-    (gait,) = (
-        one for one in browser.layer._controls.folder._handles
-        if getattr(one, "label", "") == "gait"
-    )  # fmt: skip
+    gait = control(browser, "gait")
     browser.set(gait, "gallop")
     wait_until(lambda: "Refused: gait is 'gallop'" in browser.said())
     browser.set(gait, "wave")
     wait_until(lambda: walker._driver._walker.gait == "wave")
     wait_until(lambda: "Gait 'wave': as soon as it stands." in browser.said())
     wait_until(lambda: "wave" in browser.layer._table.content)
-    poses = graph.client.create_publisher(Pose, "body_pose", 10)
-    tilted = Pose()
-    tilted.orientation.x, tilted.orientation.w = np.sin(0.15), np.cos(0.15)
-    sent = []
+    wait_until(browser.node._robot._poses.get_subscription_count)
+    roll, move = control(browser, "body roll"), control(browser, "Move trunk")
+    for wild in (5.0, -1e300):
+        browser.set(roll, wild)
+        browser.set(move, True)
+        text = f"Refused: body roll is {wild}, expected -0.6 to 0.6 rad"
+        wait_until(lambda text=text: text in browser.said())
+    browser.set(roll, 0.3)
 
     def told():
-        sent.append(poses.publish(tilted))
+        browser.set(move, True)
         return "tibia" in browser.page._arm.study.sentence
 
     wait_until(told)
     assert "leg 'RM'" in browser.page._arm.study.sentence
+    assert "Pose of the trunk commanded." in browser.said()
+
+
+def test_the_trunk_is_moved_over_feet_that_stay_and_levelled(graph, browse):
+    graph.start(JointTrajectoryControllerNode, robot_description="phantomx")
+    graph.start(WalkerNode, robot_description="phantomx", lead=0.6)
+    browser = page_of(graph, browse, "phantomx")
+    wait_until(browser.node._robot._poses.get_subscription_count)
+    hold_until(browser, "angular 2 +", lambda: browser.page._arm.positions["base_heading"] > 0.01)
+    until_still(graph, browser, "odom")
+    wanted = {"body x": 0.005, "body z": 0.003, "body pitch": 0.02, "body yaw": -0.02}
+    for label, value in wanted.items():
+        browser.set(control(browser, label), value)
+
+    browser.set(control(browser, "Move trunk"), True)
+
+    def moved():
+        at = browser.page._arm.positions
+        return abs(at["body_z"] - 0.003) < 1e-6 and abs(at["body_pitch"] - 0.02) < 1e-6
+
+    wait_until(moved)
+    browser.set(control(browser, "Level trunk"), True)
+    wait_until(lambda: abs(browser.page._arm.positions["body_pitch"]) < 1e-6)
+    assert all(control(browser, label).value == 0.0 for label in wanted)
 
 
 @pytest.mark.parametrize("how", ["close", "silence", "stop"])

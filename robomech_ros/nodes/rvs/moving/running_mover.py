@@ -1,9 +1,14 @@
 """A robot of a page that runs over the ground: it is jogged by twists, and stopped by one."""
 
-from geometry_msgs.msg import TwistStamped
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import Pose, TwistStamped
 from rclpy.node import Node
 from std_msgs.msg import String
 
+from robomech_ros.nodes.common.pose_messages import pose_from_matrix
 from robomech_ros.nodes.rvs.held_jog import HeldJog
 from robomech_ros.nodes.rvs.messages import twist_jog
 from robomech_ros.nodes.rvs.moving.mover_feed import MoverFeed
@@ -11,6 +16,8 @@ from robomech_ros.nodes.rvs.moving.movers import Mover
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.rvs.model.jog import Beat, JogDirection
 from robomech_ros.rvs.model.running.live_mover import MoverView
+from robomech_ros.spatial import matrix_from_roll_pitch_yaw
+from robomech_ros.spatial.poses import assembled
 
 __all__ = ["RunningMover"]
 
@@ -33,8 +40,9 @@ class RunningMover:
         self._node, self._mover, self._settings = node, mover, settings
         self._clock = node.get_clock()
         self._twists = node.create_publisher(TwistStamped, mover.command, _DEPTH)
-        self._gaits = None
+        self._gaits = self._poses = None
         if mover.legged is not None:
+            self._poses = node.create_publisher(Pose, "body_pose", _DEPTH)
             self._gaits = node.create_publisher(String, f"{mover.node}/gait", _DEPTH)
 
     def begin(self, view: MoverView) -> None:
@@ -79,16 +87,27 @@ class RunningMover:
     def choose_gait(self, gait: str) -> None:
         """Have it walk in another gait."""
         if self._gaits is not None:
-            heard = self._gaits.get_subscription_count()
-            self._gaits.publish(String(data=gait))
-            nobody = f"Nobody listens on '{self._gaits.topic_name}'."
-            text = f"Gait '{gait}': as soon as it stands." if heard else nobody
-            self._view.show_result(text, failed=not heard)
+            text = f"Gait '{gait}': as soon as it stands."
+            self._command(self._gaits, String(data=gait), text)
+
+    def move_trunk(self, shift: Sequence[float]) -> None:
+        """Have the trunk take a pose beside the level one: x, y, z (m), roll, pitch, yaw (rad)."""
+        if self._poses is not None:
+            position, angles = np.array(shift[:3]), np.array(shift[3:])
+            T = assembled(matrix_from_roll_pitch_yaw(angles), position)
+            self._command(self._poses, pose_from_matrix(T), "Pose of the trunk commanded.")
 
     def close(self) -> None:
         """End what was begun; the topics go with the node."""
         self._jogger.close()
         self._feed.close()
+
+    def _command(self, publisher: Any, message: Any, text: str) -> None:
+        """Publish, and say so, or that nobody listens."""
+        heard = publisher.get_subscription_count()
+        publisher.publish(message)
+        nobody = f"Nobody listens on '{publisher.topic_name}'."
+        self._view.show_result(text if heard else nobody, failed=not heard)
 
     def _missing(self) -> str:
         """Say what is missing to move; empty for nothing."""

@@ -19,7 +19,7 @@ from robomech_ros.rvs.model.kinds.trail import Trail
 if TYPE_CHECKING:
     from robomech_ros.walking import LeggedRobot
 
-__all__ = ["WAYS", "Followed", "Way", "followed_base", "followed_walker", "on_plane"]
+__all__ = ["WAYS", "Followed", "Shift", "Way", "followed_base", "followed_walker", "on_plane"]
 
 Array = NDArray[np.float64]
 
@@ -39,6 +39,23 @@ class Way(NamedTuple):
     name: str
     kind: str
     axis: int
+
+
+class Shift(NamedTuple):
+    """How the trunk can be moved over feet that stay.
+
+    Parameters
+    ----------
+    name : str
+        For people.
+    unit : {"m", "rad"}
+    most : float
+        How far either way (m or rad).
+    """
+
+    name: str
+    unit: str
+    most: float
 
 
 WAYS = (Way("forward", "linear", 0), Way("sideways", "linear", 1), Way("turn", "angular", 2))
@@ -63,6 +80,8 @@ class Followed(SeenTree):
         In which it can be jogged.
     gaits : sequence of str, optional
         In which it can walk.
+    shifts : sequence of Shift, optional
+        Of the trunk: x, y, z, roll, pitch, yaw.
     room : float, optional
         Side of the square that is seen (m).
 
@@ -81,10 +100,12 @@ class Followed(SeenTree):
         placed: Callable[[Array], Mapping[str, float]],
         ways: Sequence[Way],
         gaits: Sequence[str] = (),
+        shifts: Sequence[Shift] = (),
         room: float = 0.0,
     ) -> None:
         super().__init__(description, {}, end)
         self.verb, self.ways, self.gaits = verb, tuple(ways), tuple(gaits)
+        self.shifts = tuple(shifts)
         self.joints, self.placed = tuple(joints), placed
         self._room = room
         self.trail = Trail()
@@ -134,8 +155,12 @@ def followed_walker(robot: LeggedRobot) -> Followed:
     def placed(T: Array) -> Mapping[str, float]:
         return placing(on_plane(T), T, seen.height)
 
+    shifts = [
+        Shift(name.replace("_", " "), unit, seen.travel(k).high)
+        for k, (name, unit) in enumerate(zip(seen.joint_names, seen.units, strict=True))
+    ]
     what = seen.description, seen.end, seen.verb, robot.joint_names, placed, WAYS
-    return Followed(*what, seen.gaits, seen.room)
+    return Followed(*what, seen.gaits, shifts, seen.room)
 
 
 def on_plane(T: Array) -> Array:

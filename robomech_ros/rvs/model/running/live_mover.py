@@ -78,6 +78,9 @@ class LiveMover(Protocol):
     def choose_gait(self, gait: str) -> None:
         """Have it walk in another gait."""
 
+    def move_trunk(self, shift: Sequence[float]) -> None:
+        """Have the trunk take a pose beside the level one: x, y, z (m), roll, pitch, yaw (rad)."""
+
     def hold(self, beat: Beat, speed: float) -> None:
         """Jog while this is said again and again, at a part of the greatest jogging speed."""
 

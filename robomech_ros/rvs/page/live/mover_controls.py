@@ -12,6 +12,7 @@ from robomech_ros.rvs.model.running.live_mover import LiveMover
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.live.hold_field import HoldField
 from robomech_ros.rvs.page.live.jog_pad import hold_pad
+from robomech_ros.rvs.page.live.trunk_controls import TrunkControls
 from robomech_ros.spatial.arrays import as_choice
 
 __all__ = ["MoverCommands", "MoverControls"]
@@ -72,6 +73,8 @@ class MoverControls:
                 hint = "Choose one, in which it walks on as soon as it stands"
                 gait = gui.add_dropdown("gait", ("", *followed.gaits), hint=hint)
                 self.folder.listen(gait, self._choose(followed.gaits))
+            if followed.shifts:
+                TrunkControls(gui, self.folder, followed.shifts, robot.move_trunk, commands.refuse)
             self.folder.checkbox("trail", trail, commands.show_trail)
             self.folder.button("Clear trail", commands.clear_trail)
 
