@@ -64,7 +64,7 @@ class Walker:
         Time without a command (s) after which the robot stops, all feet down.
     acceleration : sequence of float, optional
         Bounds of the rates of [w, vx, vy] (rad/s^2, m/s^2), on the straight way from one twist to
-        another.  A robot brakes sooner where a foot would leave its circle.
+        another, also where feet or a new command have the robot brake.
     speed : float, optional
         Part of the joints' velocity limits that is used, up to 1.
 
@@ -278,13 +278,16 @@ class Walker:
             wanted = _STILL
         pattern = self._stride.pattern
         sustained = _SUSTAINED(pattern, wanted)
+        # The last twist keeps all feet in their circles, this one, too, and so do those between:
+        # what has come of a command never jumps.
+        sustained *= _POSSIBLE(pattern, self._state, sustained * wanted, self.period, True)
         velocity = self._towards(sustained * wanted)
         moves = bool(velocity.any())
         if moves and not self._walking:
             body = self._state.body.copy()
             body[3], body[10] = self._stride.start(body[3]), -1.0
             self._walking, self._state = True, self._state._replace(body=body)
-        possible = _POSSIBLE(pattern, self._state, velocity, self.period) if moves else 1.0
+        possible = _POSSIBLE(pattern, self._state, velocity, self.period, False) if moves else 1.0
         self._velocity = possible * velocity
         self._part = sustained * possible * self._go(self._velocity)
         if self._walking and not moves and self._at_rest():

@@ -146,6 +146,22 @@ def test_twists_grow_no_faster_than_allowed_and_on_the_ray_of_the_command(gait):
         last = update.twist
 
 
+@pytest.mark.parametrize("acceleration", [(1.0, 0.5, 0.5), (20.0, 10.0, 10.0)])
+@pytest.mark.parametrize("gait", ROBOTS)
+def test_no_twist_jumps_whatever_is_commanded(gait, acceleration):
+    """Feet at the border of their circles do not stop the robot from one period to the next."""
+    walker = walker_of(gait, acceleration=acceleration, timeout=1e9)
+    rng, last = np.random.default_rng(3), walker.update()
+    most = np.array(acceleration) * walker.period * (1.0 + 1e-9)
+    for k in range(6000):
+        if k % 37 == 0:
+            walker.command(walker.fastest * rng.choice([-2.0, -0.5, 0.0, 0.5, 2.0], 3))
+        update = walker.update()
+        check(walker, last, update, k % 50 == 0)
+        assert (np.abs(update.twist - last.twist) <= most).all()
+        last = update
+
+
 @pytest.mark.parametrize("gait", ROBOTS)
 def test_a_robot_that_was_commanded_too_fast_for_long_stops_as_soon_as_any_other(gait):
     """What it could not follow has not piled up."""

@@ -30,6 +30,7 @@ from robomech_ros._kernels.compiling.jit import (
     IN3,
     OUT1,
     OUT2,
+    b1,
     f8,
     i8,
     kernel,
@@ -60,6 +61,8 @@ _FREE, _FIXED = 0.5, 0.8
 _FOLLOWING = 0.05
 # Part of the radius that landing places use.
 LANDING = 0.95
+# Part of the radius in which feet are to stay by what lies ahead.
+_INNER = 0.999
 
 
 class Pattern(NamedTuple):
@@ -147,15 +150,19 @@ def sustained_part(pattern, twist):
     return part
 
 
-@kernel(f8(_PATTERN, _OLD, IN1, f8))
-def possible_part(pattern, state, twist, period):
+@kernel(f8(_PATTERN, _OLD, IN1, f8, b1))
+def possible_part(pattern, state, twist, period, ahead):
     """Give the part of a twist with which no foot leaves its circle before it is lifted.
 
-    Those count that stand and those that land in the coming period.
+    Those count that stand and those that land in the coming period; with ``ahead`` all that are in
+    the air, too, each for its whole stance where it would land by now, in circles a little smaller:
+    what is straight here is curved in a turn.
     """
     geometry, settings = pattern
     body, feet = state.body, state.feet
     cycle, duty, radius = settings[0], settings[1], settings[3]
+    if ahead:
+        radius *= _INNER
     w, vx, vy = twist[0], twist[1], twist[2]
     part = 1.0
     for k in range(geometry.shape[0]):
@@ -164,7 +171,7 @@ def possible_part(pattern, state, twist, period):
             x, y = _in_frame(body, feet[k, 0], feet[k, 1])
             dx, dy = x - geometry[k, 0], y - geometry[k, 1]
             time = (duty - phase - math.floor(duty - phase)) * cycle
-        elif math.floor(phase + period / cycle) > math.floor(phase):
+        elif ahead or math.floor(phase + period / cycle) > math.floor(phase):
             dx, dy = feet[k, 5], feet[k, 6]
             x, y = geometry[k, 0] + dx, geometry[k, 1] + dy
             time = duty * cycle
