@@ -35,7 +35,7 @@ def describe(robot: str) -> tuple[RobotDescription, str]:
     check_name(robot, (ARM, *KINDS))
     kind = kind_of(robot)
     if kind == "rolling":
-        return rolling_description(load_rolling(robot)), ""
+        return rolling_description(load_rolling(robot), placed=False), ""
     if kind == "walking":
         return load_legged(robot).description, ""
     if kind == "hand":

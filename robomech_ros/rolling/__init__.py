@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from robomech_ros.rolling.bodies import PlatformBody, WheelBody
     from robomech_ros.rolling.constraints import Mobility
     from robomech_ros.rolling.evenness import Isotropy, isotropy
+    from robomech_ros.rolling.joints import WheelJoints
     from robomech_ros.rolling.library import RollingRobot, list_rolling, load_rolling, rolling_robot
     from robomech_ros.rolling.limiter import BaseMotion, CommandLimiter
     from robomech_ros.rolling.limits import MotionLimits
@@ -44,6 +45,7 @@ __all__ = [
     "RollingRun",
     "Wheel",
     "WheelBody",
+    "WheelJoints",
     "ackermann",
     "advance_odometry",
     "isotropy",
@@ -74,6 +76,7 @@ _MODULES = {
     "RollingRun": "runs",
     "Wheel": "wheels",
     "WheelBody": "bodies",
+    "WheelJoints": "joints",
     "ackermann": "named",
     "advance_odometry": "odometry",
     "isotropy": "evenness",

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from robomech_ros.robots import RobotDescription
 from robomech_ros.robots.urdf.document import description_from_urdf
 from robomech_ros.robots.urdf.elements import element
 from robomech_ros.rolling.base import RollingBase
+from robomech_ros.rolling.joints import WheelJoints
 from robomech_ros.rolling.wheels import Wheel
 
 __all__ = ["BASE_JOINTS", "rolling_description"]
@@ -25,20 +27,46 @@ _FAR = 1e4
 _WIDTH, _HUB, _ROLLERS = 0.6, 0.35, 10
 # The platform: thickness and height of its middle, in the largest radius.
 _THICKNESS, _MIDDLE = 0.8, 1.6
-_TYRE, _RIM = (0.13, 0.14, 0.16, 1.0), (0.85, 0.87, 0.89, 1.0)
-_ROLLER, _BODY = (0.93, 0.55, 0.14, 1.0), (0.20, 0.47, 0.70, 1.0)
+# From wheel to wheel where one stands for several, one behind the other, in its radius.
+_SPACING = 2.2
+# Red, green, blue and alpha.  Each has a name: RViz gives all bodies of a link without names the
+# colour of the first one.
+_TYRE, _RIM, _ROLLER, _BODY, _NONE = "tyre", "rim", "roller", "body", "none"
+_COLOURS = {
+    _TYRE: (0.13, 0.14, 0.16, 1.0),
+    _RIM: (0.85, 0.87, 0.89, 1.0),
+    _ROLLER: (0.93, 0.55, 0.14, 1.0),
+    _BODY: (0.20, 0.47, 0.70, 1.0),
+    _NONE: (0.0, 0.0, 0.0, 0.0),
+}
 
 
-def rolling_description(base: RollingBase) -> RobotDescription:
-    """Describe a rolling robot as a URDF does, with planar joints that place it.
+def rolling_description(
+    base: RollingBase,
+    joints: WheelJoints | None = None,
+    *,
+    base_link: str = "base_link",
+    placed: bool = True,
+) -> RobotDescription:
+    """Describe a rolling robot as a URDF does, by default with planar joints that place it.
 
-    The root is ``odom``; ``base_x``, ``base_y`` and ``base_heading`` place ``base_link`` in it.
-    Joints of wheels have the names of the wheels and turn forward where they are positive; those of
-    steered wheels are ``<name>_steering``, of casters ``<name>_bracket``.
+    The root is ``odom``; ``base_x``, ``base_y`` and ``base_heading`` place the base in it.  Joints
+    of wheels turn forward where they are positive.  A link that a wheel rolls with is
+    ``<joint>_link``, what holds a steered wheel or a caster ``<wheel>_holder``, each with ``_``
+    behind it where another link has that name.
 
     Parameters
     ----------
     base : RollingBase
+    joints : WheelJoints, optional
+        Names of the joints; default those of the wheels, with ``_steering`` and ``_bracket``.
+        Wheels without a joint that rolls are fixed to what holds them; where several joints roll
+        for one wheel, theirs stand one behind the other.
+    base_link : str, optional
+        Name of the link of the base.
+    placed : bool, optional
+        Whether planar joints place the base; without them it is the root, for those who know
+        from odometry where it is.
 
     Returns
     -------
@@ -50,7 +78,7 @@ def rolling_description(base: RollingBase) -> RobotDescription:
     BadValueError
         No RollingBase.
     RobotDescriptionError
-        A wheel has the name of another joint.
+        Two joints have one name, or a name is none that a URDF can have.
 
     Examples
     --------
@@ -58,36 +86,90 @@ def rolling_description(base: RollingBase) -> RobotDescription:
     >>> tree = rolling_description(load_rolling("tricycle"))
     >>> [joint.name for joint in tree.joints][2:5]
     ['base_heading', 'front_steering', 'front']
+    >>> rolling_description(load_rolling("tricycle"), placed=False).root
+    'base_link'
     """
     if not isinstance(base, RollingBase):
         raise BadValueError("base", base, "a RollingBase")
-    parts = [*_placing(0.3 * float(base.radii.max())), _platform(base)]
-    for name, wheel in zip(base.names, base.wheels, strict=True):
-        parts += _wheel(name, wheel)
+    joints = WheelJoints.of(base) if joints is None else joints
+    names = _Names(base_link, joints.names)
+    axles = [_axles(number, wheel, joints) for number, wheel in enumerate(base.wheels)]
+    parts = _placing(0.3 * float(base.radii.max()), names) if placed else []
+    parts.append(_platform(base, [axle.place for wheel in axles for axle in wheel], base_link))
+    turned = iter(joints.steering), iter(joints.brackets)
+    for name, wheel, own in zip(base.names, base.wheels, axles, strict=True):
+        pivot = ""
+        if wheel.kind in ("steered", "caster"):
+            pivot = next(turned[wheel.kind == "caster"])
+        parts += _wheel(name, wheel, own, pivot, names)
     document = element("robot", {"name": base.name}, parts)
     return description_from_urdf(document, base.name)
 
 
-def _placing(radius: float) -> list[str]:
+class _Axle(NamedTuple):
+    """What a wheel turns about: the joint, empty for none; where in the base, how far ahead (m)."""
+
+    joint: str
+    place: tuple[float, float]
+    ahead: float
+
+
+class _Names:
+    """Names of links and joints that are free."""
+
+    def __init__(self, base_link: str, joints: Iterable[str]) -> None:
+        self.base_link = base_link
+        self._links, self._joints = {base_link}, {*joints}
+
+    def link(self, wanted: str) -> str:
+        """Take the name of a link, with ``_`` behind it where it is taken."""
+        return _free(wanted, self._links)
+
+    def joint(self, wanted: str) -> str:
+        """Take the name of a joint in the same way."""
+        return _free(wanted, self._joints)
+
+
+def _free(name: str, taken: set[str]) -> str:
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
+
+
+def _axles(number: int, wheel: Wheel, joints: WheelJoints) -> list[_Axle]:
+    """Give the joints that roll for a wheel, one behind the other, their middle at its place."""
+    own = [name for name, of in joints.rolling if of == number] or [""]
+    along = np.array([math.cos(wheel.heading), math.sin(wheel.heading)])
+    made = []
+    for i, name in enumerate(own):
+        ahead = (0.5 * (len(own) - 1) - i) * _SPACING * wheel.radius
+        x, y = (wheel.position + ahead * along).tolist()
+        made.append(_Axle(name, (x, y), ahead))
+    return made
+
+
+def _placing(radius: float, names: _Names) -> list[str]:
     """Write the joints that place the base; a disc marks where it begins."""
     # Links without bodies would get some along the way of their slides.
-    nothing = _visual("sphere", {"radius": 1e-4}, (0, 0, 0), (0, 0, 0, 0))
+    nothing = _visual("sphere", {"radius": 1e-4}, (0, 0, 0), _NONE)
     disc = _visual("cylinder", {"radius": radius, "length": 1e-3}, (0, 0, 0), _ROLLER)
     far = {"lower": -_FAR, "upper": _FAR, "effort": 0.0, "velocity": 0.0}
     x, y, heading = BASE_JOINTS
+    odom, x_link, y_link = names.link("odom"), names.link(f"{x}_link"), names.link(f"{y}_link")
     return [
-        _link("odom", disc),
-        _joint(x, "prismatic", ("odom", f"{x}_link"), (1, 0, 0), limits=far),
-        _link(f"{x}_link", nothing),
-        _joint(y, "prismatic", (f"{x}_link", f"{y}_link"), (0, 1, 0), limits=far),
-        _link(f"{y}_link", nothing),
-        _joint(heading, "continuous", (f"{y}_link", "base_link"), (0, 0, 1)),
+        _link(odom, disc),
+        _joint(x, "prismatic", (odom, x_link), (1, 0, 0), limits=far),
+        _link(x_link, nothing),
+        _joint(y, "prismatic", (x_link, y_link), (0, 1, 0), limits=far),
+        _link(y_link, nothing),
+        _joint(heading, "continuous", (y_link, names.base_link), (0, 0, 1)),
     ]
 
 
-def _platform(base: RollingBase) -> str:
+def _platform(base: RollingBase, axles: Sequence[tuple[float, float]], name: str) -> str:
     """Write a plate over all wheels, with a nose where forward is."""
-    places = np.array([wheel.position for wheel in base.wheels])
+    places = np.array(axles)
     radius = float(base.radii.max())
     margin = max(0.5 * radius, 0.02)
     low, high = places.min(axis=0) - margin, places.max(axis=0) + margin
@@ -96,31 +178,34 @@ def _platform(base: RollingBase) -> str:
     plate = _visual("box", {"size": (*size, _THICKNESS * radius)}, (*middle, z), _BODY)
     nose = (high[0] - 0.2 * size[0], middle[1], z + 0.5 * _THICKNESS * radius)
     arrow = _visual("box", {"size": (0.3 * size[0], 0.08 * size[1], 0.1 * radius)}, nose, _ROLLER)
-    return _link("base_link", plate, arrow)
+    return _link(name, plate, arrow)
 
 
-def _wheel(name: str, wheel: Wheel) -> list[str]:
-    """Write a wheel, and what it turns in."""
-    x, y = wheel.position.tolist()
-    turned, holder, parts = (0.0, 0.0, wheel.heading), "base_link", []
-    place = (x, y, wheel.radius)
-    if wheel.kind in ("steered", "caster"):
-        joint = f"{name}_steering" if wheel.kind == "steered" else f"{name}_bracket"
+def _wheel(
+    name: str, wheel: Wheel, axles: Sequence[_Axle], pivot: str, names: _Names
+) -> Iterator[str]:
+    """Write a wheel, or several, and what they turn in."""
+    turned, holder = (0.0, 0.0, wheel.heading), names.base_link
+    if pivot:
         low, high = wheel.steering_limits
         limits = None
         if math.isfinite(low) and math.isfinite(high):
             limits = {"lower": low, "upper": high, "effort": 0.0, "velocity": 0.0}
-        holder = f"{name}_holder"
+        holder = names.link(f"{name}_holder")
         kind = "continuous" if limits is None else "revolute"
-        ends = ("base_link", holder)
-        parts.append(_joint(joint, kind, ends, (0, 0, 1), (x, y, 0.0), turned, limits))
+        ends, (x, y) = (names.base_link, holder), wheel.position.tolist()
+        yield _joint(pivot, kind, ends, (0, 0, 1), (x, y, 0.0), turned, limits)
         post = {"radius": 0.15 * wheel.radius, "length": 0.8 * wheel.radius}
-        parts.append(_link(holder, _visual("cylinder", post, (0, 0, 2.2 * wheel.radius), _RIM)))
-        place, turned = (-wheel.trail, 0.0, wheel.radius), (0.0, 0.0, 0.0)
-    ends = (holder, f"{name}_link")
-    parts.append(_joint(name, "continuous", ends, (0, 1, 0), place, turned))
-    parts.append(_link(f"{name}_link", *_rolling_bodies(wheel)))
-    return parts
+        yield _link(holder, _visual("cylinder", post, (0, 0, 2.2 * wheel.radius), _RIM))
+        turned = (0.0, 0.0, 0.0)
+    for axle in axles:
+        x, y = (axle.ahead - wheel.trail, 0.0) if pivot else axle.place
+        place = (x, y, wheel.radius)
+        joint = axle.joint or names.joint(name)
+        link = names.link(f"{joint}_link")
+        kind = "continuous" if axle.joint else "fixed"
+        yield _joint(joint, kind, (holder, link), (0, 1, 0), place, turned)
+        yield _link(link, *_rolling_bodies(wheel))
 
 
 def _rolling_bodies(wheel: Wheel) -> list[str]:
@@ -188,10 +273,11 @@ def _visual(
     shape: str,
     measures: Mapping[str, object],
     place: tuple[float, ...],
-    colour: tuple[float, ...],
+    colour: str,
     turned: tuple[float, ...] = (0.0, 0.0, 0.0),
 ) -> str:
     origin = element("origin", {"xyz": place, "rpy": turned})
-    material = element("material", {"name": ""}, [element("color", {"rgba": colour})])
+    rgba = element("color", {"rgba": _COLOURS[colour]})
+    material = element("material", {"name": f"robomech_{colour}"}, [rgba])
     geometry = element("geometry", {}, [element(shape, measures)])
     return element("visual", {}, [origin, geometry, material])

@@ -13,10 +13,10 @@ from robomech_ros.nodes.demonstration.client import DemoClient, running_client
 from robomech_ros.nodes.demonstration.drive_task import Driven, DriveTask
 from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.rolling_paths import paths_for
-from robomech_ros.nodes.mobile_base.drives import INTERFACES, joints_of
+from robomech_ros.nodes.mobile_base.drives import INTERFACES
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.plotting.drives import plot_ways
-from robomech_ros.rolling import RollingRobot, rolling_description, rolling_robot
+from robomech_ros.rolling import RollingRobot, WheelJoints, rolling_description, rolling_robot
 from robomech_ros.rolling.tree import BASE_JOINTS
 from robomech_ros.rvs import Choice, Motion, ViewUnavailableError, write_motion
 
@@ -56,7 +56,7 @@ def demonstrate(robot: str, output: Path) -> None:
     )
     interface = INTERFACES[rolling.drive]
     commands = LaunchOptions(robot, kind="rolling").commands()
-    names = joints_of(base).names
+    names = WheelJoints.of(base).names
     with running_client(commands, _Joints(names, ("rad",) * len(names))) as (suite, client):
         client.wait_until_up({})
         task = DriveTask(client, rolling, interface, reporter)
@@ -99,7 +99,7 @@ def _page(
     times = times + client.began
     keep = (times >= max(driven[0].begin, places[0, 0])) & (times <= places[-1, 0])
     times, turned = times[keep], turned[keep]
-    known = dict(zip(joints_of(robot.base).names, turned.T, strict=True))
+    known = dict(zip(WheelJoints.of(robot.base).names, turned.T, strict=True))
     for name, column in zip(BASE_JOINTS, places.T[1:], strict=True):
         known[name] = np.interp(times, places[:, 0], column)
     description = rolling_description(robot.base)

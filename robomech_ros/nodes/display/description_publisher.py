@@ -45,7 +45,7 @@ class DescriptionPublisher:
         node.create_timer(PERIOD, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _look(self) -> None:
-        others = self._others.look(own=self._publisher is not None)
+        others = self._others.look()
         self._quiet = 0 if others else self._quiet + 1
         if others:
             self._yield_to(others)

@@ -15,7 +15,7 @@ class OtherPublishers:
     Parameters
     ----------
     node : Node
-        Its own publishers do not count: at most one, since a namesake's do.
+        Its own publishers do not count, as many as there are; a namesake's do.
     topic : str
         Full name.
 
@@ -33,20 +33,15 @@ class OtherPublishers:
         self.nodes: tuple[str, ...] = ()
         self.one_left = False
 
-    def look(self, *, own: bool = True) -> tuple[str, ...]:
-        """Look who publishes now, and give the nodes.
-
-        Parameters
-        ----------
-        own : bool, optional
-            Whether the node has a publisher of its own there.
-        """
+    def look(self) -> tuple[str, ...]:
+        """Look who publishes now, and give the nodes."""
         found = self._node.get_publishers_info_by_topic(self._topic)
         present = {bytes(info.endpoint_gid) for info in found}
         self.one_left = bool(self._known - present)
         self._known = present
         nodes, name = sorted(map(_name, found)), self._node.get_fully_qualified_name()
-        if own and name in nodes:
+        own = sum(one.topic_name == self._topic for one in self._node.publishers)
+        for _ in range(min(own, nodes.count(name))):
             nodes.remove(name)
         self.nodes = tuple(nodes)
         return self.nodes

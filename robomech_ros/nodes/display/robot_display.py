@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rclpy.node import Node
 
-from robomech_ros.nodes.common.robot_description import TOPIC, RobotModel
+from robomech_ros.nodes.common.robot_description import TOPIC
 from robomech_ros.nodes.common.semantic_source import SEMANTIC_TOPIC
 from robomech_ros.nodes.display.description_publisher import DescriptionPublisher
 from robomech_ros.nodes.display.frame_publisher import FramePublisher
@@ -28,39 +28,45 @@ class RobotDisplay:
     ----------
     node : Node
         Owner of the publishers.
-    model : RobotModel
+    description : RobotDescription
         The robot.
+    prefix : str
+        What the names of its frames begin with.
     frames : str
         Whether frames are published: auto (those that nobody else publishes), always or never.
     rate : float
         How often `publish` is called (Hz).
-    description, semantic : bool
-        Whether the description and the SRDF are published, unless somebody else does.
+    describe : bool
+        Whether the description is published, unless somebody else does.
+    semantic : str, optional
+        The SRDF that is published, unless somebody else does; empty for none.
     """
 
     def __init__(
         self,
         node: Node,
-        model: RobotModel,
+        description: RobotDescription,
+        *,
+        prefix: str,
         frames: str,
         rate: float,
-        description: bool,
-        semantic: bool,
+        describe: bool,
+        semantic: str = "",
     ) -> None:
-        text, shown = "", model.description
-        if description or (frames != NEVER and not shown.document):
-            text = urdf_from_description(model.description)
+        text, shown = "", description
+        if describe or (frames != NEVER and not shown.document):
+            text = urdf_from_description(description)
         if not shown.document and text:
             shown = load_description(text)
         self._frames = None
         if frames != NEVER:
-            self._frames = _frame_publisher(node, shown, model.frame_prefix, frames, rate)
-        if description:
+            self._frames = _frame_publisher(node, shown, prefix, frames, rate)
+        if describe:
             what = "the robot as a URDF, for RViz and others"
-            DescriptionPublisher(node, _found_by_others(text, model.description), TOPIC, what)
+            DescriptionPublisher(node, _found_by_others(text, description), TOPIC, what)
         if semantic:
             what = "groups and named states as an SRDF, for MoveIt's clients"
-            DescriptionPublisher(node, model.semantic.document, SEMANTIC_TOPIC, what)
+            DescriptionPublisher(node, semantic, SEMANTIC_TOPIC, what)
 
     def publish(self, positions: Mapping[str, float], stamp: tuple[int, int]) -> None:
         """Publish the frames that move, as :meth:`FramePublisher.publish` does."""

@@ -61,14 +61,16 @@ class ControlCycle:
         self._logger = node.get_logger()
         self._robot, self._commanded = commanded[0], commanded
         self.states = StatePublisher(node, model, commanded)
+        given = bool(settings.robot_description_semantic)
         self._display = RobotDisplay(
             node,
-            model,
+            model.description,
+            prefix=model.frame_prefix,
             frames=settings.publish_frames,
             rate=min(settings.frame_rate, settings.publish_rate),
             # What came from the topic is there already.
-            description=settings.publish_description and bool(settings.robot_description),
-            semantic=settings.publish_description and bool(settings.robot_description_semantic),
+            describe=settings.publish_description and bool(settings.robot_description),
+            semantic=model.semantic.document if given and settings.publish_description else "",
         )
         self._control = control
         self._servers = servers

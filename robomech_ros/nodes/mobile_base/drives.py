@@ -15,12 +15,13 @@ from robomech_ros.rolling import (
     RollingBase,
     RollingRobot,
     Wheel,
+    WheelJoints,
     mecanum,
     omnidirectional,
     rolling_robot,
 )
 
-__all__ = ["INTERFACES", "DriveJoints", "Interface", "chosen_robot", "joints_of"]
+__all__ = ["INTERFACES", "Interface", "chosen_robot"]
 
 # What stands for no limit of steering: with a right angle a car would turn on the spot.
 _STEERING = 1.57
@@ -74,31 +75,7 @@ INTERFACES = {
 }
 
 
-@dataclass(frozen=True)
-class DriveJoints:
-    """Names of the joints of a base.
-
-    Attributes
-    ----------
-    rolling : tuple of (str, int)
-        Joints that roll, each with the number of its wheel: several wheels of one side are one.
-    steering : tuple of str
-        Of the steered wheels.
-    brackets : tuple of str
-        Of the casters.
-    """
-
-    rolling: tuple[tuple[str, int], ...]
-    steering: tuple[str, ...]
-    brackets: tuple[str, ...] = ()
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """All of them, in this order."""
-        return (*(name for name, _ in self.rolling), *self.steering, *self.brackets)
-
-
-def chosen_robot(settings: MobileBaseSettings) -> tuple[RollingRobot, DriveJoints]:
+def chosen_robot(settings: MobileBaseSettings) -> tuple[RollingRobot, WheelJoints]:
     """Load or make the robot that the parameters say, with its limits.
 
     Raises
@@ -110,7 +87,7 @@ def chosen_robot(settings: MobileBaseSettings) -> tuple[RollingRobot, DriveJoint
         robot = rolling_robot(settings.robot_description)
         if settings.drive not in ("", robot.drive):
             raise ParameterError("drive", settings.drive, f"'{robot.drive}', that of the robot")
-        base, joints = robot.base, joints_of(robot.base)
+        base, joints = robot.base, _checked(WheelJoints.of(robot.base))
     elif settings.drive in _MAKERS:
         base, joints = _MAKERS[settings.drive](settings)
         robot = RollingRobot(base, settings.drive, MotionLimits(), None, "parameters")
@@ -119,13 +96,6 @@ def chosen_robot(settings: MobileBaseSettings) -> tuple[RollingRobot, DriveJoint
         raise ParameterError("drive", settings.drive, allowed)
     base = _with_wheel_limits(base, settings)
     return replace(robot, base=base, limits=_limits(robot.limits, settings)), joints
-
-
-def joints_of(base: RollingBase) -> DriveJoints:
-    """Name the joints of a base after its wheels."""
-    rolling = tuple((name, number) for number, name in enumerate(base.names))
-    steering = tuple(f"{name}_steering" for name in base.steered)
-    return DriveJoints(rolling, steering, tuple(f"{name}_bracket" for name in base.casters))
 
 
 def _limits(known: MotionLimits, settings: MobileBaseSettings) -> MotionLimits:
@@ -173,7 +143,7 @@ def _with_wheel_limits(base: RollingBase, settings: MobileBaseSettings) -> Rolli
     return RollingBase(wheels, name=base.name)
 
 
-def _diff(settings: MobileBaseSettings) -> tuple[RollingBase, DriveJoints]:
+def _diff(settings: MobileBaseSettings) -> tuple[RollingBase, WheelJoints]:
     sides = (settings.left_wheel_names, settings.right_wheel_names)
     names = ("left_wheel_names", "right_wheel_names")
     for name, given in zip(names, sides, strict=True):
@@ -197,14 +167,14 @@ def _diff(settings: MobileBaseSettings) -> tuple[RollingBase, DriveJoints]:
     return RollingBase(wheels, name="diff"), _joints(rolling)
 
 
-def _omni(settings: MobileBaseSettings) -> tuple[RollingBase, DriveJoints]:
+def _omni(settings: MobileBaseSettings) -> tuple[RollingBase, WheelJoints]:
     joints = settings.wheel_names
     radius, far = _length(settings, "wheel_radius"), _length(settings, "robot_radius")
     base = omnidirectional(len(joints), radius, far, offset=settings.wheel_offset)
     return base, _joints([(name, i) for i, name in enumerate(joints)])
 
 
-def _mecanum(settings: MobileBaseSettings) -> tuple[RollingBase, DriveJoints]:
+def _mecanum(settings: MobileBaseSettings) -> tuple[RollingBase, WheelJoints]:
     # Only the sum of both lengths counts, with rollers of 45 degrees.
     reach = _length(settings, "kinematics__sum_of_robot_center_projection_on_X_Y_axis")
     centred = mecanum(_length(settings, "kinematics__wheels_radius"), reach, reach)
@@ -228,10 +198,10 @@ def _mecanum(settings: MobileBaseSettings) -> tuple[RollingBase, DriveJoints]:
     return RollingBase(wheels, name="mecanum"), _joints(rolling)
 
 
-def _steered(rear: int, front: int) -> Callable[..., tuple[RollingBase, DriveJoints]]:
+def _steered(rear: int, front: int) -> Callable[..., tuple[RollingBase, WheelJoints]]:
     """Give what makes a base with so many rear and front wheels."""
 
-    def make(settings: MobileBaseSettings) -> tuple[RollingBase, DriveJoints]:
+    def make(settings: MobileBaseSettings) -> tuple[RollingBase, WheelJoints]:
         traction, steering = settings.traction_joints_names, settings.steering_joints_names
         _count("traction_joints_names", traction, rear)
         _count("steering_joints_names", steering, front)
@@ -277,12 +247,16 @@ def _length(settings: MobileBaseSettings, *names: str) -> float:
     return found
 
 
-def _joints(rolling: Sequence[tuple[str, int]], steering: Sequence[str] = ()) -> DriveJoints:
-    names = [*(name for name, _ in rolling), *steering]
-    twice = next((name for name in names if names.count(name) > 1), None)
+def _joints(rolling: Sequence[tuple[str, int]], steering: Sequence[str] = ()) -> WheelJoints:
+    return _checked(WheelJoints(tuple(rolling), tuple(steering)))
+
+
+def _checked(joints: WheelJoints) -> WheelJoints:
+    """Refuse names that come twice: joint_states could not tell them apart."""
+    twice = next((name for name in joints.names if joints.names.count(name) > 1), None)
     if twice is not None:
         raise ParameterError("names of joints", twice, "each joint once")
-    return DriveJoints(tuple(rolling), tuple(steering))
+    return joints
 
 
 def _count(name: str, given: Sequence[str], expected: int) -> None:

@@ -15,9 +15,10 @@ from std_msgs.msg import Float64MultiArray
 
 from robomech_ros.nodes.common.message_fields import fill_header, floats
 from robomech_ros.nodes.common.odometry_frame import odometry_frame
-from robomech_ros.nodes.mobile_base.drives import DriveJoints
 from robomech_ros.nodes.mobile_base.mobile_base import MobileBase
 from robomech_ros.nodes.mobile_base.settings import MobileBaseSettings
+from robomech_ros.nodes.mobile_base.shown_base import ShownBase
+from robomech_ros.rolling import WheelJoints
 
 __all__ = ["BasePublication", "frame_prefix"]
 
@@ -45,12 +46,12 @@ class BasePublication:
     node : Node
         Owner of the publishers.
     base : MobileBase
-    joints : DriveJoints
+    joints : WheelJoints
     settings : MobileBaseSettings
     """
 
     def __init__(
-        self, node: Node, base: MobileBase, joints: DriveJoints, settings: MobileBaseSettings
+        self, node: Node, base: MobileBase, joints: WheelJoints, settings: MobileBaseSettings
     ) -> None:
         self._base = base
         prefix = frame_prefix(settings, node.get_namespace())
@@ -72,6 +73,7 @@ class BasePublication:
         self._frames = None
         if settings.enable_odom_tf:
             self._frames = odometry_frame(node, base.interface.frames)
+        self._shown = ShownBase(node, base.robot, joints, settings, prefix)
 
     def publish_commands(self, stamp: int) -> None:
         """Publish what the wheels are commanded, at a ROS time (ns)."""
@@ -93,6 +95,7 @@ class BasePublication:
         rates = [simulated.rates[self._wheels], base.steering_rates, simulated.bracket_rates]
         self._states.velocity = floats(np.concatenate(rates))
         self._joint_states.publish(self._states)
+        self._shown.publish(self._states)
         message = Odometry(child_frame_id=self._frame)
         fill_header(message.header, self._odom, stamp)
         odometry = base.odometry

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
+from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
 
 __all__ = ["DYNAMIC", "KINEMATIC", "MobileBaseSettings", "check_settings"]
 
@@ -134,8 +135,26 @@ class MobileBaseSettings:
     odom_frame_id: str = parameter("odom", "Frame of odometry")
     base_frame_id: str = parameter("base_link", "Frame of the base")
     enable_odom_tf: bool = parameter(True, "Publish the frame of the base on tf")
+    publish_frames: str = parameter(
+        AUTO,
+        "Whether frames of wheels are published on /tf, where tf2_msgs is installed; auto = those "
+        "that nobody else publishes, and none where enable_odom_tf is false",
+        choices=(AUTO, ALWAYS, NEVER),
+    )
+    frame_rate: float = parameter(
+        20.0,
+        "How often frames of wheels are published; at most publish_rate",
+        0.1,
+        1000.0,
+        "Hz",
+    )
+    publish_description: bool = parameter(
+        True,
+        "Whether the robot is published as a URDF on the latched topic robot_description, unless "
+        "somebody else publishes one",
+    )
     tf_frame_prefix_enable: bool = parameter(True, "Whether frames have a prefix")
-    tf_frame_prefix: str = parameter("", "Of both frames; empty or '~' = the namespace")
+    tf_frame_prefix: str = parameter("", "Of all frames; empty or '~' = the namespace")
     pose_covariance_diagonal: tuple[float, ...] = parameter(
         (), "x, y, z, roll, pitch, yaw; empty = grows with distance and slip", 0.0, 1e9
     )

@@ -406,6 +406,18 @@ def test_the_joints_that_are_told_are_those_of_the_description(name):
     assert set(joints.names) == moved and len(joints.names) == len(moved)
 
 
+def test_names_of_joints_that_come_twice_in_a_document_are_refused():
+    """joint_states could not tell them apart."""
+    wheels = [
+        f"- {{name: {name}, kind: steered, position: {[x, 0.0]}, radius: 0.1}}"
+        for name, x in (("a", 0.3), ("a_steering", -0.3))
+    ]
+    head = ["kind: rolling", "name: twice", "source: this test", "drive: swerve", "wheels:"]
+    text = "\n".join([*head, *wheels, ""])
+    with pytest.raises(ParameterError, match="'names of joints' is 'a_steering'.* each joint once"):
+        chosen_robot(MobileBaseSettings(robot_description=text))
+
+
 def test_rates_of_brackets_are_those_of_the_period():
     robot, _ = chosen_robot(MobileBaseSettings(robot_description="differential"))
     base = MobileBase(robot, INTERFACES["diff"], BaseOptions(period=PERIOD, timeout=0.5))
