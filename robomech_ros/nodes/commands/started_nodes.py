@@ -5,6 +5,7 @@ import sys
 import time
 from collections.abc import Sequence
 from contextlib import redirect_stdout
+from typing import Any
 
 import rclpy
 from rclpy.node import Node
@@ -14,6 +15,9 @@ from rclpy.signals import SignalHandlerOptions
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.commands.bringup import node_class
 from robomech_ros.nodes.commands.policy_xml import NodeRights, rights_of
+from robomech_ros.nodes.common.robot_description import TOPIC
+from robomech_ros.nodes.common.semantic_source import SEMANTIC_TOPIC
+from robomech_ros.nodes.display.robot_display import AUTO
 from robomech_ros.nodes.process.free_domain import free_domain
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.nodes.process.reach import stay_on_this_machine
@@ -60,7 +64,8 @@ def _looked_at(nodes: Sequence[Node]) -> list[NodeRights]:
     try:
         awaited = []
         for node in nodes:
-            if node.get_name() == "joint_trajectory_controller":
+            awaited += _descriptions(node)
+            if _shares_frames(node):
                 awaited += _others_on_tf(others, node)
         if any(node.get_name() == "servo" for node in nodes):
             servo = next(node for node in nodes if node.get_name() == "servo")
@@ -84,8 +89,26 @@ def _of(node: Node) -> NodeRights:
     return rights_of(node, node.get_name(), node.get_namespace())
 
 
-def _others_on_tf(others: Node, controller: Node) -> list[tuple[Node, str, str]]:
-    """Publish frames as others do: the controller listens to them only if there are others.
+def _value(node: Node, name: str) -> Any:
+    """Give the value of a parameter; None where the node has none of this name."""
+    return node.get_parameter(name).value if node.has_parameter(name) else None
+
+
+def _descriptions(node: Node) -> list[tuple[Node, str, str]]:
+    """List the documents that a node publishes once it has seen that nobody else does."""
+    if not _value(node, "publish_description"):
+        return []
+    topics = [topic for topic in (TOPIC, SEMANTIC_TOPIC) if _value(node, topic)]
+    return [(node, "publish", node.resolve_topic_name(topic)) for topic in topics]
+
+
+def _shares_frames(node: Node) -> bool:
+    """Tell whether a node publishes those frames that nobody else does."""
+    return _value(node, "publish_frames") == AUTO and _value(node, "enable_odom_tf") is not False
+
+
+def _others_on_tf(others: Node, sharing: Node) -> list[tuple[Node, str, str]]:
+    """Publish frames as others do: a node that shares frames listens only if there are others.
 
     Gives node, right and name of what it has then.
     """
@@ -97,4 +120,4 @@ def _others_on_tf(others: Node, controller: Node) -> list[tuple[Node, str, str]]
         others.create_publisher(TFMessage, topic, _LATCHED).topic_name
         for topic in ("/tf", "/tf_static")
     ]
-    return [(controller, "subscribe", topic) for topic in topics]
+    return [(sharing, "subscribe", topic) for topic in topics]

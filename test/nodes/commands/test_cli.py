@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 import yaml
@@ -346,17 +347,33 @@ def test_a_robot_of_another_kind_is_named_as_such(capfd):
     assert said in err and "unknown" not in err
 
 
-def test_policies_of_robots_that_are_no_arms_are_written(tmp_path):
+@pytest.mark.parametrize(
+    ("robot", "node", "shown"),
+    [
+        ("three_fingered", "grasping", False),
+        ("mecanum", "mobile_base", True),
+        ("go1", "joint_trajectory_controller", True),
+    ],
+)
+def test_policies_of_robots_that_are_no_arms_are_written(tmp_path, robot, node, shown):
     file = tmp_path / "policy.xml"
     command = [sys.executable, "-m", "robomech_ros.cli.main", "security-policies"]
     done = subprocess.run(
-        [*command, "--robot", "three_fingered", "--output", file],
+        [*command, "--robot", robot, "--output", file],
         capture_output=True,
         text=True,
         timeout=300.0,
     )
     assert done.returncode == 0, done.stderr
-    assert 'node="grasping"' in file.read_text("utf-8")
+    (profile,) = ElementTree.parse(file).findall(f".//profile[@node='{node}']")
+    allowed = {
+        way: {entry.text for part in profile.findall(f"*[@{way}='ALLOW']") for entry in part}
+        for way in ("publish", "subscribe")
+    }
+    # What shows a robot comes a moment after the start, and yields to others.
+    expected = {"/robot_description", "/tf", "/tf_static"} if shown else set()
+    assert allowed["publish"] & {"/robot_description", "/tf", "/tf_static"} == expected
+    assert allowed["subscribe"] & {"/tf", "/tf_static"} == expected - {"/robot_description"}
 
 
 @pytest.mark.parametrize("module", ["robomech_ros", "robomech_ros.cli.main"])
