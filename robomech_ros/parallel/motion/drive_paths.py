@@ -38,7 +38,7 @@ class DrivePath:
         ``NONE``; ``SINGULAR`` or ``LIMIT`` where the way cannot be gone on; ``NOT_CONVERGED`` where
         it is too long from one point to the next.
     reason : str
-        What is singular, or which passive joint leaves its limits by how much; empty for none.
+        What is singular, or which joint leaves its limits or cone by how much; empty for none.
     condition : float
         Largest condition number on the way.
     """
@@ -160,8 +160,8 @@ def _singular_row(mechanism: Mechanism, rows: Array, most: float) -> tuple[float
 
 
 def _row_outside(mechanism: Mechanism, rows: Array) -> tuple[int, str] | None:
-    """Find the first row (n,) with a joint outside its limits, in words."""
-    excess = np.maximum(mechanism.lower - rows, rows - mechanism.upper)
+    """Find the first row (n,) with a joint outside its limits or a cone, in words."""
+    excess = mechanism.limit_excess(rows)
     bad = np.flatnonzero((excess > POSITION_SLACK).any(axis=1))
     if not len(bad):
         return None

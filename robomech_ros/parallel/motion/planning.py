@@ -12,6 +12,7 @@ from robomech_ros.cartesian import CartesianPlan, PathBounds, Sampling, StopReas
 from robomech_ros.errors import BadValueError, DurationTooShortError, WrongSizeError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.mechanism.model import Mechanism
+from robomech_ros.parallel.motion.cone_limits import cone_cut
 from robomech_ros.parallel.motion.drive_paths import (
     LARGEST_CONDITION,
     DrivePath,
@@ -127,7 +128,7 @@ def plan_platform(
     known = PathBounds() if bounds is None else bounds
     if isinstance(known, PathBounds):
         most = min(known.condition, LARGEST_CONDITION)
-        checks = (crossing_cut(mechanism, most), *known.checks)
+        checks = (crossing_cut(mechanism, most), cone_cut(mechanism), *known.checks)
         known = replace(known, condition=most, checks=checks)
     plan = plan_along(
         follower,

@@ -89,6 +89,20 @@ def test_a_passive_joint_at_its_limit_stops_the_way():
     assert found.reason
 
 
+def test_a_joint_at_its_cone_stops_the_way():
+    # On this way each of its two axes stays within the angle of the cone, but not both together.
+    robot = load_parallel("hexapod")
+    mechanism = robot.mechanism
+    home = mechanism.home()
+    here, goal = home[mechanism.drive_index], [0.948, 0.873, 0.77, 0.748, 0.907, 0.63]
+    found = follow_drives(
+        mechanism, here + np.linspace(0.0, 1.0, 101)[:, None] * (goal - here), home
+    )
+    assert found.status is Code.LIMIT and 0 < found.stop < 101
+    assert "leaves its limits, by up to 0.133 rad" in found.reason
+    assert robot.cone_excess(mechanism.pose(found.q)).max() <= 1e-9
+
+
 @pytest.mark.parametrize(
     ("change", "kind", "text"),
     [

@@ -7,7 +7,7 @@ from rated import moved, rated
 from robomech_ros.cartesian import PathBounds, path_through
 from robomech_ros.errors import BadValueError, MissingLimitsError, NonFiniteError, WrongSizeError
 from robomech_ros.parallel import follow_drives, load_parallel, plan_platform
-from robomech_ros.spatial import pose_error
+from robomech_ros.spatial import matrix_from_rotation_vector, pose_error
 from robomech_ros.trajectory import PATH_PROFILES, PathTrackingStatus
 
 # Of each robot: turn and way of its platform (rad, m) from home, all of which it can follow.
@@ -28,6 +28,25 @@ def planned(name, turn, way, **options):
     path = path_through(here, [moved(here, turn, way)])
     options = {"limits": rated(mechanism), **options}
     return mechanism, path, plan_platform(mechanism, path, home, **options)
+
+
+def test_a_path_ends_where_a_joint_leaves_its_cone():
+    # Here each of its two axes stays within the angle of the cone, but not both together.
+    robot = load_parallel("hexapod")
+    mechanism = robot.mechanism
+    here = mechanism.pose(mechanism.home())
+    there = moved(here, way=(0.043, 0.092, 0.009))
+    there[:3, :3] = matrix_from_rotation_vector([0.348, 0.253, -0.398]) @ here[:3, :3]
+    path = path_through(here, [there])
+    plan = plan_platform(mechanism, path, mechanism.home())
+    assert robot.cone_excess(there).max() > 0.1
+    assert 0.2 < plan.fraction < 1.0
+    assert plan.stop.kind is PathTrackingStatus.LIMIT and plan.stop.joint in mechanism.passive
+    assert "would leave its limits" in plan.stop.text
+    assert "0.123 rad outside its limits" in plan.stop.text
+    joints = plan.followed.joints
+    poses = mechanism.pose(joints.derivatives(np.linspace(0.0, joints.length, 200))[0])
+    assert robot.cone_excess(poses).max() <= 1e-6
 
 
 def drives_of(plan, times):

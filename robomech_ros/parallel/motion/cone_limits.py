@@ -1,0 +1,62 @@
+"""Where passive joints of a mechanism bend beyond their cones, along a path of all joints."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.cartesian import PathCheck
+from robomech_ros.parallel.mechanism.model import Mechanism
+from robomech_ros.trajectory import JointPath, PathCut, PathTrackingStatus
+from robomech_ros.trajectory.paths.path_cuts import last_good_place
+from robomech_ros.trajectory.tolerances import POSITION_SLACK
+
+__all__ = ["cone_cut"]
+
+Array = NDArray[np.float64]
+
+# How far outside its cone a joint may be at the places looked at (rad).
+_SLACK = 1e-9
+# How far beyond its last good place a path is looked at for the joint to blame, as its part.
+_BEYOND = 1e-6
+
+
+def cone_cut(mechanism: Mechanism) -> PathCheck:
+    """End a joint path where a joint bends beyond its cone, which each joint's own limits enclose.
+
+    A start that is outside by no more than the slack of a start may stay where it is.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    """
+    columns = _of_cones(mechanism)
+
+    def check(joints: JointPath) -> PathCut | None:
+        if not len(columns):
+            return None
+        first = mechanism.limit_excess(joints.derivatives(0.0)[0])[columns]
+        allowed = np.where(first <= POSITION_SLACK, first, 0.0) + _SLACK
+
+        def excess(q: Array) -> Array:
+            return np.asarray(mechanism.limit_excess(q)[..., columns] - allowed)
+
+        s = last_good_place(joints, lambda q: np.asarray((excess(q) > 0.0).any(axis=1)))
+        if s is None:
+            return None
+        beyond = min(s + _BEYOND * joints.length, joints.length)
+        joint = int(columns[np.argmax(excess(joints.derivatives(beyond)[0]))])
+        text = f"joint '{mechanism.joint_names[joint]}' would leave its limits"
+        return PathCut(s, PathTrackingStatus.LIMIT, text, joint)
+
+    return check
+
+
+def _of_cones(mechanism: Mechanism) -> NDArray[np.int64]:
+    """Give the numbers of the joints that have a cone, two of each."""
+    found = list[int]()
+    for limb, start in zip(mechanism.limbs, mechanism.loops.starts[:-1].tolist(), strict=True):
+        for name, _ in limb.cones:
+            k = start + limb.chain.joint_names.index(name)
+            found += [k, k + 1]
+    return np.array(found, np.int64)
