@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
-from robomech_ros.errors import WrongSizeError
+from robomech_ros.errors import LimitExceededError, WrongSizeError
+from robomech_ros.errors.texts import listed
 from robomech_ros.nodes.common.error_codes import OutcomeError
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.outcomes import Code
@@ -66,6 +67,8 @@ class LoopPositions:
             They leave the loops open.
         OutcomeError
             The drives can hold the platform nowhere, or a singular posture is in their way.
+        LimitExceededError
+            They cannot be completed, and one is outside its limits.
         """
         mechanism = self.mechanism
         if list(state.name) == [HOME] and not state.position:
@@ -76,6 +79,7 @@ class LoopPositions:
         if not state.name and len(state.position) != mechanism.n:
             expected = f"{mechanism.dof}, of the drives, or {mechanism.n}, of all joints"
             raise WrongSizeError(f"{what}.position", len(state.position), expected)
+        self._require_all(state, what)
         return self.closed(positions_by_name(state, mechanism.joint_names, what), what)
 
     def complete(self, drives: Array, what: str, present: Array | None = None) -> Array:
@@ -84,6 +88,7 @@ class LoopPositions:
         if present is not None:
             followed = mechanism.close(drives, present)
             if followed.status != Code.NONE:
+                self._require_limits(drives, what)
                 way = "on the straight way of the drives from the present posture"
                 raise OutcomeError(followed.status, f"{what}: {way}, {followed.reason}")
             return followed.q
@@ -91,6 +96,32 @@ class LoopPositions:
         if not len(modes):
             raise OutcomeError(modes.status, f"{what}: {modes.reason}")
         return np.array(modes.q[0])
+
+    def _require_all(self, state: JointState, what: str) -> None:
+        """Refuse names of some passive joints, where others or drives are missing."""
+        mechanism, named = self.mechanism, {*state.name}
+        missing = [name for name in mechanism.joint_names if name not in named]
+        whole = len(state.name) == len(state.position)
+        if not state.name or not whole or not missing or named - {*mechanism.joint_names}:
+            return
+        drives = ", ".join(mechanism.actuated)
+        expected = (
+            f"the drives alone, {drives}, or all {mechanism.n} joints; of these are missing: "
+            f"{listed(missing)}"
+        )
+        raise WrongSizeError(f"{what}.name", len(state.name), expected)
+
+    def _require_limits(self, drives: Array, what: str) -> None:
+        """Refuse drives (m,) that are not reached and outside their limits besides."""
+        mechanism = self.mechanism
+        index = mechanism.drive_index
+        lower, upper = mechanism.lower[index], mechanism.upper[index]
+        excess = np.maximum(lower - drives, drives - upper)
+        j = int(np.argmax(excess))
+        if excess[j] > 0.0:
+            limit = lower[j] if drives[j] < lower[j] else upper[j]
+            name, unit = mechanism.actuated[j], mechanism.units[index[j]]
+            raise LimitExceededError(f"{what}: position", name, drives[j], limit, unit)
 
     def closed(self, q: Array, what: str) -> Array:
         """Close the loops of a posture, shape (n,), which must be nearly closed."""

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.dynamics import ChainDynamics, DynamicSystem
+from robomech_ros.execution.refusals import JointMismatchError
 from robomech_ros.nodes.common.joint_positions import JointPositions, Way
 from robomech_ros.nodes.common.robot_description import RobotModel
 
@@ -50,8 +51,21 @@ class Drives:
         self._joints = joints
 
     def named(self, names: list[str]) -> tuple[str, ...]:
-        """Say which joints a list is to name: all of them if it is that long, else the drives."""
-        return self.joint_names if len(names) == len(self.joint_names) else self.names
+        """Say which joints a list is to name: all of them if it is that long, else the drives.
+
+        Raises
+        ------
+        JointMismatchError
+            Some passive joints of a parallel robot are among them, and not all.
+        """
+        if len(names) == len(self.joint_names):
+            return self.joint_names
+        passive = next((one for one in names if one in {*self.joint_names} - {*self.names}), None)
+        if passive is not None:
+            drives, count = ", ".join(self.names), len(self.joint_names)
+            expected = f"the drives alone, {drives}, or all {count} joints; '{passive}' is passive"
+            raise JointMismatchError("joint_names", len(names), expected)
+        return self.names
 
     def postures(self, rows: Array, what: str) -> Array:
         """Give all joints (k, n) for positions of the drives (k, m), or of all joints (k, n).

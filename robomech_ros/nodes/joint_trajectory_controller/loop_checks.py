@@ -8,12 +8,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros.errors import LimitExceededError
 from robomech_ros.execution.controller.joining import completed
 from robomech_ros.execution.joints import at_rest
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.nodes.common.error_codes import OutcomeError
 from robomech_ros.parallel import Mechanism, follow_drives
 from robomech_ros.robots import PRISMATIC
+from robomech_ros.trajectory.tolerances import POSITION_SLACK
 from robomech_ros.trajectory.waypoints import Waypoints
 
 __all__ = ["checked_drives"]
@@ -50,12 +52,15 @@ def checked_drives(
 
     Raises
     ------
+    LimitExceededError
+        A drive is to be outside its limits.
     OutcomeError
         It crosses a singularity, or a passive joint leaves its limits: after which point.
     TrajectoryRefusedError
         A passive joint is to be where the drives do not move it, as in another assembly mode.
     """
     m = mechanism.dof
+    _require_limits(mechanism, received.positions[:, :m])
     drives = replace(
         received,
         positions=received.positions[:, :m],
@@ -69,12 +74,27 @@ def checked_drives(
     last = len(whole.times) - 1
     if followed.stop is not None:
         reached = int(np.searchsorted(whole.times, times[followed.stop])) - 1
-        where = f"after points[{reached}]" if reached >= 0 else "before points[0]"
-        text = f"the trajectory cannot be followed {where} of {last}: {followed.reason}"
+        where = f"after points[{reached}] of {last}" if reached >= 0 else "to points[0]"
+        text = f"the trajectory cannot be followed {where}: {followed.reason}"
         raise OutcomeError(followed.status, text)
     rows = followed.q[np.searchsorted(times, whole.times)]
     _require_agreement(mechanism, rows, received.positions[:, m:], passive)
     return drives
+
+
+def _require_limits(mechanism: Mechanism, positions: Array) -> None:
+    """Refuse positions (k, m) of drives outside their limits; NaN is where one is not named."""
+    lower, upper = (row[mechanism.drive_index] for row in (mechanism.lower, mechanism.upper))
+    excess = np.maximum(lower - positions, positions - upper)
+    bad = np.argwhere(excess > POSITION_SLACK)
+    if not len(bad):
+        return
+    k = int(bad[0, 0])
+    j = int(np.nanargmax(excess[k]))
+    value, low, high = float(positions[k, j]), float(lower[j]), float(upper[j])
+    unit = mechanism.units[int(mechanism.drive_index[j])]
+    limit = low if value < low else high
+    raise LimitExceededError(f"points[{k}]: position", mechanism.actuated[j], value, limit, unit)
 
 
 def _places(times: Array) -> Array:

@@ -10,6 +10,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.execution.joints import State
+from robomech_ros.execution.refusals import JointMismatchError
 from robomech_ros.nodes.common.error_codes import OutcomeError
 from robomech_ros.nodes.common.loop_positions import LoopPositions
 from robomech_ros.nodes.common.motion_clock import MotionClock
@@ -147,6 +148,15 @@ class ParallelRobot(SimulatedRobot):
         """Check a trajectory of the drives, on which the robot must keep its assembly mode."""
         named = {*trajectory.joint_names}
         passive = [name for name in self.mechanism.passive if name in named]
+        missing = [name for name in self.joint_names if name not in named]
+        known = named <= {*self.mechanism.joint_names}
+        enough = self._settings.allow_partial_joints_goal and len(missing) < len(self.joint_names)
+        if passive and known and missing and not enough:
+            expected = (
+                f"all drives, beside which passive joints as '{passive[0]}' may be named; missing: "
+                f"{', '.join(missing)}"
+            )
+            raise JointMismatchError("joint_names", len(trajectory.joint_names), expected)
         received = self._waypoints_of(trajectory, [*self.joint_names, *passive])
         return checked_drives(self.mechanism, received, passive, self._posture)
 

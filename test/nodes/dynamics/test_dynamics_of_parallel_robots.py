@@ -148,6 +148,10 @@ def test_what_is_refused_is_named(graph, robot):
     answer = inverse(graph, [point([0.0])], joint_names=["leg9_length"])
     assert answer.error_code == ErrorCode.UNKNOWN_JOINT
     assert robot.drive_names[0] in answer.error_msg
+    name = robot.joint_names[passive]
+    answer = inverse(graph, [point([0.0])], joint_names=[name])
+    assert answer.error_code == ErrorCode.WRONG_SIZE
+    assert f"or all {len(q)} joints; '{name}' is passive" in answer.error_msg
     answer = inverse(graph, [point(np.full(len(robot.drive_names), np.nan))])
     assert answer.error_code == ErrorCode.NON_FINITE
     answer = graph.call(MassMatrix, "dynamics/mass_matrix", MassMatrix.Request())
@@ -190,11 +194,18 @@ def test_names_without_positions_are_refused_where_there_is_nothing_else_to_name
     np.testing.assert_allclose(answer.mass_matrix, expected.ravel(), rtol=1e-9, atol=1e-12)
 
 
-def test_points_between_which_the_mode_ends_are_refused(graph):
-    graph.start(DynamicsNode, robot_description="hexapod", state_timeout=0.1)
-    mechanism = load_parallel("hexapod").mechanism
+@pytest.mark.parametrize(
+    ("name", "apart", "code"),
+    [
+        ("planar_3rpr", [-7.0, 1.0, -6.0], ErrorCode.SINGULAR),
+        # Lengths that no leg has are what is wrong, not what is on the way there.
+        ("hexapod", [3.0, -3.0] * 3, ErrorCode.LIMIT),
+    ],
+)
+def test_points_between_which_the_mode_ends_are_refused(graph, name, apart, code):
+    graph.start(DynamicsNode, robot_description=name, state_timeout=0.1)
+    mechanism = load_parallel(name).mechanism
     drives = mechanism.home()[mechanism.drive_index]
-    apart = 3.0 * (-1.0) ** np.arange(6)
     answer = inverse(graph, [point(drives), point(drives + apart)])
-    assert answer.error_code == ErrorCode.SINGULAR
+    assert answer.error_code == code
     assert "points[1]" in answer.error_msg
