@@ -137,7 +137,11 @@ def _flat(array: Array, lead: tuple[int, ...], tail: tuple[int, ...]) -> Array:
 def refuse_status(status: int, q: Array) -> None:
     """Raise the error for a status of a kernel that is not 0."""
     if status == NOT_FINITE:
-        raise NonFiniteError("pose of the platform", q)
+        if np.isfinite(q).all():
+            raise NonFiniteError(
+                "motion or force that follows from the numbers given, too large ones,", np.nan
+            )
+        raise NonFiniteError("posture", q)
     if status:
         expected = "one in which the drives hold the platform"
         if status == FREE:
