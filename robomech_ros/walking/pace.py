@@ -10,7 +10,7 @@ from robomech_ros._kernels.walking import stepping
 from robomech_ros._kernels.walking.stepping import Pattern, Seen, State, Step
 from robomech_ros.errors import BadValueError
 from robomech_ros.walking.robot import LeggedRobot
-from robomech_ros.walking.stride import Stride
+from robomech_ros.walking.stride import GRAVITY, Stride
 from robomech_ros.walking.support import stability_margin
 
 __all__ = ["SHORTEST_SWING", "SPEED_PART", "fastest_twist", "suitable_cycle"]
@@ -25,7 +25,6 @@ _ADVANCE = direct(stepping.advance)
 _AROUND = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
 # Samples of a swing, those of the rest of the cycle being as far apart, and of a sway.
 _SAMPLES = 32
-_GRAVITY = 9.81
 _HALVINGS = 40
 
 
@@ -57,7 +56,7 @@ def _sway_cycle(stride: Stride) -> float:
     r"""Find the shortest cycle (s) in which swaying does not tip the robot, 0 without any sway.
 
     On all feet, the zero-moment point of the mass centre at the height h keeps the bound inside of
-    them, with the feet anywhere in their circles:
+    them, with the feet anywhere in their circles and the trunk in any pose:
 
     .. math::
 
@@ -80,7 +79,8 @@ def _sway_cycle(stride: Stride) -> float:
     )
     # Rates of rates for sways that take 1 s.
     changes = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * way
-    tilt, needed = (level[11] + level[14]) / _GRAVITY, stride.bound + stride.settings[3]
+    tilt = (level[11] + level[14]) / GRAVITY
+    needed = stride.bound + stride.settings[3] + stride.spare + stride.lean
     # The shift grows with the square of the frequency, and the margin falls: it is concave.
     low, high = 0.0, 1e6
     for _ in range(_HALVINGS):

@@ -1,4 +1,4 @@
-"""The way of a trunk from one offset to another, at rest at both ends."""
+"""The way of a trunk to an offset, at rest at its end, whatever way it was on before."""
 
 from __future__ import annotations
 
@@ -11,37 +11,78 @@ __all__ = ["PoseWay"]
 
 Array = NDArray[np.float64]
 
+# Changes under way at one time; of more the last waits.
+_MOST = 32
+
+
+class _Change(NamedTuple):
+    """A change of the offset: ``way`` (6,), its ``duration`` and how much of it is over (s)."""
+
+    way: Array
+    duration: float
+    passed: float = 0.0
+
+    def left(self, time: float) -> Array:
+        """Give what is left of it some time later; rates and their rates are zero at both ends."""
+        part = min(1.0, (self.passed + time) / self.duration)
+        smooth = part**3 * (10.0 + part * (6.0 * part - 15.0))
+        return (1.0 - smooth) * self.way
+
 
 class PoseWay(NamedTuple):
     """A trunk on its way to an offset.
 
+    A new goal is added to the way there has been: what is left of that goes on beside it, so that
+    position, rate and acceleration stay continuous.
+
     Attributes
     ----------
-    start, end : ndarray, shape (6,)
+    end : ndarray, shape (6,)
         x, y, z (m) and roll, pitch, yaw (rad) beside the level pose.
-    duration : float
-        Of the whole way (s).
-    passed : float
-        How much of it is over (s).
+    changes : tuple
+        Under way.
+    waiting : tuple of PoseWay
+        The last goal, with its duration, where too many are under way; else empty.
     """
 
-    start: Array
     end: Array
-    duration: float
-    passed: float = 0.0
+    changes: tuple[_Change, ...] = ()
+    waiting: tuple[tuple[Array, float], ...] = ()
+
+    def to(self, end: Array, duration: float) -> PoseWay:
+        """Give the way to another offset, that takes so long (s)."""
+        if len(self.changes) >= _MOST:
+            return self._replace(waiting=((end, duration),))
+        return PoseWay(end, (*self.changes, _Change(end - self.end, duration)))
 
     def after(self, time: float) -> PoseWay:
         """Give the way some time later (s)."""
-        return self._replace(passed=self.passed + time)
+        later = (one._replace(passed=one.passed + time) for one in self.changes)
+        way = self._replace(changes=tuple(one for one in later if one.passed < one.duration))
+        for end, duration in self.waiting:
+            return way._replace(waiting=()).to(end, duration)
+        return way
+
+    @property
+    def goal(self) -> Array:
+        """Where it leads, shape (6,)."""
+        return self.waiting[-1][0] if self.waiting else self.end
 
     @property
     def over(self) -> bool:
         """Whether the trunk is there."""
-        return self.passed >= self.duration
+        return not self.changes
+
+    @property
+    def rest(self) -> float:
+        """How long it still takes (s)."""
+        return max((one.duration - one.passed for one in self.changes), default=0.0)
 
     @property
     def offset(self) -> Array:
-        """Where the trunk is; its rates and their rates are zero at both ends."""
-        part = min(1.0, self.passed / self.duration)
-        smooth = part**3 * (10.0 + part * (6.0 * part - 15.0))
-        return self.start + smooth * (self.end - self.start)
+        """Where the trunk is."""
+        return self.ahead(0.0)
+
+    def ahead(self, time: float) -> Array:
+        """Give where the trunk will be some time later (s)."""
+        return self.end - sum((one.left(time) for one in self.changes), np.zeros(6))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +17,7 @@ from robomech_ros.walking.gaits import Gait
 from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.support import stability_margin
 
-__all__ = ["PoseAnswer", "Stride", "stride_of"]
+__all__ = ["GRAVITY", "PoseAnswer", "Stride", "stride_of"]
 
 Array = NDArray[np.float64]
 
@@ -27,7 +28,14 @@ _FOR_FEET = 0.7
 _OF_REACH = 0.7
 _LEAST_RADIUS = 0.004
 _AROUND = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
-_ON_THE_WAY = 9
+# Parts of what feet leave that poses of the trunk use, of one that sways and of others, and that
+# their acceleration uses; the sway has the rest.
+_FOR_POSES_OF_SWAY, _FOR_POSES, _FOR_LEAN = 0.4, 0.8, 0.1
+# Part of the weight that a trunk on its way takes from the feet.
+_OF_WEIGHT = 0.25
+# Greatest acceleration of a way of 1 m that takes 1 s, from rest to rest (m/s^2).
+_FASTEST = 10.0 / np.sqrt(3.0)
+GRAVITY = 9.81
 # Part of the depth of a triangle to which the trunk sways.
 _DEEP = 0.9
 
@@ -64,6 +72,8 @@ class Stride:
         The margin (m) that is kept.
     spare : float
         How far the mass centre may move to the side (m) by poses of the trunk.
+    lean : float
+        How far the zero-moment point may move from there (m) on the way to them.
     geometry, settings, level : ndarray
         As the kernel of walking reads them.
     """
@@ -71,6 +81,7 @@ class Stride:
     gait: Gait
     bound: float
     spare: float
+    lean: float
     geometry: Array
     settings: Array
     level: Array
@@ -95,11 +106,27 @@ class Stride:
         pose[9:12] += offset[:3]
         return pose
 
-    def possible(self, robot: LeggedRobot, start: Array, end: Array) -> PoseAnswer:
-        """Say whether the trunk can move from one offset to another with feet in their circles."""
-        parts = np.linspace(0.0, 1.0, _ON_THE_WAY)[1:]
-        poses = [self.pose(start + part * (end - start)) for part in parts]
-        centres = [pose[9:11] + (pose[:9].reshape(3, 3) @ pose[12:15])[:2] for pose in poses]
+    def _centre(self, pose: Array) -> Array:
+        """Give the mass centre of a pose, in the walking frame, shape (3,)."""
+        centre: Array = pose[9:12] + pose[:9].reshape(3, 3) @ pose[12:15]
+        return centre
+
+    def quickest(self, start: Array, end: Array) -> float:
+        """Give the shortest time (s) for a way between two offsets.
+
+        Its acceleration shifts the zero-moment point by `lean` at most, and takes no more than a
+        part of the weight from the feet.
+        """
+        x, y, z = self._centre(self.pose(end)) - self._centre(self.pose(start))
+        height = self._centre(self.level)[2]
+        lifted = abs(z) / (_OF_WEIGHT * GRAVITY)
+        aside = np.hypot(x, y) * height / (GRAVITY * self.lean)
+        return float(np.sqrt(_FASTEST * max(lifted, aside)))
+
+    def possible(self, robot: LeggedRobot, offsets: Sequence[Array]) -> PoseAnswer:
+        """Say whether the trunk can be at all of some offsets with feet in their circles."""
+        poses = [self.pose(offset) for offset in offsets]
+        centres = [self._centre(pose)[:2] for pose in poses]
         away = np.array(centres) - self.level[9:11] - self.level[12:14]
         off = float(np.hypot(*away.T).max())
         if off > self.spare:
@@ -210,7 +237,9 @@ def stride_of(robot: LeggedRobot, gait: Gait, lift: float, bound: float | None) 
         answer = reachable(robot, geometry, settings, level)
         if answer.status == Code.NONE:
             radius = settings[3] = _OF_REACH * radius
-            return Stride(gait, least, budget - radius, geometry, settings, level)
+            left = budget - radius
+            spare = (_FOR_POSES_OF_SWAY if gait.sways else _FOR_POSES) * left
+            return Stride(gait, least, spare, _FOR_LEAN * left, geometry, settings, level)
         radius *= 0.8
         if radius < _LEAST_RADIUS:
             raise BadValueError("home of the robot", robot.home.tolist(), answer.reason)

@@ -31,6 +31,8 @@ _STILL = np.zeros(3)
 # Ratio to the velocity limit that a slowed period aims at.
 _BELOW = 0.999
 _TRIES = 8
+# Parts of the rest of a way of the trunk at which its poses are checked.
+_ON_THE_WAY = np.linspace(0.0, 1.0, 9)[1:]
 # Periods that a swing takes at least.
 _LEAST_SWING = 8
 
@@ -141,8 +143,7 @@ class Walker:
         where = _three("place", place)
         if self._waiting is not None:
             self._stride, self._waiting = self._waiting, None
-        self._pose, self._offset = self._stride.level.copy(), np.zeros(6)
-        self._way: PoseWay | None = None
+        self._pose, self._way = self._stride.level.copy(), PoseWay(np.zeros(6))
         self._command, self._velocity = np.zeros(3), np.zeros(3)
         self._age, self._walking = np.inf, False
         body, feet = np.zeros(15), np.zeros((len(self.robot.legs), 8))
@@ -216,7 +217,7 @@ class Walker:
             No gait of this name, or none for this robot.
         """
         stride = self._strides(gait)
-        answer = stride.possible(self.robot, self._offset, self._offset)
+        answer = stride.possible(self.robot, [self._way.offset, self._way.goal])
         if answer.status != Code.NONE:
             raise BadValueError("gait", gait, f"one that suits the pose: {answer.reason}")
         self._waiting = stride
@@ -224,12 +225,14 @@ class Walker:
     def command_pose(self, pose: ArrayLike, duration: float = 1.0) -> PoseAnswer:
         """Move the trunk over the feet, if that neither tips the robot nor overstretches a leg.
 
+        On its way to another pose it turns to this one without a stop.
+
         Parameters
         ----------
         pose : array_like, shape (6,)
             x, y, z (m) and roll, pitch, yaw (rad) beside the level pose at nominal height.
         duration : float, optional
-            Time to get there (s).
+            Time to get there (s); longer where the acceleration would tip the robot.
 
         Returns
         -------
@@ -245,12 +248,17 @@ class Walker:
         if target.shape != (6,):
             raise WrongSizeError("pose", target.shape, (6,))
         time = _positive("duration", duration)
-        if self._way is not None and np.array_equal(target, self._way.end):
-            # It is on its way there already.
+        if np.array_equal(target, self._way.goal):
+            # It is on its way there already, or there.
             return PoseAnswer(Code.NONE)
-        answer = self._stride.possible(self.robot, self._offset, target)
+        stride = self._stride
+        way = self._way.to(target.copy(), max(time, stride.quickest(self._way.end, target)))
+        offsets = [*(way.ahead(part * way.rest) for part in _ON_THE_WAY), way.goal]
+        answer = stride.possible(self.robot, offsets)
+        if answer.status == Code.NONE and self._waiting is not None:
+            answer = self._waiting.possible(self.robot, offsets)
         if answer.status == Code.NONE:
-            self._way = PoseWay(self._offset, target.copy(), time)
+            self._way = way
         return answer
 
     def moment(self) -> Walker:
@@ -308,8 +316,8 @@ class Walker:
         part = 1.0
         for _ in range(_TRIES):
             time = part * self.period
-            way = None if self._way is None else self._way.after(time)
-            pose = self._pose if way is None else self._stride.pose(way.offset)
+            way = self._way.after(time)
+            pose = self._pose if self._way.over else self._stride.pose(way.offset)
             state = self._step(twist, pose, time)
             if state <= 1.0:
                 break
@@ -317,9 +325,7 @@ class Walker:
         else:
             part, way, pose = 0.0, self._way, self._pose
             self._step(_STILL, pose, 0.0)
-        if way is not None:
-            self._offset = way.offset
-        self._way, self._pose = None if way is None or way.over else way, pose
+        self._way, self._pose = way, pose
         self._state, self._twist = self._next, twist * part
         return part
 

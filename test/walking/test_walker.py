@@ -115,21 +115,101 @@ def test_the_crawl_sways_about_the_way_that_is_commanded():
     assert sway.max() > 0.05
 
 
-def test_the_trunk_sways_so_slowly_that_its_acceleration_does_not_tip_the_robot():
-    """The zero-moment point, by differences, keeps the bound inside of the standing feet."""
-    walker = walker_of("crawl", timeout=1e9)
-    walker.command(walker.fastest * [0.0, 1.0, 0.0])
-    updates = [walker.update() for _ in range(round(2.0 * walker.cycle / walker.period))]
+def zero_moment_margins(walker, updates):
+    """How far the zero-moment point, by differences, is inside of the standing feet."""
     centre = np.append(walker.robot.mass_centre, 1.0)
     centres = np.array([update.trunk @ centre for update in updates])[:, :3]
     rates = (centres[2:] - 2.0 * centres[1:-1] + centres[:-2]) / walker.period**2
-    points = centres[1:-1, :2] - centres[1:-1, 2:] / 9.81 * rates[:, :2]
+    tilts = centres[1:-1, 2:] / (9.81 + rates[:, 2:])
+    points = centres[1:-1, :2] - tilts * rates[:, :2]
     margins = [
         stability_margin(point, update.feet[update.contacts, :2])
         for point, update in zip(points, updates[1:-1], strict=True)
     ]
-    # It does so with the feet where they are worst, and not with much more than that.
-    assert walker.bound < min(margins) < walker.bound + 2.0 * walker.radius
+    return np.array(margins), rates
+
+
+def test_the_trunk_sways_so_slowly_that_its_acceleration_does_not_tip_the_robot():
+    walker = walker_of("crawl", timeout=1e9)
+    walker.command(walker.fastest * [0.0, 1.0, 0.0])
+    updates = [walker.update() for _ in range(round(2.0 * walker.cycle / walker.period))]
+    margins, _ = zero_moment_margins(walker, updates)
+    # It does so in the worst pose and with the feet where they are worst, and not with much more.
+    assert walker.bound < margins.min() < walker.bound + 2.0 * walker.radius
+
+
+def farthest(walker, way):
+    """Take the farthest pose along a way that is not refused; gives how far it is."""
+    for part in np.linspace(1.0, 0.1, 91):
+        if walker.command_pose(0.1 * part * np.asarray(way)).status == Code.NONE:
+            return 0.1 * part
+    raise AssertionError
+
+
+@pytest.mark.parametrize("angle", np.linspace(0.0, 2.0 * np.pi, 6, endpoint=False))
+def test_no_pose_has_the_crawl_tip_the_robot(angle):
+    walker = walker_of("crawl", timeout=1e9, period=0.01)
+    away = np.array([np.cos(angle), np.sin(angle), 0.0, 0.0, 0.0, 0.0])
+    assert farthest(walker, away) >= 0.01
+    updates, rng = [], np.random.default_rng(4)
+    for k in range(round(2.5 * walker.cycle / walker.period)):
+        if k % 37 == 0:
+            walker.command(walker.fastest * rng.choice([-2.0, 0.0, 2.0], 3))
+        updates.append(walker.update())
+    assert zero_moment_margins(walker, updates)[0].min() >= walker.bound
+
+
+@pytest.mark.parametrize("axis", [1, 2])
+@pytest.mark.parametrize("gait", ROBOTS)
+def test_a_way_to_a_pose_does_not_tip_the_robot_however_short_it_should_be(gait, axis):
+    walker = walker_of(gait)
+    way = np.eye(6)[axis] * (1.0, 1.0, -1.0, 1.0, 1.0, 1.0)
+    far = farthest(walker_of(gait), way)
+    assert walker.command_pose(far * way, 0.01).status == Code.NONE
+    updates = [walker.update() for _ in range(600)]
+    margins, rates = zero_moment_margins(walker, updates)
+    still = updates[0].margin
+    assert margins.min() >= still - far - 0.02
+    assert np.abs(rates[:, 2]).max() < 0.3 * 9.81
+    moved = updates[-1].trunk[:3, 3] - updates[0].trunk[:3, 3]
+    assert moved[axis] == pytest.approx(far * way[axis], abs=1e-4)
+
+
+@pytest.mark.parametrize("gait", ["tripod", "crawl", "trot"])
+def test_a_stream_of_poses_is_followed_without_a_jerk(gait):
+    walker = walker_of(gait)
+    goals, updates = [], []
+    for k in range(1600):
+        if k % 4 == 0:
+            goals.append(0.01 * np.sin(2.0 * k * walker.period))
+            assert walker.command_pose([0.0, goals[-1], 0.0, 0.0, 0.0, 0.0]).status == Code.NONE
+        updates.append(walker.update())
+    _, rates = zero_moment_margins(walker, updates)
+    aside = np.array([update.trunk[1, 3] for update in updates])
+    assert np.ptp(aside) > 0.9 * np.ptp(goals)
+    assert np.abs(rates).max() < 0.1
+    assert np.abs(np.diff(rates, axis=0)).max() / walker.period < 2.0
+    for _ in range(600):
+        update = walker.update()
+    assert update.trunk[1, 3] == pytest.approx(goals[-1], abs=1e-12)
+    assert np.array_equal(walker.update().q, update.q)
+
+
+def test_a_pose_suits_the_gait_that_waits_and_the_gait_the_pose_under_way():
+    """A trot may stand taller than a crawl, whose trunk sways."""
+    up = np.eye(6)[2]
+    walker = walker_of("trot", timeout=1e9)
+    walker.command([0.0, 0.05, 0.0])
+    for _ in range(100):
+        walker.update()
+    far = farthest(walker, up)
+    with pytest.raises(RobomechError, match="one that suits the pose"):
+        walker.command_gait("crawl")
+    assert walker.command_pose(np.zeros(6)).status == Code.NONE
+    for _ in range(600):
+        walker.update()
+    walker.command_gait("crawl")
+    assert walker.command_pose(far * up).leg in walker.robot.leg_names
 
 
 @pytest.mark.parametrize("gait", ROBOTS)

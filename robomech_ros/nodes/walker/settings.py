@@ -83,7 +83,12 @@ class WalkerSettings:
         1.0,
     )
     body_pose_duration: float = parameter(
-        1.0, "Time in which the trunk goes to a new body_pose", 0.01, 3600.0, "s"
+        1.0,
+        "Time in which the trunk goes to a new body_pose; longer where its acceleration would tip "
+        "the robot",
+        0.01,
+        3600.0,
+        "s",
     )
     command_out_topic: str = parameter(
         "joint_trajectory_controller/joint_trajectory",
