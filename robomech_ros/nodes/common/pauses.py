@@ -1,5 +1,6 @@
 """Pauses of a coroutine in which its node goes on serving others."""
 
+import math
 import queue
 import threading
 import time
@@ -12,6 +13,9 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 from rclpy.timer import Timer
+
+from robomech_ros.nodes.common.error_codes import OutcomeError
+from robomech_ros.outcomes import Code
 
 __all__ = ["Turns", "Worker", "ended_within", "passing_timer", "pause", "wake"]
 
@@ -109,11 +113,22 @@ class Worker:
         self._pieces.put((work, done))
         return done
 
-    async def do(self, work: Callable[[], _T]) -> _T:
-        """Give the result of work, or raise what it raises, or the refusal of `give_up`."""
+    async def do(self, work: Callable[[], _T], patience: float = math.inf) -> _T:
+        """Give the result of work, or raise what it raises, or the refusal of `give_up`.
+
+        Work that waits for others for longer than ``patience`` (s) is left undone: TIMED_OUT.
+        """
         if self._refusal is not None:
             raise self._refusal
-        done = self.begin(work)
+        asked = time.monotonic()
+
+        def in_time() -> _T:
+            if (waited := time.monotonic() - asked) > patience:
+                text = f"waited {waited:.3g} s for other requests, up to {patience:g} s are allowed"
+                raise OutcomeError(Code.TIMED_OUT, f"{text}; ask again later")
+            return work()
+
+        done = self.begin(in_time)
         self._awaited.add(done)
         try:
             result: _T = await done

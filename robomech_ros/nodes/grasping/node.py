@@ -105,7 +105,7 @@ class GraspingNode(Node):
             most_points=self._table.settings.most_points,
             made_by=None if q is None else (self._hand.required(), q, fingers),
         )
-        found = await self._worker.do(work)
+        found = await self._worker.do(work, self._table.settings.longest_wait)
         return found.fill(self._hand.frame(request.frame_id), response)
 
     @guarded

@@ -26,6 +26,14 @@ class GraspingSettings:
         5000,
         read_only=False,
     )
+    longest_wait: float = parameter(
+        30.0,
+        "How long analyze_grasp waits for requests that came before; then it refuses, with 205",
+        1e-9,
+        1e6,
+        "s",
+        read_only=False,
+    )
 
 
 def check_settings(settings: GraspingSettings) -> None:

@@ -520,6 +520,16 @@ def test_what_is_no_hand_and_a_wrong_prefix_end_the_start(graph):
         graph.start(GraspingNode, frame_prefix="/left")
 
 
+def test_who_waited_too_long_for_others_is_told_and_others_are_served(graph):
+    graph.start(GraspingNode, robot_description="three_fingered", longest_wait=1e-9)
+    request = requested(AnalyzeGrasp, EQUATOR)
+    answer = graph.call(AnalyzeGrasp, "grasping/analyze_grasp", request)
+    assert answer.error_code == ErrorCode.TIMED_OUT
+    assert "for other requests, up to 1e-09 s are allowed" in answer.error_msg
+    held = requested(ContactForces, EQUATOR, wrench=loaded((0.0, 0.0, -1.0)))
+    assert graph.call(ContactForces, "grasping/contact_forces", held).error_code == 0
+
+
 def test_without_the_conic_solver_the_answer_has_the_command(graph, monkeypatch):
     monkeypatch.setitem(sys.modules, "clarabel", None)
     graph.start(GraspingNode)
