@@ -30,7 +30,8 @@ class PlatformSolutions:
         From the seed by the metric asked for (rad, m), and how far the limb that is farthest off
         holds the platform from the pose (m, rad).
     condition_number, limit_margin : ndarray, shape (k,)
-        Of the twists of the drives in SI units, and of the joint nearest to a limit (rad or m).
+        Of the twists of the drives in SI units, and of the joint nearest to a limit, or to the end
+        of its cone (rad or m).
     complete : bool
         Whether these were provably all, before any cut.
     status : Code
@@ -79,7 +80,6 @@ def platform_solutions(
     order = np.argsort(distance, kind="stable")[:max_solutions]
     q = found.q[order]
     position, orientation = _pose_errors(mechanism, q, T)
-    margins = np.minimum(q - mechanism.lower, mechanism.upper - q)
     blocked = [k for k, name in enumerate(found.blocking) if name]
     # The inverse kinematics of a limb without a solver of its own may be a search.
     listed = all(limb.solver is not None for limb in mechanism.limbs)
@@ -90,7 +90,7 @@ def platform_solutions(
         position_error=position,
         orientation_error=orientation,
         condition_number=conditions(mechanism, q),
-        limit_margin=margins.min(axis=1, initial=np.inf),
+        limit_margin=mechanism.limit_margin(q).min(axis=1, initial=np.inf),
         complete=listed and found.status is not Code.SINGULAR_CONTINUUM,
         status=found.status,
         reason=found.reason,

@@ -113,12 +113,12 @@ class Limb:
         """The joints without a drive."""
         return tuple(name for name in self.chain.joint_names if name not in self.actuated)
 
-    def limit_excess(self, q: Array) -> Array:
-        """Say by how much joints (..., n) are outside their limits (rad or m), 0 inside.
+    def limit_margin(self, q: Array) -> Array:
+        """Say how far joints (..., n) are from their limits (rad or m), negative outside.
 
-        What bends beyond a cone is said of the first of its two joints.
+        How far a joint may still bend in its cone is said of the first of its two joints.
         """
-        excess = np.maximum(np.maximum(self.chain.lower - q, q - self.chain.upper), 0.0)
+        margin = np.minimum(q - self.chain.lower, self.chain.upper - q)
         for name, angle in self.cones:
             k = self.chain.joint_names.index(name)
             one, two = q[..., k], q[..., k + 1]
@@ -126,9 +126,13 @@ class Limb:
             bend = np.arctan2(across, np.cos(one) * np.cos(two))
             # Limits of both joints are those of the cone; beyond a right angle, the second one has
             # turned over, and bends the same way with the first one at half a turn.
-            excess[..., k] = np.maximum(bend - angle, 0.0)
-            excess[..., k + 1] = np.maximum(np.abs(two) - 0.5 * np.pi, 0.0)
-        return np.asarray(excess)
+            margin[..., k] = angle - bend
+            margin[..., k + 1] = 0.5 * np.pi - np.abs(two)
+        return np.asarray(margin)
+
+    def limit_excess(self, q: Array) -> Array:
+        """Say by how much joints (..., n) are outside their limits (rad or m), 0 inside."""
+        return np.maximum(-self.limit_margin(q), 0.0)
 
     def branches(self, T: Array, drives: Array | None = None) -> LimbBranches:
         """Find all joints of the limb for a pose (4, 4) of the platform (m).

@@ -162,6 +162,29 @@ class Mechanism(LoopMotion):
         """
         return self.description.document
 
+    def limit_margin(self, q: ArrayLike) -> Array:
+        """Say how far joints are from their limits, cones of passive joints included.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., n)
+            All joints (rad or m).
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+            rad or m, negative outside, infinite without limits; how far a joint may still bend
+            in its cone is said of the first of its two joints.
+
+        Raises
+        ------
+        WrongSizeError, NonFiniteError
+            Not n finite numbers.
+        """
+        given = self._all_joints("q", q)
+        ends = zip(self.limbs, np.split(given, self.loops.starts[1:-1], axis=-1), strict=True)
+        return np.concatenate([limb.limit_margin(own) for limb, own in ends], axis=-1)
+
     def limit_excess(self, q: ArrayLike) -> Array:
         """Say by how much joints are outside their limits, cones of passive joints included.
 
@@ -179,10 +202,12 @@ class Mechanism(LoopMotion):
         ------
         WrongSizeError, NonFiniteError
             Not n finite numbers.
+
+        See Also
+        --------
+        limit_margin : negative there, and the distance inside.
         """
-        given = self._all_joints("q", q)
-        ends = zip(self.limbs, np.split(given, self.loops.starts[1:-1], axis=-1), strict=True)
-        return np.concatenate([limb.limit_excess(own) for limb, own in ends], axis=-1)
+        return np.maximum(-self.limit_margin(q), 0.0)
 
     def postures(
         self, T: ArrayLike, *, seed: ArrayLike | None = None, ignore_limits: bool = False

@@ -178,6 +178,19 @@ def test_legs_outside_their_strokes_block_by_name_and_amount(asked):
     assert min(without.limit_margins) < 0.0
 
 
+def test_a_posture_beyond_a_cone_has_a_negative_margin(asked):
+    node = asked("hexapod")
+    T = node.mechanism.pose(node.home)
+    T[:3, :3] = matrix_from_rotation_vector([0.7, 0.0, 0.0]) @ T[:3, :3]
+    assert not node.robot.excess(node.robot.inverse(T)).any()
+    response = node.ik(T)
+    assert response.error_code == ErrorCode.LIMITS_EXCLUDE_ALL
+    beyond = node.ik(T, ignore_limits=True)
+    worst = node.robot.cone_excess(T).max()
+    assert worst > 0.0
+    assert max(beyond.limit_margins) == pytest.approx(-worst, abs=1e-9)
+
+
 @pytest.mark.parametrize(
     ("name", "fields", "text"),
     [

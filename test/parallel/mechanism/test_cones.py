@@ -73,12 +73,17 @@ def test_cones_of_a_document_bound_what_bends_not_each_joint():
     mechanism = load_parallel("tripod_3prs")
     q = mechanism.home()
     x = mechanism.joint_names.index("leg1_ball_x")
+    q[x], q[x + 1] = 0.3, 0.4
+    assert mechanism.limit_margin(q)[x] == pytest.approx(
+        0.8 - np.arccos(np.cos(0.3) * np.cos(0.4)), abs=1e-12
+    )
     q[x], q[x + 1] = 0.7, 0.7
     bend = np.arccos(np.cos(0.7) ** 2)
     assert bend > 0.8
     excess = mechanism.limit_excess(q)
     assert excess[x] == pytest.approx(bend - 0.8, abs=1e-12)
     assert np.count_nonzero(excess) == 1
+    assert mechanism.limit_margin(q).min() == -excess[x]
 
 
 def test_a_joint_that_has_turned_over_is_outside_its_limits():

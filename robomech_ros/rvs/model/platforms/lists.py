@@ -98,10 +98,9 @@ def _postures(
         return []
     mechanism = robot.mechanism
     conditions = _conditions(robot, rows)
-    margins = np.minimum(rows - mechanism.lower, mechanism.upper - rows).min(axis=1)
-    # Cones are limits, too, and joints at their ends are within.
-    excess = mechanism.limit_excess(rows).max(axis=1)
-    margins = np.where(excess > ROUNDING, -excess, np.maximum(margins, 0.0))
+    margins = mechanism.limit_margin(rows).min(axis=1)
+    # Joints at the ends of their ranges are within.
+    margins = np.where(margins < -ROUNDING, margins, np.maximum(margins, 0.0))
     distances = np.abs(rows - q).max(axis=1)
     found = []
     for k, name in enumerate(names):
