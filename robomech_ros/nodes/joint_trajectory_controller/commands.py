@@ -11,6 +11,7 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult
 from robomech_ros.nodes.common.error_codes import code_of
+from robomech_ros.nodes.common.sparing_log import SparingLog
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.middleware.reliable_topics import subscribe_reliably
@@ -21,7 +22,7 @@ __all__ = ["Commands", "TrajectoryTopic"]
 _TOPIC = "joint_trajectory"
 # A stream goes on after a process was held up for a second.
 _DEPTH = 100
-# A stream replaces its trajectory a hundred times a second: that is said this often at the most, s.
+# A strain of a stream, which comes a hundred times a second, is said this often at the most, s.
 _SELDOM = 5.0
 # Messages of a stream follow one another within this time (s).
 _STREAM = 0.2
@@ -44,6 +45,7 @@ class TrajectoryTopic:
 
     def __init__(self, node: Node, joints: CommandedJoints, on_refused: Callable[[], None]) -> None:
         self._logger = node.get_logger()
+        self._ended = SparingLog(self._logger)
         self._joints = joints
         self._on_refused = on_refused
         # Where the last message of the topic ended, and when it came (s).
@@ -83,9 +85,9 @@ class TrajectoryTopic:
         return same and all(abs(x - y) <= _SAME for x, y in zip(end[1], known[1], strict=True))
 
     def _log_end(self, result: GoalResult) -> None:
+        # Each message of a stream replaces the one before: that must not hide what else ends one.
         if result.code:
-            text = f"trajectory ended early: {result.text}"
-            self._logger.warning(text, throttle_duration_sec=_SELDOM)
+            self._ended.warning(f"trajectory ended early: {result.text}")
 
 
 class Commands:
