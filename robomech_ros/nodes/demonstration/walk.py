@@ -146,7 +146,9 @@ class Walk:
     @property
     def trunk(self) -> tuple[Array, Array]:
         """ROS times (s), shape (m,), and poses of the trunk by odometry (m), (m, 4, 4)."""
-        return np.array([one for one, _ in self._poses]), np.array([T for _, T in self._poses])
+        # More come meanwhile.
+        times, poses = zip(*self._poses, strict=True)
+        return np.array(times), np.array(poses)
 
     @property
     def feet(self) -> tuple[Array, NDArray[np.bool_], Array]:

@@ -20,7 +20,7 @@ from robomech_ros.spatial.plain_poses import plain_pose
 from robomech_ros.spatial.poses import rigid_inverse
 from robomech_ros.walking import LeggedRobot, WalkUpdate, support_polygon
 
-__all__ = ["WalkPublication"]
+__all__ = ["WalkPublication", "mean_twist"]
 
 Array = NDArray[np.float64]
 
@@ -58,7 +58,7 @@ class WalkPublication:
         before, self._before = self._before, (stamp, update.trunk)
         seconds = 0.0 if before is None else (stamp - before[0]) / NANO
         self._uncertainty.add(update, seconds)
-        twist = _twist(before[1] if before else update.trunk, update.trunk, seconds).tolist()
+        twist = mean_twist(before[1] if before else update.trunk, update.trunk, seconds).tolist()
         angular, linear = message.twist.twist.angular, message.twist.twist.linear
         angular.x, angular.y, angular.z, linear.x, linear.y, linear.z = twist
         message.pose.covariance = self._uncertainty.pose
@@ -94,8 +94,11 @@ class WalkPublication:
         return frame
 
 
-def _twist(before: Array, trunk: Array, seconds: float) -> Array:
-    """Give the mean twist [w; v] of the trunk, in its own axes, since it was published last."""
-    if seconds <= 0.0:
+def mean_twist(before: Array, trunk: Array, seconds: float) -> Array:
+    """Give the mean twist [w; v] of the trunk, in its own axes, since it was published last.
+
+    That of a trunk that has not moved is exactly zero: people wait for that.
+    """
+    if seconds <= 0.0 or np.array_equal(before, trunk):
         return np.zeros(6)
     return np.asarray(pose_logarithm(rigid_inverse(before) @ trunk)) / seconds
