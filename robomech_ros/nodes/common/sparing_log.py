@@ -29,19 +29,23 @@ class SparingLog:
 
     def error(self, text: str) -> None:
         """Log a text as an error, unless it or enough others were logged a moment ago."""
-        self._say(self._logger.error, text)
+        if line := self._line(text):
+            self._logger.error(line)
 
     def warning(self, text: str) -> None:
         """Log a text as a warning, unless it or enough others were logged a moment ago."""
-        self._say(self._logger.warning, text)
+        # A line of its own for each severity: rclpy raises where one line of code logs with two.
+        if line := self._line(text):
+            self._logger.warning(line)
 
-    def _say(self, log: Callable[[str], object], text: str) -> None:
+    def _line(self, text: str) -> str:
+        """Give what is to be logged for a text now; empty for nothing."""
         now = self._clock()
         while self._said and now - self._said[0][0] >= PERIOD:
             self._said.popleft()
         if len(self._said) >= MOST or text in (said for _, said in self._said):
             self._left_out += 1
-            return
+            return ""
         self._said.append((now, text))
         left_out, self._left_out = self._left_out, 0
-        log(f"{text} ({left_out} such lines left out)" if left_out else text)
+        return f"{text} ({left_out} such lines left out)" if left_out else text

@@ -1,5 +1,7 @@
 """Complaints that are repeated do not fill a log."""
 
+from rclpy.logging import get_logger
+
 from robomech_ros.nodes.common.sparing_log import MOST, PERIOD, SparingLog
 
 
@@ -52,3 +54,11 @@ def test_complaints_that_all_differ_are_bounded_too():
     for k in range(1000):
         log.error(f"bad {k}")
     assert len(recorder.lines) == MOST
+
+
+def test_errors_and_warnings_go_to_one_logger_of_rclpy(capfd):
+    log = SparingLog(get_logger("sparing"))
+    log.error("bad")
+    log.warning("odd")
+    logged = capfd.readouterr().err
+    assert "bad" in logged and "odd" in logged
