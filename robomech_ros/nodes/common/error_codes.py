@@ -2,11 +2,8 @@
 
 import functools
 import inspect
-import traceback
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
-
-from rclpy.node import Node
 
 from robomech_ros import errors
 from robomech_ros.errors import RobomechError
@@ -143,36 +140,27 @@ def answer(response: Any, code: int = 0, text: str = "") -> Any:
 
 
 def guarded(callback: _Callback) -> _Callback:
-    """Make a service callback of a node, plain or async, answer whatever happens.
+    """Make a service callback, plain or async, answer errors of the request.
 
-    A RobomechError becomes its code and text in an otherwise empty response; any other exception
-    becomes INTERNAL, with the traceback in the log.  The node goes on serving.
+    A RobomechError becomes its code and text in an otherwise empty response.  Any other exception
+    is a defect, which `serve` answers.
     """
     if inspect.iscoroutinefunction(callback):
 
         @functools.wraps(callback)
-        async def wait(self: Node, request: Any, response: Any) -> Any:
+        async def wait(self: Any, request: Any, response: Any) -> Any:
             try:
                 return await callback(self, request, response)
-            except Exception as error:
-                return _answer_of(error, self, callback.__name__, response)
+            except RobomechError as error:
+                return answer(type(response)(), code_of(error), str(error))
 
         return wait  # type: ignore[return-value]
 
     @functools.wraps(callback)
-    def call(self: Node, request: Any, response: Any) -> Any:
+    def call(self: Any, request: Any, response: Any) -> Any:
         try:
             return callback(self, request, response)
-        except Exception as error:
-            return _answer_of(error, self, callback.__name__, response)
+        except RobomechError as error:
+            return answer(type(response)(), code_of(error), str(error))
 
     return call  # type: ignore[return-value]
-
-
-def _answer_of(error: Exception, node: Node, callback: str, response: Any) -> Any:
-    """Answer a request whose callback raised an error; to be called while it is handled."""
-    if isinstance(error, RobomechError):
-        return answer(type(response)(), code_of(error), str(error))
-    node.get_logger().error(f"{callback} failed, please report this:\n{traceback.format_exc()}")
-    text = f"internal error, please report it: {type(error).__name__}: {error}"
-    return answer(type(response)(), Code.INTERNAL, text)

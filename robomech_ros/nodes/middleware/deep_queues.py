@@ -1,9 +1,11 @@
-"""Services and actions whose queues hold a burst of calls.
+"""Services and actions whose queues hold a burst of calls, and that answer each of them.
 
 The default queue of a ROS service holds ten requests; those that come while it is full vanish,
 and their clients wait for ever. The same holds for a client's queue of answers.
 """
 
+import inspect
+import traceback
 from collections.abc import Awaitable, Callable
 from typing import Any
 
@@ -21,6 +23,7 @@ from robomech_ros.nodes.middleware.bounded_requests import (
     bounded_answers,
     bounded_service,
 )
+from robomech_ros.outcomes import Code
 
 __all__ = ["DEPTH", "ask", "ask_action", "serve", "serve_action"]
 
@@ -39,10 +42,34 @@ def serve(
     *,
     callback_group: CallbackGroup | None = None,
 ) -> Service:
-    """Create a service that keeps up to `DEPTH` requests which wait, none of them too large."""
+    """Create a service that keeps up to `DEPTH` requests which wait, none of them too large.
+
+    Where the callback, plain or async, fails, the traceback is logged, and the answer is an empty
+    one: INTERNAL with a text, or the text as its `message`, if it has such fields.
+    """
+
+    async def answered(request: Any, response: Any) -> Any:
+        try:
+            answer = callback(request, response)
+            return await answer if inspect.isawaitable(answer) else answer
+        except Exception as error:
+            text = f"{name} failed, please report this:\n{traceback.format_exc()}"
+            node.get_logger().error(text)
+            return _internal(type(response)(), error)
+
     return node.create_service(
-        bounded_service(kind), name, callback, qos_profile=_DEEP, callback_group=callback_group
+        bounded_service(kind), name, answered, qos_profile=_DEEP, callback_group=callback_group
     )
+
+
+def _internal(answer: Any, error: Exception) -> Any:
+    """Say in an empty answer that the node has a defect."""
+    text = f"internal error, please report it: {type(error).__name__}: {error}"
+    if hasattr(answer, "error_msg"):
+        answer.error_code, answer.error_msg = int(Code.INTERNAL), text
+    elif hasattr(answer, "message"):
+        answer.message = text
+    return answer
 
 
 def ask(node: Node, kind: Any, name: str) -> Client:

@@ -1,6 +1,5 @@
 """The service execute: a trajectory, or the latest plan, and how its motion has ended."""
 
-import traceback
 from typing import Any
 
 from rclpy.callback_groups import ReentrantCallbackGroup
@@ -66,7 +65,6 @@ class ExecuteService:
         link: ControllerLink,
         transport: Transport,
     ) -> None:
-        self._logger = node.get_logger()
         self._settings = settings
         self._plans = plans
         self._reader = reader
@@ -80,20 +78,13 @@ class ExecuteService:
             return answer(response, Code.PREEMPTED, f"not sent: {CANCELLED}")
         try:
             delivery = self._delivery(request.trajectory)
-        except Exception as error:
-            return self._refused(error, response)
+        except RobomechError as error:
+            return answer(response, code_of(error), str(error))
         before = delivery.report is not None and delivery is self._plans.latest
         report = await _end_of(delivery)
         response.duration = duration_from_seconds(report.duration)
         done_before = before and not report.code
         return answer(response, report.code, _DONE_BEFORE if done_before else report.text)
-
-    def _refused(self, error: Exception, response: Any) -> Any:
-        """Answer a request that is not executed; to be called while the error is handled."""
-        if isinstance(error, RobomechError):
-            return answer(response, code_of(error), str(error))
-        self._logger.error(f"execute failed, please report:\n{traceback.format_exc()}")
-        return answer(response, Code.INTERNAL, f"internal error, please report it: {error}")
 
     def _delivery(self, trajectory: JointTrajectory) -> Delivery:
         """Find the delivery that a request means: a new one, or the latest plan's.

@@ -6,12 +6,13 @@ import pytest
 from action_msgs.srv import CancelGoal
 from geometry_msgs.msg import PoseStamped
 from sensor_msgs.msg import JointState
+from std_srvs.srv import Empty, Trigger
 
 from robomech_interfaces.action import ExecuteTrajectory
 from robomech_interfaces.srv import AnalyzeSingularity, QueryWorkspace, SolveFK, SolveIK
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.kinematics.node import KinematicsNode
-from robomech_ros.nodes.middleware.deep_queues import ask, ask_action
+from robomech_ros.nodes.middleware.deep_queues import ask, ask_action, serve
 
 CLIENTS, CALLS = 4, 250
 
@@ -51,3 +52,19 @@ def test_a_thousand_goals_and_cancellations_at_once_are_all_answered(graph):
     cancellations = [cancel.call_async(CancelGoal.Request()) for _ in range(CLIENTS * CALLS)]
     assert all(graph.wait_for(result).result.error_code for result in results)
     assert all(graph.wait_for(answer) is not None for answer in cancellations)
+
+
+@pytest.mark.parametrize("waits", [False, True])
+def test_a_request_whose_callback_fails_is_answered_with_a_reason(graph, waits):
+    def fail(request, response):
+        raise ValueError("no such thing")
+
+    async def fail_later(request, response):
+        fail(request, response)
+
+    for kind, name in ((Trigger, "trigger"), (Empty, "empty")):
+        serve(graph.client, kind, name, fail_later if waits else fail)
+    answer = graph.call(Trigger, "trigger", Trigger.Request())
+    assert not answer.success
+    assert answer.message == "internal error, please report it: ValueError: no such thing"
+    assert graph.call(Empty, "empty", Empty.Request()) == Empty.Response()
