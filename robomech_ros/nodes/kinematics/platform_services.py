@@ -51,7 +51,7 @@ from robomech_ros.nodes.kinematics.platform_singularity import (
 from robomech_ros.nodes.kinematics.platform_space import PlatformSpace
 from robomech_ros.nodes.kinematics.settings import KinematicsSettings
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel import platform_length
+from robomech_ros.parallel import Mechanism, platform_length
 from robomech_ros.robots import SerialChain
 
 __all__ = ["PlatformServices"]
@@ -150,7 +150,7 @@ class PlatformServices:
         text = f"{count} ({found.family}), {known}"
         if found.reason:
             text += f"; {found.reason}"
-        return list(found.q), text
+        return list(found.q), text + _beyond_limits(mechanism, found.q)
 
     @guarded
     async def solve_ik(self, request: Any, response: Any) -> Any:
@@ -306,6 +306,18 @@ def _append(lists: dict[str, "array[Any]"], found: PlatformSolutions | Code) -> 
     append_numbers(lists["solutions"], found.q)
     append_numbers(lists["position_errors"], found.position_error)
     append_numbers(lists["orientation_errors"], found.orientation_error)
+
+
+def _beyond_limits(mechanism: Mechanism, q: Array) -> str:
+    """Say which of some postures (k, n) are beyond limits, and by how much; empty for none."""
+    excess = mechanism.limit_excess(q)
+    rows = np.flatnonzero((excess > 0.0).any(axis=1))
+    if not rows.size:
+        return ""
+    joint = int(np.argmax(excess[rows[0]]))
+    by = f"{excess[rows[0], joint]:.3g} {mechanism.units[joint]}"
+    first = f"number {rows[0] + 1} with {mechanism.joint_names[joint]} by {by}"
+    return f"; beyond limits: {rows.size} of {len(q)}, {first}"
 
 
 def _platform_options(options: dict[str, Any]) -> dict[str, Any]:

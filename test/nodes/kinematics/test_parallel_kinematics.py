@@ -109,6 +109,16 @@ def test_fk_of_the_drives_gives_all_assembly_modes_nearest_first(asked, name, mo
     assert "these are all" in response.error_msg
 
 
+def test_fk_of_drives_beyond_their_limits_says_so(asked):
+    node = asked("delta")
+    drives = node.drives.copy()
+    drives[1] = node.mechanism.upper[node.mechanism.drive_index[1]] + 0.3
+    response = node.fk(node.of_drives(drives))
+    assert response.error_code == ErrorCode.NONE
+    assert "these are all; beyond limits: 2 of 2, number 1 with leg" in response.error_msg
+    assert "beyond" not in node.fk(node.of_drives(node.drives)).error_msg
+
+
 def test_fk_of_many_states_takes_the_nearest_mode_of_each_and_serves_links(asked):
     node = asked("delta")
     links = ["platform", "leg2_arm"]
