@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from action_msgs.msg import GoalStatus
+from std_srvs.srv import Trigger
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
@@ -172,6 +173,27 @@ def test_the_topic_says_why_in_diagnostics_and_goes_on(limited):
     arm.publish(arm.trajectory((0.3, MOVE)))
     arm.until_at(goal)
     arm.diagnosis(lambda status: status.level == status.OK and status.message == "holding")
+
+
+def test_every_reason_why_a_stream_ends_early_is_logged(drive, capfd):
+    arm, said = drive(), []
+
+    def logged(text):
+        said.append(capfd.readouterr().err)
+        return text in "".join(said)
+
+    arm.publish(arm.trajectory((9.0, MOVE)))
+    arm.until_moving()
+    # The first one ends here, and another one goes on.
+    arm.publish(arm.trajectory((9.0, MOVE)))
+    arm.until(lambda: logged("ended early: preempted by a trajectory on the topic"))
+    arm.graph.call(Trigger, "joint_trajectory_controller/hold", Trigger.Request())
+    arm.until(lambda: logged("ended early: stopped by the service hold"))
+    arm.until(lambda: not arm.velocity.any())
+    arm.publish(arm.trajectory((9.0, MOVE)))
+    arm.until_moving()
+    assert arm.graph.call(Trigger, "joint_trajectory_controller/reset", Trigger.Request()).success
+    arm.until(lambda: logged("ended early: ended by the service reset"))
 
 
 @pytest.mark.slow
