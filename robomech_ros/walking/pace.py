@@ -13,7 +13,7 @@ from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.stride import GRAVITY, Stride
 from robomech_ros.walking.support import stability_margin
 
-__all__ = ["SHORTEST_SWING", "SPEED_PART", "fastest_twist", "suitable_cycle"]
+__all__ = ["SHORTEST_SWING", "SPEED_PART", "fastest_twist", "suitable_cycle", "sway_cycle"]
 
 Array = NDArray[np.float64]
 
@@ -49,10 +49,10 @@ def suitable_cycle(robot: LeggedRobot, stride: Stride, limits: Array, part: floa
         A leg does not reach all of its swing.
     """
     most = max(_fastest_joint(robot, stride, limits, angle) for angle in _AROUND)
-    return max(SHORTEST_SWING / float(1 - stride.gait.duty), most / part, _sway_cycle(stride))
+    return max(SHORTEST_SWING / float(1 - stride.gait.duty), most / part, sway_cycle(stride))
 
 
-def _sway_cycle(stride: Stride) -> float:
+def sway_cycle(stride: Stride) -> float:
     r"""Find the shortest cycle (s) in which swaying does not tip the robot, 0 without any sway.
 
     On all feet, the zero-moment point of the mass centre at the height h keeps the bound inside of

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from copy import copy
 
 import numpy as np
@@ -15,7 +16,7 @@ from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.outcomes import Code
 from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
 from robomech_ros.walking.gaits import GAITS
-from robomech_ros.walking.pace import SPEED_PART, fastest_twist, suitable_cycle
+from robomech_ros.walking.pace import SPEED_PART, fastest_twist, suitable_cycle, sway_cycle
 from robomech_ros.walking.pose_way import PoseWay
 from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.stride import PoseAnswer, Stride, stride_of
@@ -54,10 +55,10 @@ class Walker:
     period : float, optional
         Time between updates (s).
     cycle : float, optional
-        Duration of a cycle of the gait (s), at least eight periods a swing.  Default the shortest
-        one, for each gait, in which joints keep below 60 % of their velocity limits at the longest
-        stride, feet are in the air for 0.3 s or more, and a trunk that sways does not tip the robot
-        by its acceleration.
+        Duration of a cycle of the gait (s), at least eight periods a swing, and so long that a
+        trunk that sways does not tip the robot by its acceleration.  Default the shortest such one,
+        for each gait, in which joints keep below 60 % of their velocity limits at the longest
+        stride, and feet are in the air for 0.3 s or more.
     lift : float, optional
         How high feet are lifted (m).
     bound : float, optional
@@ -161,9 +162,11 @@ class Walker:
         if cycle is None:
             part = min(1.0, SPEED_PART / self._speed)
             cycle = suitable_cycle(self.robot, stride, self._limits, part)
-        least = _LEAST_SWING * self.period / float(1 - known.duty)
-        if cycle < least:
-            raise BadValueError(f"cycle of the gait '{gait}'", cycle, f"{least:g} s or more")
+        swing, sway = _LEAST_SWING * self.period / float(1 - known.duty), sway_cycle(stride)
+        if cycle < max(swing, sway):
+            least = f"{math.ceil(1e3 * max(swing, sway)) / 1e3:g} s or more"
+            why = ": a trunk that sways faster may tip the robot" if sway > swing else ""
+            raise BadValueError(f"cycle of the gait '{gait}'", cycle, least + why)
         stride.settings[0] = cycle
         return stride
 
