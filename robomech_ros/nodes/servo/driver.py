@@ -1,5 +1,6 @@
 """Drives the robot period by period: takes commands, continues the stream, watches the joints."""
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -28,6 +29,8 @@ __all__ = ["Driver"]
 _LEFT_ALONE = 0.5
 # After so long (s) without a look the commands that wait may be of somebody who has let go since.
 _HELD_UP = 0.5
+# For so long (s) after that such commands may still come out of the middleware.
+_DEAF = 0.2
 # A joint that is slower than this part of its limit stands.
 _STANDING = 0.01
 
@@ -66,6 +69,8 @@ class Driver:
         self._fault: Fault | None = None
         # Until when at least the robot is left alone, and it is looked for commands (s).
         self._left_alone_until = self._awake_until = 0.0
+        # Until when commands are passed over (s).
+        self._deaf_until = -math.inf
         # When it was looked for commands last, or for what to tell (s).
         self._looked_at = clock.now()
         frames = RobotFrames(node, model, monitor, settings)
@@ -100,11 +105,12 @@ class Driver:
 
     def wake(self) -> None:
         """Look again and again, from now on until nothing is to be seen for a while."""
-        self._awake_until = self._clock.now() + REPEATED
+        now = self._clock.now()
+        self._awake_until = now + REPEATED
         if self._timer.is_canceled():
             self._intake.attend(False)
             self._timer.reset()
-            self._looked_at = self._clock.now()
+            self._after_hold_up(now, REPEATED + _HELD_UP)
             self._tick()
 
     def pause(self, paused: bool) -> None:
@@ -127,13 +133,16 @@ class Driver:
         if now > self._looked_at + most:
             self._servo.end()
             self._servo.forget()
-            self._intake.clear()
+            self._deaf_until = now + _DEAF
         self._looked_at = now
 
     def _tick(self) -> None:
         now = self._clock.now()
         self._after_hold_up(now, _HELD_UP)
-        if self._intake.take(now):
+        if now < self._deaf_until:
+            self._intake.clear()
+            self._awake_until = now + REPEATED
+        elif self._intake.take(now):
             self._awake_until = now + REPEATED
         if not self._servo.active and not self._begin(now):
             self._sleep(now)
