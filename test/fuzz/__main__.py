@@ -1,10 +1,10 @@
 """Attack the installed suite with random requests, goals, messages and bytes; `make fuzz`.
 
-Robots may be of any kind.  Every request must be answered, never with 900, and what succeeds must
-have finite numbers where the interface allows no others; so must all that is published.  What is
-missing a minute after the last answer counts as unanswered.  The robot must obey its velocity
-limits all the time, and execute a plan when it is over.  One on wheels or legs must not move by
-spoilt commands before, and must follow a twist when it is over.
+Robots may be of any kind.  Every request must be answered, never with 900, no node may log a defect
+of its own, and what succeeds must have finite numbers where the interface allows no others; so must
+all that is published.  What is missing a minute after the last answer counts as unanswered.  The
+robot must obey its velocity limits all the time, and execute a plan when it is over.  One on wheels
+or legs must not move by spoilt commands before, and must follow a twist when it is over.
 """
 
 from __future__ import annotations
@@ -14,11 +14,14 @@ import os
 import sys
 import time
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import rclpy
 from rclpy.node import Node
 
+# Defects in the log that are shown, and how much of each.
+_MOST, _SHOWN = 5, 3000
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent), str(HERE.parent / "nodes")]
 
@@ -57,11 +60,23 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="of the random numbers (0)")
     parser.add_argument("--robot", default="puma560", help="which robot (puma560)")
     arguments = parser.parse_args()
-    with running_suite(arguments.robot, log=os.environ.get("FUZZ_LOG", os.devnull)) as suite:
-        faults = attack_suite(suite, known_robot(arguments.robot), arguments.count, arguments.seed)
+    with TemporaryDirectory() as folder:
+        log = Path(os.environ.get("FUZZ_LOG", f"{folder}/log"))
+        with running_suite(arguments.robot, log=str(log)) as suite:
+            robot = known_robot(arguments.robot)
+            faults = attack_suite(suite, robot, arguments.count, arguments.seed)
+        defects = defects_in(log.read_text(encoding="utf-8", errors="replace"))
+    for defect in defects:
+        print(f"FAULT in the log: {defect}")
     if suite.exit_code:
         print(f"FAULT bringup ended with exit code {suite.exit_code}")
-    return 1 if faults or suite.exit_code else 0
+    return 1 if faults or defects or suite.exit_code else 0
+
+
+def defects_in(log: str) -> list[str]:
+    """Give the first few defects that nodes report of themselves, each with its traceback."""
+    parts = log.split("please report")[1:]
+    return [part[:_SHOWN] for part in parts[:_MOST]]
 
 
 def attack_suite(suite: RunningSuite, robot: KnownRobot, count: int, seed: int) -> bool:
