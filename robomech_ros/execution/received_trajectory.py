@@ -191,7 +191,7 @@ def _refuse_number(what: str, value: float) -> None:
 def _refuse_effort(points: Sequence[ReceivedPoint]) -> None:
     for index, point in enumerate(points):
         if len(point.effort):
-            expected = "0: this controller commands positions only"
+            expected = "0: positions, velocities and accelerations are read, no effort"
             raise WrongSizeError(f"points[{index}].effort", len(point.effort), expected)
 
 

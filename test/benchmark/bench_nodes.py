@@ -63,7 +63,7 @@ def cycle_rows(cycles: dict[str, dict[str, float]]) -> list[Row]:
 
 def rows(ros_python: Path) -> list[Row]:
     """Measure with the Python at `ros_python`, which has the suite installed."""
-    script = Path(__file__).with_name("drive_nodes.py")
+    script = Path(__file__).with_name("processes") / "drive_nodes.py"
     command = [str(ros_python), str(script)]
     with tempfile.TemporaryDirectory() as bytecode:
         finished = subprocess.run(

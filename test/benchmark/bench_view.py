@@ -19,7 +19,7 @@ DRAWN_LIMIT = 5.0
 
 def figures(ros_python: Path, script: str) -> dict[str, Any]:
     """Return what a script beside this one measures, in the environment of the suite."""
-    command = [str(ros_python), str(Path(__file__).with_name(script))]
+    command = [str(ros_python), str(Path(__file__).with_name("processes") / script)]
     with tempfile.TemporaryDirectory() as bytecode:
         finished = subprocess.run(
             command, env=environment(bytecode), stdout=subprocess.PIPE, check=True

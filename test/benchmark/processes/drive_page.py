@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parent.parent / "rvs"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "rvs"))
 
 from robomech_ros.rvs import view
 

@@ -24,7 +24,7 @@ from sensor_msgs.msg import JointState
 
 from robomech_ros.robots import load_robot
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "rvs"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "rvs"))
 
 import msgspec.msgpack
 from raw_client import Client, camera

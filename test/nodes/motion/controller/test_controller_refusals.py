@@ -88,7 +88,7 @@ CASES = {
     "positions": (point(1, positions=[0.0] * 5), 108, "points[1].positions has size 5"),
     "velocities": (point(1, velocities=[0.0] * 7), 108, "points[1].velocities has size 7"),
     "accelerations": (point(0, accelerations=[0.0]), 108, "points[0].accelerations has size 1"),
-    "effort": (point(0, effort=[0.0] * 6), 108, "commands positions only"),
+    "effort": (point(0, effort=[0.0] * 6), 108, "are read, no effort"),
     "nan": (first_joint(1, "positions", math.nan), 104, "points[1].positions of joint 'waist'"),
     "infinite": (first_joint(0, "velocities", math.inf), 104, "'waist' is inf"),
     "equal times": (time(1, 0.0), 109, "points[1].time_from_start is 0.0"),

@@ -10,7 +10,7 @@ from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSe
 from robomech_ros.nodes.servo.settings import ServoNodeSettings
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
 
-CONFIG = Path(__file__).parents[3] / "config"
+CONFIG = Path(__file__).parents[4] / "config"
 TABLES = {
     "joint_trajectory_controller": ControllerSettings,
     "trajectory_publisher": PublisherSettings,

@@ -238,7 +238,7 @@ def test_without_a_state_of_the_joints_nothing_is_published(graph):
 
 
 def test_a_robot_without_velocity_limits_is_left_alone(graph, capfd):
-    file = Path(__file__).parents[3] / "config" / "robots" / "planar3r.yaml"
+    file = Path(__file__).parents[4] / "config" / "robots" / "planar3r.yaml"
     lines = file.read_text(encoding="utf-8").splitlines()
     robot = "\n".join(line for line in lines if not line.strip().startswith("velocity:"))
     node = graph.start(ServoNode, robot_description=robot, characteristic_length=0.3)

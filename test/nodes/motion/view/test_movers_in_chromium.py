@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 pytest.importorskip("viser")
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "rvs"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "rvs"))
 
 from browsing import IN_CHROMIUM, browser
 from raw_client import wait_until

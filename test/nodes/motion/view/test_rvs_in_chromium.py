@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "rvs"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "rvs"))
 
 from browsing import IN_CHROMIUM
 from chromium import Tab

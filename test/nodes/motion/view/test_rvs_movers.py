@@ -10,7 +10,7 @@ from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 
 pytest.importorskip("viser")
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "rvs"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "rvs"))
 
 from browsers import Browser, hold_until
 from raw_client import wait_until

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 pytest.importorskip("viser")
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "rvs"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "rvs"))
 
 from browsers import Browser, drawn, until_still
 from diagnostic_msgs.msg import DiagnosticArray
