@@ -13,6 +13,9 @@ from robomech_ros import shared_memory
 from robomech_ros.nodes.process import free_domain as module
 from robomech_ros.nodes.process.free_domain import NoFreeDomainError, free_domain
 
+# They reserve the same domains of this machine.
+pytestmark = pytest.mark.xdist_group("reserved_domains")
+
 HOLD = """
 import sys
 from robomech_ros.nodes.process import free_domain as module
