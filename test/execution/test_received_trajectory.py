@@ -70,7 +70,11 @@ CASES = {
     "no positions": (point(0, positions=[]), WrongSizeError, r"points\[0\].positions.*0.*2"),
     "velocities": (point(1, velocities=[0.0]), WrongSizeError, r"points\[1\].velocities.*2 or 0"),
     "accelerations": (point(0, accelerations=[0.0] * 3), WrongSizeError, "accelerations.*2 or 0"),
-    "effort": (point(1, effort=[1.0, 1.0]), WrongSizeError, r"points\[1\].effort.*are read, no effort"),
+    "effort": (
+        point(1, effort=[1.0, 1.0]),
+        WrongSizeError,
+        r"points\[1\].effort.*are read, no effort",
+    ),
     "nan": (point(1, positions=[0.0, math.nan]), NonFiniteError, r"points\[1\].*'two' is nan"),
     "infinite": (point(0, velocities=[math.inf, 0.0]), NonFiniteError, "velocities.*'one' is inf"),
     "huge": (point(0, positions=[1e300, 0.0]), BadValueError, "'one' is 1e.300.*1e.06"),
