@@ -30,7 +30,9 @@ set_up = python=$$($(RUN) sh tools/find_python.sh $(1) "$(PYTHON)") && \
 # one another and, where robots move, for the clock, and leave much of the processor: what computes
 # runs beside them, and only where they do not.
 PARALLEL := -n auto --maxprocesses 8
-COMPUTING := $(PARALLEL) --ignore=test/nodes --ignore=test/installed --ignore=test/rvs
+# A test of what takes the rest may wait minutes for the processor; the limit is for those that never end.
+PATIENT := --timeout 1800
+COMPUTING := $(PARALLEL) $(PATIENT) --ignore=test/nodes --ignore=test/installed --ignore=test/rvs
 # What depends on the clock may fail where another process takes the machine for a moment: it is run once more, and
 # the summary names it. A defect fails twice.
 AGAIN := --reruns 1 -rR
@@ -100,7 +102,7 @@ other:
 	@$(LEFT) $(MAKE) --no-print-directory lint compat-other
 
 beside: other
-	$(RUN) NUMBA_DISABLE_JIT=1 $(LEFT) $(VENV)/bin/python -m pytest -q $(PARALLEL) $(INTERPRETED)
+	$(RUN) NUMBA_DISABLE_JIT=1 $(LEFT) $(VENV)/bin/python -m pytest -q $(PARALLEL) $(PATIENT) $(INTERPRETED)
 	@$(MAKE) --no-print-directory computing
 
 computing:

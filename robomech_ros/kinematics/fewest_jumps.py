@@ -1,8 +1,11 @@
 """The choice of a solution and its windings for every pose of a path, with the fewest jumps."""
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros._kernels.inverse.cheapest_moves import cheapest_moves
 from robomech_ros._kernels.tolerances import AT_LIMIT
 from robomech_ros.kinematics.joint_jumps import find_jumps, shortest_moves
 from robomech_ros.robots.chain import SerialChain
@@ -26,15 +29,13 @@ def fewest_jumps(
     reached = next((k for k, found in enumerate(solutions) if not len(found)), len(solutions))
     if not reached:
         return np.empty((0, chain.n))
-    first = solutions[0]
-    cost = np.zeros(len(first))
+    cost = np.zeros(len(solutions[0]))
     if origin is not None:
-        cost = _edges(chain, origin[None], first, largest)[0]
+        cost, _ = _continued(chain, np.zeros(1), origin[None], solutions[0], largest)
     came: list[Integers] = []
-    for k in range(1, reached):
-        total = cost[:, None] + _edges(chain, solutions[k - 1], solutions[k], largest)
-        came.append(total.argmin(axis=0))
-        cost = total.min(axis=0)
+    for before, after in pairwise(solutions[:reached]):
+        cost, predecessors = _continued(chain, cost, before, after, largest)
+        came.append(predecessors)
     paths = []
     for last in range(len(cost)):
         chosen = [last]
@@ -46,12 +47,14 @@ def fewest_jumps(
     return min(paths, key=lambda one: one[:2])[2]
 
 
-def _edges(chain: SerialChain, before: Array, after: Array, largest: Array) -> Array:
-    """Cost of every move, shape (k, l): a jump costs more than any moves can."""
-    moves = shortest_moves(chain, after[None] - before[:, None])
-    jumps = (np.abs(moves) > largest).any(axis=2)
-    cost: Array = np.where(jumps, 1e6, 0.0) + (moves**2).sum(axis=2)
-    return cost
+def _continued(
+    chain: SerialChain, cost: Array, before: Array, after: Array, largest: Array
+) -> tuple[Array, Integers]:
+    """Go on to the solutions of the next pose: what the best ways cost, and their predecessors."""
+    total = np.empty(len(after))
+    came = np.empty(len(after), dtype=np.int64)
+    cheapest_moves(chain.packed, cost, before, after, largest, total, came)
+    return total, came
 
 
 def _wound(chain: SerialChain, path: Array, origin: Array | None) -> Array:

@@ -1,0 +1,51 @@
+"""The cheapest move to each solution of a pose from those of the pose before."""
+
+import math
+
+from numba import types
+
+from robomech_ros._kernels.algebra.angles import wrapped
+from robomech_ros._kernels.compiling.jit import IN1, IN2, IOUT1, OUT1, kernel, lean
+
+__all__ = ["cheapest_moves"]
+
+# What a jump costs: more than any moves can.
+_JUMP = 1e6
+
+
+@lean
+def _cost_of(packed, before, after, largest, least):
+    """Cost of a move, turns of joints taken as none; where it exceeds ``least``, any cost above it.
+
+    It is the sum of squares, and that of a jump where a joint moves more than ``largest``.
+    """
+    squares = 0.0
+    jump = 0.0
+    for i in range(before.shape[0]):
+        move = after[i] - before[i]
+        if packed[i, 0] == 0.0:
+            move = wrapped(move)
+        squares += move * move
+        if abs(move) > largest[i]:
+            jump = _JUMP
+        if jump + squares > least:
+            break
+    return jump + squares
+
+
+@kernel(types.void(IN2, IN1, IN2, IN2, IN1, OUT1, IOUT1))
+def cheapest_moves(packed, costs, before, after, largest, totals, came):
+    """Find the best predecessor of every solution.
+
+    ``costs`` (k,) are those of the ways to the solutions ``before`` (k, n), ``totals`` (l,)
+    receives those of the ways to ``after`` (l, n), and ``came`` (l,) the first predecessor that
+    gives them.  ``largest`` (n,) are the moves (rad, m) that are no jumps yet.
+    """
+    for k in range(after.shape[0]):
+        least = math.inf
+        for i in range(before.shape[0]):
+            total = costs[i] + _cost_of(packed, before[i], after[k], largest, least - costs[i])
+            if total < least:
+                least = total
+                came[k] = i
+        totals[k] = least
