@@ -44,7 +44,6 @@ def run(folder, before="", after="", **environment):
         capture_output=True,
         text=True,
         check=False,
-        timeout=120,
     )
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()

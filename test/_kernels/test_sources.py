@@ -166,7 +166,6 @@ def answers(tmp_path):
             capture_output=True,
             text=True,
             check=False,
-            timeout=120,
         )
         assert done.returncode == 0, done.stderr
         return done.stdout.split()

@@ -62,7 +62,7 @@ def test_ctrl_c_keeps_what_is_finished_and_says_so(tmp_path):
             if not begun and re.search(r"[1-9]\d*/216000", said):
                 begun = True
                 process.send_signal(signal.SIGINT)
-        process.wait(timeout=60)
+        process.wait(timeout=600)
     os.close(ours)
     assert process.returncode == 130
     found = load_reach_map(file)

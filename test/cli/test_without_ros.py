@@ -44,7 +44,7 @@ print(json.dumps(found))
 
 def robomech(*arguments, program=ONE):
     command = [sys.executable, "-c", BLOCKED + program, *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(command, capture_output=True, text=True)
     return done.returncode, done.stdout, done.stderr
 
 

@@ -270,4 +270,4 @@ def test_importing_the_package_or_loading_a_robot_needs_neither_ros_nor_numba():
         "from robomech_ros.robots import load_robot; load_robot('ur5e').dh; "
         "assert not {'numba', 'rclpy', 'scipy'} & set(sys.modules), 'too much'"
     )
-    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -208,6 +208,5 @@ def test_command_tells_where_sympy_is_missing(tmp_path):
         [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n{program}"],
         capture_output=True,
         text=True,
-        timeout=120,
     )
     assert done.returncode == 1 and "robomech_ros[symbolic]" in done.stderr
