@@ -29,7 +29,9 @@ set_up = python=$$($(RUN) sh tools/find_python.sh $(1) "$(PYTHON)") && \
 # Tests share no files and no ROS domain, so that each core runs some of them. Those of nodes wait for
 # one another and, where robots move, for the clock, and leave much of the processor: what computes
 # runs beside them, and only where they do not.
-PARALLEL := -n auto --maxprocesses 8
+# A slow test has to earn its seconds: each row lists those that take longest.
+LONGEST := --durations 40 --durations-min 5
+PARALLEL := -n auto --maxprocesses 8 $(LONGEST)
 # A test of what takes the rest may wait minutes for the processor; the limit is for those that never end.
 PATIENT := --timeout 1800
 COMPUTING := $(PARALLEL) $(PATIENT) --ignore=test/nodes --ignore=test/installed --ignore=test/rvs
@@ -40,7 +42,7 @@ AGAIN := --reruns 1 -rR
 ANSWERING := $(PARALLEL) $(AGAIN) --dist loadgroup --ignore=test/nodes/motion test/nodes test/rvs
 # Two workers, as robots mostly wait; where Fast DDS takes a process down while a participant leaves, the test that ran
 # is named and run once more, and the others go on.
-MOVING := -n 2 $(AGAIN) --dist loadgroup test/nodes/motion
+MOVING := -n 2 $(LONGEST) $(AGAIN) --dist loadgroup test/nodes/motion
 INSTALLED := $(PARALLEL) $(AGAIN) --dist loadgroup test/installed
 LEFT := $(if $(shell command -v chrt),chrt --idle 0,nice -n 19)
 # Each prints when it has ended.
