@@ -10,6 +10,7 @@ from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.hold_up_watch import HoldUpWatch
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.spatial.arrays import as_finite
@@ -25,6 +26,7 @@ class TwistIntake:
     """Gives the commands that have come to what follows them.
 
     Stamped ones come on a topic, those without a stamp on the one with ``_unstamped`` behind it.
+    What has no stamp counts as new, but as old as it may be after the process was held up.
 
     Parameters
     ----------
@@ -53,6 +55,7 @@ class TwistIntake:
         clock: MotionClock,
     ) -> None:
         self._logger, self._follow, self._clock = node.get_logger(), follow, clock
+        self._hold_ups = HoldUpWatch()
         self.refusal, self.refused = "", 0
         readers: list[tuple[type, str, Callable[[Any], tuple[Twist, Time | None]]]] = [
             (TwistStamped, topic, lambda message: (message.twist, message.header.stamp)),
@@ -71,11 +74,16 @@ class TwistIntake:
 
     def take(self) -> None:
         """Give all that has come since the last look."""
+        now = self._clock.now()
+        if self._hold_ups.look(now):
+            held_up = f"held up for {self._hold_ups.age(now):.3g} s"
+            text = f"{held_up}: commands without a stamp count as that old"
+            self._logger.warning(text, throttle_duration_sec=_SELDOM)
         for inbox, read in self._readers:
             for message in inbox.take():
                 twist, stamp = read(message)
                 try:
-                    self._offer(twist, stamp, inbox.topic)
+                    self._offer(twist, self._age(stamp, now, inbox.topic))
                 except RobomechError as error:
                     self.refusal = f"command on '{inbox.topic}' ignored: {error}"
                     self.refused += 1
@@ -83,13 +91,15 @@ class TwistIntake:
                 else:
                     self.refusal = ""
 
-    def _offer(self, twist: Twist, stamp: Time | None, topic: str) -> None:
-        age = 0.0
+    def _age(self, stamp: Time | None, now: float, topic: str) -> float:
         if stamp is not None:
-            age = -self._clock.until(stamp, self._clock.now())
-            if not (stamp.sec or stamp.nanosec):
-                text = f"commands on '{topic}' have no stamp, which is taken for now"
-                self._logger.warning(text, once=True)
+            if stamp.sec or stamp.nanosec:
+                return -self._clock.until(stamp, now)
+            text = f"commands on '{topic}' have no stamp, which is taken for now"
+            self._logger.warning(text, once=True)
+        return self._hold_ups.age(now)
+
+    def _offer(self, twist: Twist, age: float) -> None:
         linear, angular = twist.linear, twist.angular
         # A message with one number that is none is spoilt, whichever it is.
         as_finite("command", [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z], (6,))

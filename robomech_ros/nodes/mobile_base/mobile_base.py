@@ -116,7 +116,7 @@ class MobileBase:
         if age > timeout > 0.0:
             if self.interface.forget_at_stale:
                 self._since = -math.inf
-            raise BadValueError("age of the stamp", age, f"up to {timeout:g} s, the time-out")
+            raise BadValueError("age of the command", age, f"up to {timeout:g} s, the time-out")
         wanted = np.array(command, dtype=np.float64)
         if self.robot.base.axle is not None:
             wanted[2] = 0.0

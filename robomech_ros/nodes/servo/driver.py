@@ -1,12 +1,12 @@
 """Drives the robot period by period: takes commands, continues the stream, watches the joints."""
 
-import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 from rclpy.node import Node
 
+from robomech_ros.nodes.common.hold_up_watch import HELD_UP, HoldUpWatch
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.joint_watch import Fault, JointWatch
 from robomech_ros.nodes.common.motion_clock import MotionClock
@@ -27,10 +27,6 @@ __all__ = ["Driver"]
 
 # How long the robot is left alone after it did not follow (s).
 _LEFT_ALONE = 0.5
-# After so long (s) without a look the commands that wait may be of somebody who has let go since.
-_HELD_UP = 0.5
-# For so long (s) after that such commands may still come out of the middleware.
-_DEAF = 0.2
 # A joint that is slower than this part of its limit stands.
 _STANDING = 0.01
 
@@ -69,10 +65,9 @@ class Driver:
         self._fault: Fault | None = None
         # Until when at least the robot is left alone, and it is looked for commands (s).
         self._left_alone_until = self._awake_until = 0.0
-        # Until when commands are passed over (s).
-        self._deaf_until = -math.inf
-        # When it was looked for commands last, or for what to tell (s).
-        self._looked_at = clock.now()
+        # It is looked for commands, or at rest for what to tell.
+        self._hold_ups = HoldUpWatch()
+        self._hold_ups.look(clock.now())
         frames = RobotFrames(node, model, monitor, settings)
         self._stream = StreamPublisher(node, servo, clock, model.chain.joint_names, settings())
         lead = self._stream.lead
@@ -110,7 +105,7 @@ class Driver:
         if self._timer.is_canceled():
             self._intake.attend(False)
             self._timer.reset()
-            self._after_hold_up(now, REPEATED + _HELD_UP)
+            self._after_hold_up(now, REPEATED + HELD_UP)
             self._tick()
 
     def pause(self, paused: bool) -> None:
@@ -130,16 +125,14 @@ class Driver:
 
         The robot has braked by the plan of the last message.
         """
-        if now > self._looked_at + most:
+        if self._hold_ups.look(now, most):
             self._servo.end()
             self._servo.forget()
-            self._deaf_until = now + _DEAF
-        self._looked_at = now
 
     def _tick(self) -> None:
         now = self._clock.now()
-        self._after_hold_up(now, _HELD_UP)
-        if now < self._deaf_until:
+        self._after_hold_up(now, HELD_UP)
+        if self._hold_ups.age(now):
             self._intake.clear()
             self._awake_until = now + REPEATED
         elif self._intake.take(now):
@@ -220,7 +213,7 @@ class Driver:
         """Publish the status from time to time also where nothing has happened for long."""
         if self._timer.is_canceled():
             now = self._clock.now()
-            self._after_hold_up(now, REPEATED + _HELD_UP)
+            self._after_hold_up(now, REPEATED + HELD_UP)
             self._publish_idle(now)
 
     def _publish_idle(self, now: float) -> None:

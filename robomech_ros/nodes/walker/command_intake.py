@@ -78,7 +78,7 @@ class CommandIntake:
     def _follow(self, twist: Any, age: float) -> None:
         timeout = self._walker.timeout
         if age > timeout:
-            raise BadValueError("age of the stamp", age, f"up to {timeout:g} s, the time-out")
+            raise BadValueError("age of the command", age, f"up to {timeout:g} s, the time-out")
         self._walker.command(twist)
         self.commanded = True
 

@@ -145,7 +145,7 @@ def test_3_silence_brakes_within_limits_and_the_next_command_counts(drive):
 @pytest.mark.parametrize("drive", INTERFACES)
 def test_4_a_stale_command_is_ignored(drive):
     base = base_of(drive, 0.5)
-    with pytest.raises(BadValueError, match=r"age of the stamp is 0.6, expected up to 0.5 s"):
+    with pytest.raises(BadValueError, match=r"age of the command is 0.6, expected up to 0.5 s"):
         base.take((0.0, 0.5, 0.0), 0.6)
     base.update()
     assert not base.motion.twist.any()

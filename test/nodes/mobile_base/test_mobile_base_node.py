@@ -160,7 +160,7 @@ def test_no_drive_has_frames_where_none_are_wanted(graph, drive, wanted):
 
 @pytest.mark.parametrize(
     ("old", "value", "text"),
-    [(1, 0.3, "age of the stamp"), (None, math.nan, "command"), (None, math.inf, "command")],
+    [(1, 0.3, "age of the command"), (None, math.nan, "command"), (None, math.inf, "command")],
 )
 def test_what_is_ignored_is_said_and_moves_nothing(graph, old, value, text):
     graph.start(MobileBaseNode, robot_description="differential", **FAST)

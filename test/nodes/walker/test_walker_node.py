@@ -194,7 +194,7 @@ def test_gaits_are_changed_and_those_for_other_robots_refused(graph):
 
 @pytest.mark.parametrize(
     ("old", "value", "text"),
-    [(1, 0.02, "age of the stamp"), (None, math.nan, "command"), (None, math.inf, "command")],
+    [(1, 0.02, "age of the command"), (None, math.nan, "command"), (None, math.inf, "command")],
 )
 def test_what_is_ignored_is_said_and_moves_nothing(graph, old, value, text):
     heard = Listener(graph)
