@@ -21,17 +21,21 @@ MOVE = np.array([0.2, -0.1, 0.15, 0.0, 0.1, -0.1])
 class Ticks:
     """Counts cycles, and notes when they were."""
 
-    def __init__(self, node, work=lambda count: None, rate=RATE):
+    def __init__(self, node, work=lambda cycles, count: None, rate=RATE):
         self.times = []
         self._work = work
         self._news = threading.Condition()
+        # Cycles begin before their constructor has returned.
+        self._made = threading.Event()
         self.cycles = Cycles(node, MotionClock(node), rate, self._tick)
+        self._made.set()
 
     def _tick(self):
+        assert self._made.wait(30.0)
         with self._news:
             self.times.append(time.monotonic())
             self._news.notify_all()
-        self._work(len(self.times))
+        self._work(self.cycles, len(self.times))
 
     def until(self, count):
         with self._news:
@@ -67,13 +71,13 @@ def test_cycles_need_no_executor_and_keep_to_their_grid(node, monkeypatch):
     moments, seen = Moments(monkeypatch), []
     period = round(1e9 / RATE)
 
-    def work(count):
+    def work(cycles, count):
         seen.append(moments.now)
         # The fifth takes two cycles more than its own, and the thread wakes late now and then.
         moments.now += round(2.4 * period) if count == 5 else 1000
         moments.late = period // 4 if count % 3 == 0 else 0
         if count == 30:
-            ticks.cycles.stop()
+            cycles.stop()
 
     ticks = Ticks(node, work)
     ticks.until(30)
@@ -86,7 +90,7 @@ def test_cycles_need_no_executor_and_keep_to_their_grid(node, monkeypatch):
 
 
 def test_a_cycle_that_fails_is_told_and_the_next_one_comes(node, capfd):
-    def fail(count):
+    def fail(_, count):
         if count == 3:
             raise ValueError("the third")
 
@@ -108,7 +112,7 @@ def test_cycles_end_with_their_context(graph, node):
 
 
 def test_a_cycle_can_stop_its_own_cycles(node):
-    ticks = Ticks(node, lambda count: ticks.cycles.stop() if count == 3 else None)
+    ticks = Ticks(node, lambda cycles, count: cycles.stop() if count == 3 else None)
     ticks.until(3)
     ticks.cycles.stop()
     assert len(ticks.times) == 3
