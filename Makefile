@@ -35,13 +35,13 @@ PARALLEL := -n auto --maxprocesses 8 $(LONGEST)
 # A test of what takes the rest may wait minutes for the processor; the limit is for those that never end.
 PATIENT := --timeout 1800
 COMPUTING := $(PARALLEL) $(PATIENT) --ignore=test/nodes --ignore=test/installed --ignore=test/rvs
-# What depends on the clock may fail where another process takes the machine for a moment: it is run once more, and
-# the summary names it. A defect fails twice.
-AGAIN := --reruns 1 -rR
+# What depends on the clock may fail where another process takes the machine for a moment: it is run up to twice more,
+# a moment later, and the summary names it. A defect fails each time.
+AGAIN := --reruns 2 --reruns-delay 3 -rR
 # One worker for all browsers: each takes all of a small machine.
 ANSWERING := $(PARALLEL) $(AGAIN) --dist loadgroup --ignore=test/nodes/motion test/nodes test/rvs
 # Two workers, as robots mostly wait; where Fast DDS takes a process down while a participant leaves, the test that ran
-# is named and run once more, and the others go on.
+# is named and run again, and the others go on.
 MOVING := -n 2 $(LONGEST) $(AGAIN) --dist loadgroup test/nodes/motion
 INSTALLED := $(PARALLEL) $(AGAIN) --dist loadgroup test/installed
 LEFT := $(if $(shell command -v chrt),chrt --idle 0,nice -n 19)

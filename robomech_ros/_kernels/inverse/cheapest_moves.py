@@ -43,6 +43,7 @@ def cheapest_moves(packed, costs, before, after, largest, totals, came):
     """
     for k in range(after.shape[0]):
         least = math.inf
+        came[k] = 0
         for i in range(before.shape[0]):
             total = costs[i] + _cost_of(packed, before[i], after[k], largest, least - costs[i])
             if total < least:

@@ -156,15 +156,14 @@ def test_the_trunk_is_moved_over_feet_that_stay_and_levelled(graph, browse):
     for label, value in wanted.items():
         browser.set(control(browser, label), value)
 
-    browser.set(control(browser, "Move trunk"), True)
-
-    def moved():
+    def reaches(button, z, pitch):
+        # On a busy machine the robot may just have been let go: it then takes no pose.
+        browser.set(control(browser, button), True)
         at = browser.page._arm.positions
-        return abs(at["body_z"] - 0.003) < 1e-6 and abs(at["body_pitch"] - 0.02) < 1e-6
+        return abs(at["body_z"] - z) < 1e-6 and abs(at["body_pitch"] - pitch) < 1e-6
 
-    wait_until(moved)
-    browser.set(control(browser, "Level trunk"), True)
-    wait_until(lambda: abs(browser.page._arm.positions["body_pitch"]) < 1e-6)
+    wait_until(lambda: reaches("Move trunk", 0.003, 0.02))
+    wait_until(lambda: reaches("Level trunk", 0.0, 0.0))
     assert all(control(browser, label).value == 0.0 for label in wanted)
 
 
