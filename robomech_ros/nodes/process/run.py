@@ -22,6 +22,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.exceptions import ROSInterruptException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
@@ -120,7 +121,11 @@ class Spinner:
             self._executor.spin_once(timeout)
         except (ExternalShutdownException, ROSInterruptException):
             self._stopping = True
-        except Exception:
+        except Exception as error:
+            if isinstance(error, rclpy_implementation.RCLError) and not self._executor.context.ok():
+                # The context ended while something was made in it.
+                self._stopping = True
+                return
             text = f"a callback failed, please report this:\n{traceback.format_exc()}"
             self._nodes[0].get_logger().error(text)
 

@@ -2,6 +2,7 @@
 
 import threading
 
+import rclpy
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
@@ -79,6 +80,24 @@ def test_stop_that_hangs_is_not_waited_for_forever(graph, monkeypatch):
     spinner.stop()
     release.set()
     node.destroy_node()
+
+
+def test_a_context_that_ends_under_a_callback_is_no_defect(domain_id, capfd):
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=domain_id)
+    node, ended = Node("late", context=context), threading.Event()
+
+    def shut_down():
+        context.try_shutdown()
+        node.create_timer(1.0, shut_down)
+
+    node.create_timer(0.01, shut_down)
+    spinner = Spinner([node], context)
+    spinner.start(ended.set)
+    assert ended.wait(30.0)
+    spinner.stop()
+    node.destroy_node()
+    assert "please report" not in capfd.readouterr().err
 
 
 def test_a_spinner_that_never_started_can_be_stopped(graph):
