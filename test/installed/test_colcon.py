@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-# One process runs these, so that the workspace is built once.
-pytestmark = pytest.mark.xdist_group("colcon")
+# One process runs these, so that the workspace is built once: the first test waits for it.
+pytestmark = [pytest.mark.xdist_group("colcon"), pytest.mark.timeout(1200)]
 
 NODES = {
     "calibration_node",
@@ -71,7 +71,6 @@ def workspace(
     return Workspace(source, source / "install", sourced(source / "install/setup.bash", wheels))
 
 
-@pytest.mark.timeout(600)
 def test_a_plain_build_finds_both_packages(workspace):
     packages = {path.parent.name for path in workspace.install.glob("*/share")}
     assert packages == {"robomech_ros", "robomech_interfaces"}
