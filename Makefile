@@ -38,12 +38,11 @@ COMPUTING := $(PARALLEL) $(PATIENT) --ignore=test/nodes --ignore=test/installed 
 # What depends on the clock may fail where another process takes the machine for a moment: it is run up to twice more,
 # a moment later, and the summary names it. A defect fails each time.
 AGAIN := --reruns 2 --reruns-delay 3 -rR
-# One worker for all browsers: each takes all of a small machine.
-ANSWERING := $(PARALLEL) $(AGAIN) --dist loadgroup --ignore=test/nodes/motion test/nodes test/rvs
-# Two workers, as robots mostly wait; where Fast DDS takes a process down while a participant leaves, the test that ran
-# is named and run again, and the others go on.
-MOVING := -n 2 $(LONGEST) $(AGAIN) --dist loadgroup test/nodes/motion
-INSTALLED := $(PARALLEL) $(AGAIN) --dist loadgroup test/installed
+ANSWERING := $(PARALLEL) $(AGAIN) --ignore=test/nodes/motion test/nodes test/rvs
+# Two workers, as robots mostly wait. Where Fast DDS takes a process down while a participant leaves, the test that ran
+# is named and run again, and the others go on; not so with --dist loadgroup, which then hangs.
+MOVING := -n 2 $(LONGEST) $(AGAIN) test/nodes/motion
+INSTALLED := $(PARALLEL) $(AGAIN) test/installed
 LEFT := $(if $(shell command -v chrt),chrt --idle 0,nice -n 19)
 # Each prints when it has ended.
 AT_ONCE := $(MAKE) --no-print-directory -j2 -Otarget

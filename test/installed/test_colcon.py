@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-# One process runs these, so that the workspace is built once: the first test waits for it.
-pytestmark = [pytest.mark.xdist_group("colcon"), pytest.mark.timeout(1200)]
+# Whichever test is the first waits until the workspace is built.
+pytestmark = pytest.mark.timeout(1200)
 
 NODES = {
     "calibration_node",

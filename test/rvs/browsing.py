@@ -10,10 +10,8 @@ from chromium import Tab, chromium
 
 __all__ = ["IN_CHROMIUM", "browser"]
 
-# One after the other: each takes all of a small machine.
 IN_CHROMIUM = [
     pytest.mark.skipif(chromium() is None, reason="no Chromium: sudo apt-get install chromium"),
-    pytest.mark.xdist_group("chromium"),
     pytest.mark.timeout(900),
 ]
 

@@ -13,13 +13,10 @@ from robomech_ros import shared_memory
 from robomech_ros.nodes.process import free_domain as module
 from robomech_ros.nodes.process.free_domain import NoFreeDomainError, free_domain
 
-# They reserve the same domains of this machine.
-pytestmark = pytest.mark.xdist_group("reserved_domains")
-
 HOLD = """
 import sys
 from robomech_ros.nodes.process import free_domain as module
-module._DOMAINS = range(230, 231)
+module._DOMAINS = range(int(sys.argv[1]), int(sys.argv[1]) + 1)
 with module.free_domain() as number:
     print(number, flush=True)
     sys.stdin.readline()
@@ -27,40 +24,52 @@ with module.free_domain() as number:
 
 
 @pytest.fixture
-def two_domains(monkeypatch):
-    """Domains that nobody else reserves, so that no other test is disturbed."""
-    monkeypatch.setattr(module, "_DOMAINS", range(228, 230))
+def first(worker_id):
+    """Name the first of two domains that nobody else reserves, so that no test is disturbed."""
+    worker = int(worker_id.removeprefix("gw")) if worker_id != "master" else 0
+    return 200 + 2 * (worker % 15)
+
+
+@pytest.fixture
+def two_domains(monkeypatch, first):
+    """Give these two."""
+    domains = range(first, first + 2)
+    monkeypatch.setattr(module, "_DOMAINS", domains)
+    return domains
 
 
 def test_a_domain_is_given_once_and_again_when_it_is_free(two_domains):
-    with free_domain() as first, free_domain() as second:
-        assert {first, second} == {228, 229}
-        none_left = "all ROS domains from 228 to 229 are in use"
+    with free_domain() as one, free_domain() as other:
+        assert {one, other} == set(two_domains)
+        none_left = f"all ROS domains from {two_domains[0]} to {two_domains[1]} are in use"
         with pytest.raises(NoFreeDomainError, match=none_left), free_domain():
             pass
     with free_domain() as again:
-        assert again in (228, 229)
+        assert again in two_domains
 
 
-def test_a_killed_process_frees_its_domain(monkeypatch):
+def test_a_killed_process_frees_its_domain(monkeypatch, first):
     holder = subprocess.Popen(
-        [sys.executable, "-c", HOLD], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", HOLD, str(first)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
     )
-    monkeypatch.setattr(module, "_DOMAINS", range(230, 231))
-    assert holder.stdout.readline() == "230\n"
+    monkeypatch.setattr(module, "_DOMAINS", range(first, first + 1))
+    assert holder.stdout.readline() == f"{first}\n"
     with pytest.raises(NoFreeDomainError), free_domain():
         pass
     holder.kill()
     holder.communicate()
     with free_domain() as freed:
-        assert freed == 230
+        assert freed == first
 
 
 def test_no_file_is_opened(two_domains, tmp_path, monkeypatch):
     precious = tmp_path / "precious"
     precious.write_text("kept")
     monkeypatch.setenv("TMPDIR", str(tmp_path))
-    for number in (228, 229):
+    for number in two_domains:
         (tmp_path / f"robomech-domain-{os.getuid()}-{number}").symlink_to(precious)
     with free_domain():
         assert precious.read_text() == "kept"
@@ -71,8 +80,8 @@ def test_ports_in_shared_memory_that_killed_processes_left_are_removed(
 ):
     """Answers to clients in such a domain were lost until somebody cleaned up by hand."""
     monkeypatch.setattr(shared_memory, "_FOLDER", tmp_path)
-    first = 7400 + 250 * 228
-    of_both, elsewhere = f"fastdds_port{first + 11}", f"fastdds_port{first + 250 * 2}"
+    port = 7400 + 250 * two_domains[0]
+    of_both, elsewhere = f"fastdds_port{port + 11}", f"fastdds_port{port + 250 * 2}"
     for name in (of_both, elsewhere):
         (tmp_path / name).touch()
     with free_domain(), free_domain():
