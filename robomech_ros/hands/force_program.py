@@ -9,7 +9,7 @@ they share is kept.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from types import ModuleType
 from typing import Any
 
@@ -199,6 +199,7 @@ def separating_program(
     return np.array(found.x) if found.status in (ended.Solved, ended.AlmostSolved) else None
 
 
+@cache
 def _settings(library: ModuleType) -> Any:
     settings = library.DefaultSettings()
     settings.verbose = False

@@ -24,8 +24,6 @@ Flags = NDArray[np.bool_]
 # cones, of the greatest of them.
 _BALANCED = 1e-9
 _OUTSIDE = 1e-9
-# Below this it is rounding.
-_ROUNDING = 1e-14
 _MOST_ROUNDS = 8
 _TINY = 1e-300
 # Singular values below this share of the largest are none: what it takes them for are forces a
@@ -152,18 +150,18 @@ def _moved_inside(
         How far they are outside the cones, as a share of the greatest of them if that is above 1.
     """
     for _ in range(_MOST_ROUNDS):
-        x = x - inverse @ (W @ x - needed)
-        found = _of_contacts(x, used)
+        balanced = x - inverse @ (W @ x - needed)
+        found = _of_contacts(balanced, used)
         bounded = _bounded(found)
-        outside = float((bounded - found[:, 0]).max() / max(1.0, np.abs(x).max()))
-        if outside <= _ROUNDING:
-            return x, outside
+        outside = float((bounded - found[:, 0]).max() / max(1.0, np.abs(balanced).max()))
+        if outside <= _OUTSIDE:
+            break
         beyond = bounded > found[:, 0]
         normal = np.clip(0.5 * (found[:, 0] + bounded), 0.0, None)[beyond]
         found[beyond, 1:] *= (normal / np.maximum(bounded[beyond], _TINY))[:, None]
         found[beyond, 0] = normal
-        nearest, x = x, found[used]
-    return nearest, outside
+        x = found[used]
+    return balanced, outside
 
 
 def _proofs(proof: Array | None, cones: Array, used: Flags, needed: Array) -> Iterator[Array]:
