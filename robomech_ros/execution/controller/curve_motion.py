@@ -90,6 +90,6 @@ class CurveMotion:
         """Have the joints stand where they are."""
         self.desired, self.actual = at_rest(self._joints.position), self._joints.stand()
 
-    def put(self, position: FloatArray) -> None:
-        """Have the joints stand somewhere else (rad or m), at once."""
-        self.desired, self.actual = at_rest(position), self._joints.put(position)
+    def put(self, position: FloatArray, shown: FloatArray | None = None) -> None:
+        """Have the joints stand somewhere else (rad or m), at once; see `SimulatedJoints.put`."""
+        self.desired, self.actual = at_rest(position), self._joints.put(position, shown)

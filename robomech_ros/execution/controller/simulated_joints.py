@@ -12,12 +12,15 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.execution.joints import State, at_rest
+from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["DrivenMotion", "Faults", "Plant", "SimulatedJoints"]
 
 # What sums of cycles may be off, s.
 _ROUNDING = 1e-9
+# Positions that differ by less (rad or m) are the same.
+_SAME = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +106,9 @@ class Plant(Protocol):
 class SimulatedJoints:
     """Moves n joints to where they should be.
 
+    Joints that are late, after a fault or a step of the command, catch up within their limits of
+    velocity.  Sensors with faults show a motion within these limits, and within those of position.
+
     Parameters
     ----------
     position : ndarray, shape (n,)
@@ -111,6 +117,8 @@ class SimulatedJoints:
         Time constant with which they follow, s; 0 = exactly.
     plant : Plant, optional
         Moves them by forces; otherwise they follow their commands exactly.
+    limits : Limits, optional
+        Of the joints; none by default.
 
     Attributes
     ----------
@@ -122,9 +130,16 @@ class SimulatedJoints:
         How long each drive has been at its limit since `count_anew`, s.
     """
 
-    def __init__(self, position: FloatArray, lag: float = 0.0, plant: Plant | None = None) -> None:
+    def __init__(
+        self,
+        position: FloatArray,
+        lag: float = 0.0,
+        plant: Plant | None = None,
+        limits: Limits | None = None,
+    ) -> None:
         self._lag = lag
         self._plant = plant
+        self._limits = limits or Limits(tuple(map(str, range(len(position)))))
         self.at_limit = np.zeros(len(position))
         self.effort = None if plant is None else plant.put(position).effort
         self._faults: Faults | None = None
@@ -132,6 +147,8 @@ class SimulatedJoints:
         self._time = 0.0
         self._under_way: deque[tuple[float, State]] = deque()
         self._state = self._command = at_rest(position)
+        # What the sensors showed last, whether that is wrong, and whether the joints are late.
+        self._shown, self._astray, self._late = self._state.position, False, False
 
     @property
     def position(self) -> FloatArray:
@@ -158,9 +175,10 @@ class SimulatedJoints:
         State
             What the sensors show then.
         """
-        if self._plant is None and self._faults is None and not self._lag:
+        wrong = self._faults is not None or self._astray or self._late
+        if self._plant is None and not (self._lag or wrong):
             self._state = self._command = desired
-            self._under_way.clear()
+            self._shown = desired.position
             return desired
         if span > 0.0:
             before = self._command
@@ -169,16 +187,24 @@ class SimulatedJoints:
                 self._move(command, span)
             else:
                 self._drive(self._plant, before, command, span)
-        return self._sensed()
+        self._late = _apart(desired.position, self._state.position)
+        return self._sensed(span)
 
-    def put(self, position: FloatArray) -> State:
-        """Have the joints stand somewhere (rad or m), at once; returns what the sensors show."""
+    def put(self, position: FloatArray, shown: FloatArray | None = None) -> State:
+        """Have the joints stand somewhere (rad or m), at once.
+
+        Returns what the sensors show: this, where it is given.
+        """
         self._under_way.clear()
         self._state = self._command = at_rest(position)
+        self._late = False
         self.count_anew()
         if self._plant is not None:
             self.effort = self._plant.put(position).effort
-        return self._sensed()
+        if shown is None:
+            return self._sensed(math.inf)
+        self._shown, self._astray = shown, _apart(shown, position)
+        return self._sensed(0.0)
 
     def stand(self) -> State:
         """Tell the joints to stand where they are; returns what the sensors show.
@@ -189,7 +215,7 @@ class SimulatedJoints:
         self._command = at_rest(self._state.position)
         if self._plant is None:
             self._state = self._command
-        return self._sensed()
+        return self._sensed(0.0)
 
     def count_anew(self) -> None:
         """Forget how long drives were at their limits."""
@@ -206,28 +232,43 @@ class SimulatedJoints:
         self._time += span
         faults = self._faults
         if faults is None:
+            self._under_way.clear()
             self._command = desired
-        elif not (faults.dropped and self._random.random() < faults.dropped):
+            return desired
+        if not (faults.dropped and self._random.random() < faults.dropped):
             self._under_way.append((self._time, desired))
-        due = self._time - (0.0 if faults is None else faults.delay) + _ROUNDING
+        due = self._time - faults.delay + _ROUNDING
         while self._under_way and self._under_way[0][0] <= due:
             self._command = self._under_way.popleft()[1]
         return self._command
 
     def _move(self, command: State, span: float) -> None:
         part = -math.expm1(-span / self._lag) if self._lag else 1.0
-        change = part * (command.position - self._state.position)
+        most = self._limits.velocity * span
+        change = np.clip(part * (command.position - self._state.position), -most, most)
         if self._faults is not None:
             change = np.where(self._faults.stuck, 0.0, change)
         velocity = change / span
         acceleration = (velocity - self._state.velocity) / span
         self._state = State(self._state.position + change, velocity, acceleration)
 
-    def _sensed(self) -> State:
+    def _sensed(self, span: float) -> State:
+        """Give what the sensors show, so long (s) after they showed something last."""
         faults, state = self._faults, self._state
-        if faults is None:
-            return state
-        shown = state.position + faults.offset
-        if faults.noise:
-            shown = shown + faults.noise * self._random.standard_normal(len(shown))
+        shown = state.position
+        if faults is not None:
+            shown = shown + faults.offset
+            if faults.noise:
+                shown = shown + faults.noise * self._random.standard_normal(len(shown))
+            lower = np.minimum(self._limits.lower, state.position)
+            shown = np.clip(shown, lower, np.maximum(self._limits.upper, state.position))
+        if faults is not None or self._astray:
+            most = self._limits.velocity * span if span else 0.0
+            shown = np.clip(shown, self._shown - most, self._shown + most)
+            self._astray = _apart(shown, state.position)
+        self._shown = shown
         return State(shown, state.velocity, state.acceleration)
+
+
+def _apart(one: FloatArray, other: FloatArray) -> bool:
+    return bool(np.max(np.abs(one - other)) > _SAME)

@@ -2,39 +2,48 @@
 
 import threading
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 
+import numpy as np
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.follower import Follower
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
+from robomech_ros.execution.controller.state_check import Margin, StateCheck
 from robomech_ros.execution.controller.trajectory_goal import (
     End,
     GoalResult,
     TrajectoryGoal,
 )
-from robomech_ros.execution.joints import Joints, State
+from robomech_ros.execution.joints import Joints, State, at_rest
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.execution.refusals import TrajectoryRefusedError
-from robomech_ros.nodes.common.error_codes import code_of
+from robomech_ros.nodes.common.error_codes import OutcomeError, code_of
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.received_trajectory import received_trajectory
 from robomech_ros.nodes.common.refusals import trajectory_label
 from robomech_ros.nodes.joint_trajectory_controller.motion_counts import MotionCounts
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
+    DYNAMIC,
+    SPLINES,
     ControllerSettings,
     default_tolerances,
     follower_settings,
 )
 from robomech_ros.outcomes import Code
+from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
 __all__ = ["CommandedJoints"]
 
 _NANO = 1_000_000_000
+# Joints that forces move may overshoot their limits: of position by so much (rad or m), and of
+# velocity by this part.
+_BEYOND, _FASTER = 0.02, 0.2
 
 
 class CommandedJoints:
@@ -57,6 +66,8 @@ class CommandedJoints:
         The time.
     lock : RLock
         Shared by all joints that are commanded in one process.
+    start : ndarray, optional
+        Where all joints are at first (rad or m); by default those that are commanded.
 
     Attributes
     ----------
@@ -70,6 +81,8 @@ class CommandedJoints:
         What moves them.
     refuse_all : str
         Why no trajectory is accepted any more; empty while trajectories are accepted.
+    fault : str
+        Why the present state may not be published, so that the joints hold; empty if it may.
     """
 
     def __init__(
@@ -80,19 +93,23 @@ class CommandedJoints:
         settings: ControllerSettings,
         clock: MotionClock,
         lock: "threading.RLock",
+        start: FloatArray | None = None,
     ) -> None:
         self.place = place
         self.joint_names: Sequence[str] = list(joints.names)
         self.lock = lock
         self.counts = MotionCounts()
-        self.refuse_all = ""
+        self.refuse_all = self.fault = ""
         self.simulated_joints = simulated_joints
         self._settings = settings
         self._clock = clock
-        self._initial = simulated_joints.position
         self._tolerances = default_tolerances(settings, len(self.joint_names))
         self.follower = Follower(joints, simulated_joints, follower_settings(settings), clock.now())
         clock.on_jump(self.follower.clock_jumped)
+        self._start = simulated_joints.position if start is None else start
+        self._at = np.array([list(self.shown_names).index(name) for name in joints.names])
+        self._check = _state_check(settings, *self._checked_limits())
+        self._accept(self._start)
 
     @property
     def time(self) -> float:
@@ -104,8 +121,48 @@ class CommandedJoints:
         self.advance_to(self.time)
 
     def advance_to(self, time: float) -> None:
-        """Move on to a time (s): one for all joints whose states have the same stamp."""
-        self.follower.advance(time)
+        """Move on to a time (s): one for all joints whose states have the same stamp.
+
+        Every state is checked.  Before one that may not be published, the joints stop where they
+        were, and their motion ends with an error.
+        """
+        try:
+            self.follower.advance(time)
+            state, real = self._look()
+            if fault := self._check.fault(state.position, time):
+                raise OutcomeError(Code.LIMIT, f"{fault}; the robot holds where it was before")
+        except RobomechError as error:
+            code = code_of(error)
+            why = "stopped before a singular posture: " if code is Code.SINGULAR else ""
+            self.fault = f"{why}{error}"
+            self.follower.halt(code, self.fault)
+            self._assume(self._real)
+            shown = self._shown.position
+            self.follower.motion.put(self._real[self._at], shown[self._at])
+            self._shown = at_rest(shown)
+        else:
+            self._shown, self._real, self.fault = state, real, ""
+        self._check.keep(self._shown.position, time)
+
+    def _look(self) -> tuple[State, FloatArray]:
+        """Return the state to be published, and where the joints really are (rad or m)."""
+        return self.follower.actual, self.simulated_joints.position
+
+    def _assume(self, real: FloatArray) -> None:
+        """Tell what moves the joints that these are their positions (rad or m)."""
+
+    def _accept(self, real: FloatArray) -> None:
+        """Take the present state as it is, since the joints were put there (rad or m)."""
+        self._real = real
+        try:
+            self._shown, self._real = self._look()
+        except OutcomeError:  # sensors with faults may show what closes no loops
+            self._shown = at_rest(real)
+        self._check.restart(self._shown.position, self.follower.now)
+
+    def _checked_limits(self) -> tuple[Limits, Margin | None]:
+        """Return the limits of `shown_names`, and a function for how far inside they are."""
+        return self.follower.joints.limits, None
 
     @property
     def shown_names(self) -> Sequence[str]:
@@ -114,7 +171,7 @@ class CommandedJoints:
 
     def shown(self) -> State:
         """Give where the joints of `shown_names` are; the lock is held."""
-        return self.follower.actual
+        return self._shown
 
     def shown_efforts(self) -> FloatArray | None:
         """Give what their drives exert (N m or N); None where no forces are simulated."""
@@ -122,17 +179,16 @@ class CommandedJoints:
 
     def kept(self) -> FloatArray:
         """Give what a process that comes after a crash needs to `resume` (rad or m)."""
-        return self.simulated_joints.position
+        return self._real
 
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Lower and upper limits (rad or m) of what is kept."""
-        limits = self.follower.joints.limits
-        return limits.lower, limits.upper
+        return self._check.limits.lower, self._check.limits.upper
 
     def resume(self, kept: FloatArray) -> None:
         """Stand where the joints of a process that was killed stood."""
-        self.follower.reset(kept, "")
+        self._put(kept, "")
 
     def stamp(self) -> tuple[int, int]:
         """Give the ROS time (s and ns) of the follower's states, which may be some time ago."""
@@ -221,4 +277,18 @@ class CommandedJoints:
 
     def reset(self, text: str) -> None:
         """Put the joints back to where they were at start, at once."""
-        self.follower.reset(self._initial, text)
+        self._put(self._start, text)
+
+    def _put(self, real: FloatArray, text: str) -> None:
+        """Put all joints somewhere (rad or m), at once, and end what they are doing."""
+        self._assume(real)
+        self.follower.reset(real[self._at], text)
+        self._accept(real)
+
+
+def _state_check(settings: ControllerSettings, limits: Limits, margin: Margin | None) -> StateCheck:
+    if settings.interpolation_method != SPLINES:
+        # The joints step to one point after the other.
+        limits = replace(limits, velocity=np.full(len(limits.joint_names), np.inf))
+    overshoot = (_BEYOND, _FASTER) if settings.simulation == DYNAMIC else ()
+    return StateCheck(limits, margin, *overshoot)

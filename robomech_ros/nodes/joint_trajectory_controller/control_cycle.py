@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 
 from rclpy.node import Node
 
-from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.saturation import saturation_text
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.display.robot_display import RobotDisplay
@@ -100,9 +99,8 @@ class ControlCycle:
     def _move(self, joints: CommandedJoints, time: float) -> None:
         try:
             joints.advance_to(time)
-        except RobomechError as error:
-            self._logger.error(str(error), throttle_duration_sec=_SELDOM)
-            joints.follower.halt(Code.PATH_TOLERANCE, str(error))
+            if joints.fault:
+                self._logger.error(joints.fault, throttle_duration_sec=_SELDOM)
         except Exception:
             self._logger.error(f"motion failed, please report:\n{traceback.format_exc()}")
             text = "internal error of the controller, see its log"

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.dynamics import ControlledArm, DynamicSystem
 from robomech_ros.dynamics.systems import LostPostureError, dynamic_system
-from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.simulated_joints import DrivenMotion
 from robomech_ros.execution.joints import State, at_rest
 from robomech_ros.nodes.common.error_codes import OutcomeError
@@ -28,7 +27,7 @@ _LONGEST = 10.0
 _ROUNDING = 1e-6
 
 
-class MotionRanAwayError(RobomechError):
+class MotionRanAwayError(OutcomeError):
     """The simulated motion has left all bounds; the robot stands where it was before."""
 
 
@@ -124,7 +123,7 @@ class DynamicPlant:
                 text = f"{motion.reason}; the robot stands where it was before"
                 if motion.singular:
                     raise OutcomeError(Code.SINGULAR, text)
-                raise MotionRanAwayError(text)
+                raise MotionRanAwayError(Code.PATH_TOLERANCE, text)
             at_limit += period * motion.saturated.sum(axis=0)
             effort = motion.effort[-1]
         acceleration = (self._rates - started) / simulated

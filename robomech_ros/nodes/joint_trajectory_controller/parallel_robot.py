@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
-from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.errors import RobomechError
+from robomech_ros.execution.controller.state_check import Margin
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.refusals import JointMismatchError
 from robomech_ros.nodes.common.error_codes import OutcomeError
@@ -23,6 +24,7 @@ from robomech_ros.nodes.joint_trajectory_controller.settings import (
 )
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Mechanism
+from robomech_ros.parallel.motion.drive_paths import OPEN
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.waypoints import Waypoints
 
@@ -59,21 +61,16 @@ class ParallelRobot(SimulatedRobot):
     ) -> None:
         check_simulation(settings)
         self.mechanism = mechanism
-        self._start = self._posture = _initial_posture(settings, mechanism)
-        self._rates = np.zeros(mechanism.n)
+        start = _initial_posture(settings, mechanism)
+        plant = dynamic_plant(partial(_with_bodies, mechanism), settings, start)
         drives = mechanism.drive_index
         limits = Limits.of(mechanism).only(drives.tolist())
-        plant = dynamic_plant(partial(_with_bodies, mechanism), settings, self._start)
-        super().__init__(mechanism.name, limits, self._start[drives], settings, clock, plant)
+        super().__init__(mechanism.name, limits, start[drives], settings, clock, plant, start)
 
     @property
     def shown_names(self) -> tuple[str, ...]:
         """All joints, limb by limb."""
         return self.mechanism.joint_names
-
-    def shown(self) -> State:
-        """Give where all joints are; accelerations are not known."""
-        return State(self._posture, self._rates, np.full(self.mechanism.n, np.nan))
 
     def shown_efforts(self) -> Array | None:
         """Give what drives exert (N m or N), NaN of passive joints; None without forces."""
@@ -84,65 +81,44 @@ class ParallelRobot(SimulatedRobot):
         shown[self.mechanism.drive_index] = efforts
         return shown
 
-    def kept(self) -> Array:
-        """Give all joints (n,), which tell the assembly mode, without the faults of sensors."""
-        drives = self.simulated_joints.position
-        if np.array_equal(drives, self._posture[self.mechanism.drive_index]):
-            return self._posture
-        return self.mechanism.close(drives, self._posture).q
-
-    @property
-    def bounds(self) -> tuple[Array, Array]:
-        """Lower and upper limits (rad or m) of all joints."""
-        return self.mechanism.lower, self.mechanism.upper
-
     def resume(self, kept: Array) -> None:
         """Stand where all joints (n,) of a process that was killed stood."""
-        drives = kept[self.mechanism.drive_index]
-        closed = self.mechanism.close(drives, kept)
+        closed = self.mechanism.close(kept[self.mechanism.drive_index], kept)
         if closed.status is Code.NONE:
-            self._stand(closed.q)
-            super().resume(drives)
+            super().resume(closed.q)
 
-    def reset(self, text: str) -> None:
-        """Put all joints back to where they were at start, at once."""
-        self._stand(self._start)
-        super().reset(text)
+    def _checked_limits(self) -> tuple[Limits, Margin]:
+        return Limits.of(self.mechanism), self.mechanism.limit_margin
 
-    def advance_to(self, time: float) -> None:
-        """Move on to a time (s), and have the passive joints follow."""
-        try:
-            super().advance_to(time)
-        except OutcomeError as error:
-            self._stop_before(str(error))
-            return
-        self._close_loops()
-
-    def _stand(self, q: Array) -> None:
-        self._posture, self._rates = q, np.zeros(self.mechanism.n)
-        if self._plant is not None:
-            self._plant.assume(q)
-
-    def _close_loops(self) -> None:
-        """Find all joints for where the drives are; stop before a singular posture."""
+    def _look(self) -> tuple[State, Array]:
+        """Find all joints by where the drives are, and by where their sensors show them."""
         actual = self.follower.actual
-        closed = self.mechanism.close(actual.position, self._posture)
-        reason = closed.reason
-        if closed.status is Code.NONE:
-            try:
-                self._rates = self.mechanism.rates(closed.q, actual.velocity)[0]
-                self._posture = closed.q
-                return
-            except BadValueError as error:
-                reason = str(error)
-        self._stop_before(reason)
+        real = self._closed(self.simulated_joints.position, self._real)
+        shown, rates = self._closed(actual.position, real), np.zeros(self.mechanism.n)
+        if actual.velocity.any():
+            rates = self.mechanism.rates(shown, actual.velocity)[0]
+        # Accelerations of passive joints are not known.
+        return State(shown, rates, np.full(self.mechanism.n, np.nan)), real
 
-    def _stop_before(self, reason: str) -> None:
-        """Have it stand where it was last, and end its motion."""
-        text = f"stopped before a singular posture: {reason}"
-        self._stand(self._posture)
-        self.follower.halt(Code.SINGULAR, text)
-        self.follower.motion.put(self._posture[self.mechanism.drive_index])
+    def _closed(self, drives: Array, near: Array) -> Array:
+        """Close the loops for places of the drives (m,), from all joints (n,) near by.
+
+        Raises
+        ------
+        OutcomeError
+            A singular posture is in the way, or the loops are open.
+        """
+        index = self.mechanism.drive_index
+        if np.array_equal(drives, near[index]):
+            return near
+        closed = self.mechanism.close(drives, near)
+        if closed.status is not Code.NONE:
+            raise OutcomeError(closed.status, closed.reason)
+        off = float(np.abs(closed.q[index] - drives).max())
+        if not max(off, closed.error) <= OPEN:
+            text = f"loops are open by {closed.error:.3g}, and drives off their places by {off:.3g}"
+            raise OutcomeError(Code.NOT_CONVERGED, f"{text}, at most {OPEN:g} is allowed")
+        return closed.q
 
     def _read(self, trajectory: JointTrajectory) -> Waypoints:
         """Check a trajectory of the drives, on which the robot must keep its assembly mode."""
@@ -158,7 +134,7 @@ class ParallelRobot(SimulatedRobot):
             )
             raise JointMismatchError("joint_names", len(trajectory.joint_names), expected)
         received = self._waypoints_of(trajectory, [*self.joint_names, *passive])
-        return checked_drives(self.mechanism, received, passive, self._posture)
+        return checked_drives(self.mechanism, received, passive, self._real)
 
 
 def _initial_posture(settings: ControllerSettings, mechanism: Mechanism) -> Array:

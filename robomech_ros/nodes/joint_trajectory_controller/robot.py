@@ -49,6 +49,8 @@ class SimulatedRobot(CommandedJoints):
         The time.
     plant : DynamicPlant, optional
         The drives and what they move, where forces are simulated.
+    start : ndarray, optional
+        Where all joints are at start (rad or m), if others than these n are published, too.
     """
 
     def __init__(
@@ -59,11 +61,17 @@ class SimulatedRobot(CommandedJoints):
         settings: ControllerSettings,
         clock: MotionClock,
         plant: "DynamicPlant | None" = None,
+        start: NDArray[np.float64] | None = None,
     ) -> None:
         self.name = name
         self._plant = plant
-        simulated = SimulatedJoints(initial, settings.tracking_lag, plant)
-        super().__init__("~", Joints.of(limits), simulated, settings, clock, threading.RLock())
+        joints = Joints.of(limits)
+        simulated = SimulatedJoints(initial, settings.tracking_lag, plant, joints.limits)
+        super().__init__("~", joints, simulated, settings, clock, threading.RLock(), start)
+
+    def _assume(self, real: NDArray[np.float64]) -> None:
+        if self._plant is not None:
+            self._plant.assume(real)
 
     @property
     def dynamic(self) -> bool:

@@ -15,6 +15,7 @@ from robomech_ros.trajectory.limits import Limits
 __all__ = [
     "DYNAMIC",
     "KINEMATIC",
+    "SPLINES",
     "ControllerSettings",
     "check_simulation",
     "default_tolerances",

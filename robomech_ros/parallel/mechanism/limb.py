@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ __all__ = [
     "chain_of_axes",
     "checked_drive_limits",
     "checked_limbs",
+    "limit_margins",
     "with_drive_limits",
 ]
 
@@ -108,6 +110,12 @@ class Limb:
             if name not in self.chain.joint_names[:-1]:
                 raise UnknownJointError(name, self.chain.joint_names[:-1])
 
+    @cached_property
+    def bent(self) -> tuple[NDArray[np.int64], Array]:
+        """The first joints of the cones, and the angles of these (rad)."""
+        at = [self.chain.joint_names.index(name) for name, _ in self.cones]
+        return np.array(at, np.int64), np.array([angle for _, angle in self.cones])
+
     @property
     def passive(self) -> tuple[str, ...]:
         """The joints without a drive."""
@@ -118,17 +126,7 @@ class Limb:
 
         How far a joint may still bend in its cone is said of the first of its two joints.
         """
-        margin = np.minimum(q - self.chain.lower, self.chain.upper - q)
-        for name, angle in self.cones:
-            k = self.chain.joint_names.index(name)
-            one, two = q[..., k], q[..., k + 1]
-            across = np.hypot(np.sin(one) * np.cos(two), np.sin(two))
-            bend = np.arctan2(across, np.cos(one) * np.cos(two))
-            # Limits of both joints are those of the cone; beyond a right angle, the second one has
-            # turned over, and bends the same way with the first one at half a turn.
-            margin[..., k] = angle - bend
-            margin[..., k + 1] = 0.5 * np.pi - np.abs(two)
-        return np.asarray(margin)
+        return limit_margins(q, self.chain, *self.bent)
 
     def limit_excess(self, q: Array) -> Array:
         """Say by how much joints (..., n) are outside their limits (rad or m), 0 inside."""
@@ -156,6 +154,30 @@ class Limb:
         missed = found.status == Status.SUCCESS
         code = Code.OUT_OF_REACH if missed else Code[found.status.name]
         return LimbBranches(nothing, (), excess, code=code, reason=found.reason)
+
+
+def limit_margins(q: Array, limits: Any, at: NDArray[np.int64], angles: Array) -> Array:
+    """Say how far joints (..., n) are inside limits, and inside cones that begin at some of them.
+
+    Parameters
+    ----------
+    q : ndarray, shape (..., n)
+        rad or m.
+    limits : SerialChain or Mechanism
+        Of the joints.
+    at, angles : ndarray, shape (c,)
+        Number of the first joint of each cone, and its angle (rad).
+    """
+    margin: Array = np.minimum(q - limits.lower, limits.upper - q)
+    if len(at):
+        one, two = q[..., at], q[..., at + 1]
+        across = np.hypot(np.sin(one) * np.cos(two), np.sin(two))
+        bend = np.arctan2(across, np.cos(one) * np.cos(two))
+        # Limits of both joints are those of the cone; beyond a right angle, the second one has
+        # turned over, and bends the same way with the first one at half a turn.
+        margin[..., at] = angles - bend
+        margin[..., at + 1] = 0.5 * np.pi - np.abs(two)
+    return margin
 
 
 @dataclass(frozen=True, eq=False)

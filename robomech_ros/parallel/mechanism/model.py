@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.parallel.arguments import actuated as checked_drives
 from robomech_ros.parallel.arguments import platform_poses
-from robomech_ros.parallel.mechanism.limb import Limb, checked_limbs
+from robomech_ros.parallel.mechanism.limb import Limb, checked_limbs, limit_margins
 from robomech_ros.parallel.mechanism.loops import Loops
 from robomech_ros.parallel.mechanism.mobility import check_drives
 from robomech_ros.parallel.mechanism.motion import LoopMotion
@@ -106,6 +106,10 @@ class Mechanism(LoopMotion):
         super().__init__(Loops.of(chains, self.drive_index), len(self.joint_names), len(driven))
         # The longest constant offset in it (m).
         self.size = self.loops.size
+        # The first joints of cones, and their angles (rad).
+        of_limbs = zip(self.limbs, self.loops.starts[:-1], strict=True)
+        at = np.concatenate([k + limb.bent[0] for limb, k in of_limbs])
+        self.bent = at, np.concatenate([limb.bent[1] for limb in self.limbs])
         self._home_poses = None if home_poses is None else platform_poses(home_poses)
         self._direct = direct or AssemblySearch(chains, self.loops)
         if direct is None:
@@ -181,9 +185,7 @@ class Mechanism(LoopMotion):
         WrongSizeError, NonFiniteError
             Not n finite numbers.
         """
-        given = self._all_joints("q", q)
-        ends = zip(self.limbs, np.split(given, self.loops.starts[1:-1], axis=-1), strict=True)
-        return np.concatenate([limb.limit_margin(own) for limb, own in ends], axis=-1)
+        return limit_margins(self._all_joints("q", q), self, *self.bent)
 
     def limit_excess(self, q: ArrayLike) -> Array:
         """Say by how much joints are outside their limits, cones of passive joints included.

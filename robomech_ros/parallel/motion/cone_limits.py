@@ -30,7 +30,7 @@ def cone_cut(mechanism: Mechanism) -> PathCheck:
     ----------
     mechanism : Mechanism
     """
-    columns = _of_cones(mechanism)
+    columns = (mechanism.bent[0][:, None] + [0, 1]).ravel()
 
     def check(joints: JointPath) -> PathCut | None:
         if not len(columns):
@@ -50,13 +50,3 @@ def cone_cut(mechanism: Mechanism) -> PathCheck:
         return PathCut(s, PathTrackingStatus.LIMIT, text, joint)
 
     return check
-
-
-def _of_cones(mechanism: Mechanism) -> NDArray[np.int64]:
-    """Give the numbers of the joints that have a cone, two of each."""
-    found = list[int]()
-    for limb, start in zip(mechanism.limbs, mechanism.loops.starts[:-1].tolist(), strict=True):
-        for name, _ in limb.cones:
-            k = start + limb.chain.joint_names.index(name)
-            found += [k, k + 1]
-    return np.array(found, np.int64)
