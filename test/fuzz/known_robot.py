@@ -13,16 +13,43 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.parallel import load_described
 from robomech_ros.robots import SerialChain, load_robot
 from robomech_ros.robots.kinds import kind_of
-from robomech_ros.rolling import rolling_robot
+from robomech_ros.rolling import WheelJoints, rolling_robot
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw
 from robomech_ros.walking import GAITS, load_legged
 
-__all__ = ["KnownRobot", "known_arm", "known_robot"]
+__all__ = ["KnownRobot", "PublishedJoints", "known_arm", "known_robot"]
 
 Array = NDArray[np.float64]
 
 # How far poses are from the middle of where a platform or a trunk goes (m and rad).
 _NEAR = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class PublishedJoints:
+    """What no state of a robot's joints may contradict.
+
+    Attributes
+    ----------
+    names : sequence of str
+        Joints that are published, in any order, others beside them.
+    lower, upper, velocity : ndarray, shape (n,)
+        Their limits (rad or m, rad/s or m/s).
+    home : ndarray, shape (n,)
+        Where they are after a reset.
+    excess : callable, optional
+        Returns by how much positions (n,) are outside limits of another kind, such as cones.
+    gaps : callable, optional
+        Returns by how much loops are open at positions (n,), m and rad.
+    """
+
+    names: Sequence[str]
+    lower: Array
+    upper: Array
+    velocity: Array
+    home: Array
+    excess: Callable[[Array], Array] | None = None
+    gaps: Callable[[Array], Array] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +68,8 @@ class KnownRobot:
         Names of links and frames.
     words : mapping
         For names of fields texts that they may have.
+    others : PublishedJoints or None
+        All joints that are published, where these are more than the commanded ones.
     """
 
     joint_names: Sequence[str]
@@ -51,6 +80,13 @@ class KnownRobot:
     pose: Callable[[np.random.Generator], Array]
     links: Sequence[str] = ("",)
     words: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    others: PublishedJoints | None = None
+
+    @property
+    def published(self) -> PublishedJoints:
+        """The joints that are published."""
+        limits = self.lower, self.upper, self.velocity
+        return self.others or PublishedJoints(self.joint_names, *limits, self.home)
 
     @property
     def n(self) -> int:
@@ -103,13 +139,33 @@ def _parallel(name: str) -> KnownRobot:
         lambda rng: T @ _nearby(rng),
         # Requests are about the platform, and few about other links.
         ("", "platform", "", "platform", "", "platform", robot.description.root),
+        others=PublishedJoints(
+            mechanism.joint_names,
+            mechanism.lower,
+            mechanism.upper,
+            _or_infinite(mechanism.velocity),
+            home,
+            mechanism.limit_excess,
+            mechanism.loop_errors,
+        ),
     )
 
 
 def _rolling(name: str) -> KnownRobot:
-    wheels = rolling_robot(name).base.names
-    none = np.full(len(wheels), np.inf)
-    return KnownRobot(wheels, -none, none, none, np.zeros(len(wheels)), _nearby, ("", "odom"))
+    base = rolling_robot(name).base
+    none = np.full(len(base.names), np.inf)
+    still = np.zeros(len(base.names))
+    steered = [wheel for wheel in base.wheels if wheel.kind == "steered"]
+    lower, upper = np.array([wheel.steering_limits for wheel in steered]).reshape(-1, 2).T
+    rates = [wheel.max_rate for wheel in base.wheels] + [one.max_steering_rate for one in steered]
+    joints = PublishedJoints(
+        (*base.names, *WheelJoints.of(base).steering),
+        np.append(-none, lower),
+        np.append(none, upper),
+        np.array(rates),
+        np.zeros(len(rates)),
+    )
+    return KnownRobot(base.names, -none, none, none, still, _nearby, ("", "odom"), others=joints)
 
 
 def _walking(name: str) -> KnownRobot:
@@ -131,6 +187,10 @@ def _hand(name: str) -> KnownRobot:
     home = np.concatenate([finger.home() for finger in hand.fingers])
     palm = hand.fingers[0].base
     return KnownRobot(hand.joint_names, *limits, home, _nearby, ("", palm), words)
+
+
+def _or_infinite(limits: Array) -> Array:
+    return np.where(np.isnan(limits), np.inf, limits)
 
 
 def _nearby(rng: np.random.Generator) -> Array:
