@@ -3,8 +3,9 @@
 Robots may be of any kind.  Every request must be answered, never with 900, no node may log a defect
 of its own, and what succeeds must have finite numbers where the interface allows no others; so must
 all that is published.  What is missing a minute after the last answer counts as unanswered.  The
-robot must obey its velocity limits all the time, and execute a plan when it is over.  One on wheels
-or legs must not move by spoilt commands before, and must follow a twist when it is over.
+robot must obey its limits of position and velocity all the time, whatever faults its simulated
+joints get; loops stay closed; and it must execute a plan when all is over.  One on wheels or legs
+must not move by spoilt commands before, and must follow a twist when it is over.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ _MOST, _SHOWN = 5, 3000
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent), str(HERE.parent / "nodes")]
 
-from attack import Attack, Outcome  # noqa: E402
+from attack import WITH_FAULTS, Attack, Outcome  # noqa: E402
 from known_robot import KnownRobot, known_robot  # noqa: E402
 from messages import MessageMaker  # noqa: E402
 from outputs import (  # noqa: E402
@@ -87,7 +88,7 @@ def attack_suite(suite: RunningSuite, robot: KnownRobot, count: int, seed: int) 
     suite.wait_until_ready(node)
     watch = Watch(node, robot)
     maker = MessageMaker(rng, robot)
-    attack = Attack(node, list(suite.nodes), maker, rng, suite.alive)
+    attack = Attack(node, list(suite.nodes), maker, rng, suite.alive, WITH_FAULTS)
     outputs = OutputWatch(node, suite.nodes)
     faults, goes = attack.outcome.faults, {"walker", "mobile_base"} & set(suite.nodes)
     began = time.monotonic()
@@ -95,6 +96,7 @@ def attack_suite(suite: RunningSuite, robot: KnownRobot, count: int, seed: int) 
     if goes and (why := why_it_moved(commands, maker, outputs, attack.spin_once)):
         faults.append(why)
     attack.run(count)
+    attack.mend()
     why = ""
     if suite.alive() and goes:
         why = why_it_does_not_drive(attack.topics, outputs, attack.spin_once)
@@ -103,6 +105,7 @@ def attack_suite(suite: RunningSuite, robot: KnownRobot, count: int, seed: int) 
     faults += outputs.faults + [one for one in (watch.fault, why) if one]
     report(attack.outcome, time.monotonic() - began)
     print(f"{outputs.seen} published messages looked at, of {len(outputs.latest)} topics")
+    print(f"{watch.seen} joint states, at up to {watch.velocity:.3g} of the velocity limits")
     node.destroy_node()
     rclpy.try_shutdown()
     return bool(attack.outcome.faults or attack.outcome.unanswered)

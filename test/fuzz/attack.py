@@ -13,6 +13,8 @@ import numpy as np
 from findings import code_of, fault_of
 from messages import MessageMaker
 from raw_writer import RawWriter
+from rcl_interfaces.msg import Parameter, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from rclpy.action import get_action_server_names_and_types_by_node
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
@@ -25,7 +27,7 @@ from robot_watch import STRANGER
 from robomech_ros.nodes.commands.message_yaml import interface_class
 from robomech_ros.nodes.middleware.deep_queues import ask, ask_action
 
-__all__ = ["ODDS", "Attack", "Outcome"]
+__all__ = ["ODDS", "WITH_FAULTS", "Attack", "Outcome"]
 
 WINDOW = 100
 # When nothing at all has been answered for so long, what is missing does not come, s.
@@ -39,6 +41,10 @@ _MARKED = 32
 # Those who want latched messages hear no others; all others hear these, too.
 _LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ODDS = {"request": 0.8, "message": 0.12, "bytes": 0.05, "goal": 0.03}
+WITH_FAULTS = {**ODDS, "request": 0.78, "fault": 0.02}
+# Faults of the simulated robot, and how bad they may be.
+_SIMULATED = "joint_trajectory_controller"
+_FAULTS = {"fault_noise": 0.5, "fault_dropped_commands": 1.0, "fault_delay": 0.5}
 
 
 @dataclass
@@ -105,6 +111,9 @@ class Attack:
         self._waiting: dict[Future, tuple[str, Callable[[Any], None]]] = {}
         self._heard = time.monotonic()
         self._find(names)
+        self._parameters = None
+        if _SIMULATED in names:
+            self._parameters = ask(node, SetParameters, f"{_SIMULATED}/set_parameters")
 
     def _find(self, names: list[str]) -> None:
         node, own = self._node, self._node.get_namespace()
@@ -132,7 +141,7 @@ class Attack:
 
     def run(self, count: int) -> None:
         """Send so many things, and wait for all answers."""
-        ways = dict(zip(ODDS, self._ways(), strict=True))
+        ways = dict(zip(WITH_FAULTS, self._ways(), strict=True))
         for way in self._rng.choice(list(self._odds), count, p=list(self._odds.values())):
             ways[str(way)]()
             self._spin(WINDOW)
@@ -142,7 +151,7 @@ class Attack:
         self.settle()
 
     def _ways(self) -> Iterator[Callable[[], None]]:
-        yield from (self._request, self._message, self._bytes, self._goal)
+        yield from (self._request, self._message, self._bytes, self._goal, self._fault)
 
     @property
     def topics(self) -> list[tuple[Any, Any]]:
@@ -237,6 +246,24 @@ class Attack:
                 self._await(handle.cancel_goal_async(), f"{action}: cancellation", lambda _: None)
 
         self._await(client.send_goal_async(self._maker.make(kind.Goal)), f"{action}: goal", go_on)
+
+    def mend(self) -> None:
+        """End all faults of the simulated robot."""
+        for name in _FAULTS:
+            self._set_fault(name, 0.0)
+        self.settle()
+
+    def _fault(self) -> None:
+        """Give the simulated robot a fault, or end it."""
+        name = str(self._rng.choice(list(_FAULTS)))
+        self._set_fault(name, float(self._rng.choice([0.0, 1e-4, self._rng.uniform(), 1.0])))
+
+    def _set_fault(self, name: str, part: float) -> None:
+        if self._parameters is not None:
+            value = ParameterValue(type=3, double_value=part * _FAULTS[name])
+            parameters = [Parameter(name=name, value=value)]
+            answer = self._parameters.call_async(SetParameters.Request(parameters=parameters))
+            self._await(answer, f"{_SIMULATED}/set_parameters", lambda _: None)
 
     def _message(self) -> None:
         if not self._topics:

@@ -193,7 +193,7 @@ class SimulatedJoints:
     def put(self, position: FloatArray, shown: FloatArray | None = None) -> State:
         """Have the joints stand somewhere (rad or m), at once.
 
-        Returns what the sensors show: this, where it is given.
+        Returns what the sensors show: this, or by default where the joints are.
         """
         self._under_way.clear()
         self._state = self._command = at_rest(position)
@@ -201,9 +201,8 @@ class SimulatedJoints:
         self.count_anew()
         if self._plant is not None:
             self.effort = self._plant.put(position).effort
-        if shown is None:
-            return self._sensed(math.inf)
-        self._shown, self._astray = shown, _apart(shown, position)
+        self._shown = position if shown is None else shown
+        self._astray = _apart(self._shown, position)
         return self._sensed(0.0)
 
     def stand(self) -> State:

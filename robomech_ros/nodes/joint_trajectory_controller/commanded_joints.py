@@ -152,13 +152,9 @@ class CommandedJoints:
         """Tell what moves the joints that these are their positions (rad or m)."""
 
     def _accept(self, real: FloatArray) -> None:
-        """Take the present state as it is, since the joints were put there (rad or m)."""
-        self._real = real
-        try:
-            self._shown, self._real = self._look()
-        except OutcomeError:  # sensors with faults may show what closes no loops
-            self._shown = at_rest(real)
-        self._check.restart(self._shown.position, self.follower.now)
+        """Take positions of all joints (rad or m) as they are, since they were put there."""
+        self._real, self._shown = real, at_rest(real)
+        self._check.restart(real, self.follower.now)
 
     def _checked_limits(self) -> tuple[Limits, Margin | None]:
         """Return the limits of `shown_names`, and a function for how far inside they are."""

@@ -75,9 +75,7 @@ def start(robot, change, duration=1.0):
     here = robot.follower.desired.position
     still, anything = np.zeros((2, len(here))), np.full(len(here), np.inf)
     way = Waypoints(np.array([0.0, duration]), np.array([here, here + change]), still, still)
-    return robot.follower.start(
-        way, Tolerances(anything, anything, anything, np.inf), robot.time
-    )
+    return robot.follower.start(way, Tolerances(anything, anything, anything, np.inf), robot.time)
 
 
 def inward(robot, size):
