@@ -19,7 +19,7 @@ from robomech_ros._kernels.compiling.jit import (
     kernel,
     lean,
 )
-from robomech_ros._kernels.tolerances import AT_LIMIT
+from robomech_ros._kernels.tolerances import AT_LIMIT, SAME_POSTURE
 
 __all__ = [
     "INSIDE",
@@ -28,6 +28,9 @@ __all__ = [
     "Request",
     "excesses",
     "first_outside",
+    "insert",
+    "is_listed",
+    "place",
     "rank",
     "rank_body",
     "winding_count",
@@ -124,22 +127,52 @@ def distance_from(q, seed, metric):
 
 
 @lean
-def insert(q, name, distance, count, ranked, names, distances):
-    """Put a solution behind those that are as near to the seed; return how many there are."""
-    room = ranked.shape[0]
+def is_listed(turns, q, distance, count, ranked):
+    """Tell whether a solution q (n,) is among the first ``count``, joints that turn modulo a turn.
+
+    Only those are compared that are as far from the seed.
+    """
+    rows, _, distances = ranked
+    slack = SAME_POSTURE * q.shape[0]
+    for k in range(count):
+        if abs(distances[k] - distance) > slack:
+            continue
+        same = True
+        for i in range(q.shape[0]):
+            apart = abs(q[i] - rows[k, i])
+            if turns[i] and apart > math.pi:
+                apart = abs(apart - _TURN * math.floor(apart / _TURN + 0.5))
+            if apart > SAME_POSTURE:
+                same = False
+                break
+        if same:
+            return True
+    return False
+
+
+@lean
+def insert(turns, q, name, distance, count, ranked):
+    """Put a solution behind those that are as near to the seed; return how many there are.
+
+    One that is listed, with the joints that turn modulo a turn, stays out.
+    """
+    rows, names, distances = ranked
+    room = rows.shape[0]
     if count == room and not distance < distances[count - 1]:
+        return count
+    if is_listed(turns, q, distance, count, ranked):
         return count
     k = min(count, room - 1)
     while k > 0 and distances[k - 1] > distance:
         distances[k] = distances[k - 1]
         names[k] = names[k - 1]
         for i in range(q.shape[0]):
-            ranked[k, i] = ranked[k - 1, i]
+            rows[k, i] = rows[k - 1, i]
         k -= 1
     distances[k] = distance
     names[k] = name
     for i in range(q.shape[0]):
-        ranked[k, i] = q[i]
+        rows[k, i] = q[i]
     return min(count + 1, room)
 
 
@@ -162,12 +195,18 @@ def rank_body(request, q, branch, total, placed, order, away, ranked):
                 row -= 1
             away[row], order[row] = distance, k
             count += 1
-    kept = min(count, rows.shape[0])
-    for i in range(kept):
-        distances[i] = away[i]
-        names[i] = branch[order[i]]
+    kept = ZERO
+    for i in range(count):
+        one = placed[order[i]]
+        if kept == rows.shape[0]:
+            break
+        if is_listed(turns, one, away[i], kept, ranked):
+            continue
+        distances[kept] = away[i]
+        names[kept] = branch[order[i]]
         for j in range(q.shape[1]):
-            rows[i, j] = placed[order[i], j]
+            rows[kept, j] = one[j]
+        kept += 1
     return kept
 
 
@@ -218,8 +257,10 @@ def rank(turns, lower, upper, seed, metric, bounded, winding, q, branch, ranked,
         placed, order, away = np.empty(q.shape), np.empty(total, np.int64), np.empty(total)
         into = Ranked(ranked, names, distances)
         return rank_body(request, q, branch, total, placed, order, away, into)
-    one = np.empty(q.shape[1])
-    wound = np.empty(q.shape[1])
+    one, wound = np.empty(q.shape[1]), np.empty(q.shape[1])
+    # Windings of one posture are solutions of their own.
+    none_turns = np.zeros(q.shape[1], np.int64)
+    into = Ranked(ranked, names, distances)
     count = ZERO
     for k in range(total):
         if not place(turns, lower, upper, seed, bounded, q[k], one):
@@ -227,7 +268,7 @@ def rank(turns, lower, upper, seed, metric, bounded, winding, q, branch, ranked,
         for number in range(int(_count_windings(turns, lower, upper, one))):
             _wound(turns, lower, upper, seed, number, one, wound)
             distance = distance_from(wound, seed, metric)
-            count = insert(wound, branch[k], distance, count, ranked, names, distances)
+            count = insert(none_turns, wound, branch[k], distance, count, into)
     return count
 
 

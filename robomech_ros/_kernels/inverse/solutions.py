@@ -136,14 +136,13 @@ def _add_missing(request, space, ranked, state):
     """
     turns, lower, upper, seed, metric, _ = request
     q, branch, placed, missing, _ = space
-    rows, names, distances = ranked
     for m in range(state[BARE]):
         for j in range(state[MISSING]):
             if missing[j] != branch[m]:
                 continue
             if place(turns, lower, upper, seed, _BOUNDED, q[m], placed):
                 distance = distance_from(placed, seed, metric)
-                count = insert(placed, branch[m], distance, state[RANKED], rows, names, distances)
+                count = insert(turns, placed, branch[m], distance, state[RANKED], ranked)
                 state[RANKED] = count
                 state[MISSING] -= 1
                 missing[j] = missing[state[MISSING]]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.inverse.redundant import layout as at
-from robomech_ros._kernels.inverse.redundant.solutions import APPROACHED, solve_redundant
+from robomech_ros._kernels.inverse.redundant.solutions import solve_redundant
 from robomech_ros.kinematics.inverse.closed_form import rank_windings
 from robomech_ros.kinematics.inverse.families.selection import Family
 from robomech_ros.kinematics.inverse.request import Request
@@ -29,7 +29,7 @@ def solve_by_sampling(
 ) -> InverseKinematicsResult | None:
     """Sample the self-motion at the pose T (4, 4); None where no sample is inside the limits."""
     room = min(request.max_solutions or MOST_SAMPLED, MOST_SAMPLED)
-    ranked, counts, names, distances, proved = sample_self_motions(
+    ranked, counts, names, distances = sample_self_motions(
         chain, T[None], family, request.seed, request.metric, request.respect_limits, room
     )
     count = int(counts[0])
@@ -39,20 +39,19 @@ def solve_by_sampling(
     if request.include_windings:
         q, names, distances = rank_windings(chain, family.turns, request, q, names)
     kept = slice(request.max_solutions)
-    findings = _sampled(chain, family, proved)
+    findings = _sampled(chain, family)
     listing = Listing(T, distances[kept], names[kept])
     return InverseKinematicsResult(chain, q[kept], findings, listing)
 
 
 @lru_cache(maxsize=64)
-def _sampled(chain: SerialChain, family: Family, proved: bool) -> Findings:
+def _sampled(chain: SerialChain, family: Family) -> Findings:
     """Give what is found of solutions, which is the same for all poses."""
     reason = (
         f"{chain.n} joints for 6 conditions: the solutions form a continuum, of which these are "
         f"samples, along {parameter_name(chain, family.data)}"
     )
-    reason += "; the first is the nearest" if proved else "; there may be a nearer one"
-    return Findings(family.name, False, Status.SUCCESS, reason, nearest_proved=proved)
+    return Findings(family.name, False, Status.SUCCESS, reason)
 
 
 def sample_self_motions(
@@ -63,20 +62,18 @@ def sample_self_motions(
     metric: int,
     respect_limits: bool,
     room: int,
-) -> tuple[Array, Integers, Integers, Array, bool]:
+) -> tuple[Array, Integers, Integers, Array]:
     """Sample the self-motion at the poses T (m, 4, 4).
 
     Returns the ranked solutions (m, room, n), their numbers (m,) as :func:`solve_redundant` gives
-    them, and of the last pose the branches and distances (room,), and whether the first of its
-    solutions is proved to be the nearest.
+    them, and of the last pose the branches and distances (room,).
     """
-    spare = max(room, APPROACHED + 1)
-    ranked = np.empty((len(T), spare, chain.n))
-    names, distances = np.empty(spare, np.int64), np.empty(spare)
+    ranked = np.empty((len(T), room, chain.n))
+    names, distances = np.empty(room, np.int64), np.empty(room)
     counts = np.empty(len(T), np.int64)
     asked = metric, respect_limits, room == 1
-    proved = _solve(family.arm, T, seed, asked, ranked, names, distances, counts)
-    return ranked[:, :room], np.minimum(counts, room), names[:room], distances[:room], proved > 0
+    _solve(family.arm, T, seed, asked, ranked, names, distances, counts)
+    return ranked, counts, names, distances
 
 
 def parameter_name(chain: SerialChain, data: Array) -> str:

@@ -68,9 +68,6 @@ class Findings:
         Of an arm with fewer joints than conditions, where there is no solution: the posture inside
         the limits that misses the pose least in the sense of least squares (rad or m); the reason
         says by how much.
-    nearest_proved : bool
-        Of a redundant arm: whether no posture of its self-motion inside the limits is nearer to the
-        seed than the first solution by more than 1e-6 rad, up to rounding.
     """
 
     family: str
@@ -81,7 +78,6 @@ class Findings:
     blocking_excess: Array = field(default_factory=lambda: NO_EXCESS)
     task: tuple[bool, ...] = FULL_TASK
     nearest: Array | None = None
-    nearest_proved: bool = False
 
 
 class Listing(NamedTuple):
@@ -156,11 +152,6 @@ class InverseKinematicsResult:
     def complete(self) -> bool:
         """Whether these are provably all solutions within the limits, before any cap."""
         return self.findings.complete
-
-    @property
-    def nearest_proved(self) -> bool:
-        """Whether the first solution is provably the nearest to the seed, to 1e-6 rad."""
-        return self.findings.complete or self.findings.nearest_proved
 
     @property
     def status(self) -> Status:

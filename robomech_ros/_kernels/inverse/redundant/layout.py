@@ -18,9 +18,7 @@ GENERAL = 5  # where their constants as a general arm stand, asked where their o
 # doubt; 0.0 where it never is
 SAMPLES = 6  # values of the redundancy parameter that are tried
 SIZE = 7  # length of the arm (m)
-ARCS = 8  # where the constants of its arcs stand, 0.0 where it has none: see below
-RIGHT = 9  # 1.0 for ARM_ANGLE arms whose axes of shoulder and wrist meet at right angles
-PARTS = 10  # from here the packed chain, n + 1 rows of 13; then, for LOCKED, the constants of the
+PARTS = 8  # from here the packed chain, n + 1 rows of 13; then, for LOCKED, the constants of the
 # six as their family reads them, for ARM_ANGLE from here those of the arm:
 ARM = PARTS + 8 * 13
 CENTRE_0 = 0  # centre of the shoulder in the base (m)
@@ -35,20 +33,3 @@ OTHER = 18  # the one that takes its place where the wrist centre is in that dir
 SHOULDER = 21
 WRIST = 31  # the same of the wrist
 LENGTH = 41
-
-# --- Constants of the arcs of a self-motion, which begin at ARCS: the packed chain, 8 rows of 13,
-# of the arm, or of its inverse motion where that has the spherical joint first; then
-ARC_SHOULDER = 104  # where axes 1 to 3 meet, in the base (m)
-ARC_ELBOW = 107  # the same point in the frame before joint 4, which moves with joint 3
-ARC_HEIGHT_5 = 110  # where axes 5 and 6 meet, on axis 5 and on axis 6
-ARC_HEIGHT_6 = 111
-# Squared distance between both points: constant + amplitude cos(q_4 - phase); and the distance of
-# the shoulder from axis 4.
-ARC_CONSTANT = 112
-ARC_AMPLITUDE = 113
-ARC_PHASE = 114
-ARC_RADIUS = 115
-ARC_BACKWARDS = 116  # 1.0 for the inverse motion: joints in reverse order, of opposite sense
-ARC_WRIST = 117  # constants of the shoulder where decoupled_layout has those of a wrist
-ARC_RIGHT = 120  # here and two places on: cosines between axes 1 and 2, and 2 and 3
-ARC_LENGTH = 127

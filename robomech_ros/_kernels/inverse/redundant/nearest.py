@@ -7,8 +7,6 @@ far as the linearised distance asks, inside the joint limits.
 import math
 
 import numpy as np
-from numba import types
-
 from robomech_ros._kernels.algebra.dense import cholesky_again, cholesky_solve
 from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, b1, f8, i8, lean, part, scratch
@@ -16,7 +14,7 @@ from robomech_ros._kernels.inverse.polishing import largest_error, pose_differen
 from robomech_ros._kernels.inverse.ranking import LINF, distance_from
 from robomech_ros._kernels.tolerances import AT_LIMIT, ON_BOUNDARY
 
-__all__ = ["approach", "best_step", "correct", "direction_like"]
+__all__ = ["approach", "best_step", "correct", "direction_like", "minimax"]
 
 # The nearest solution is sought along the self-motion until a step is shorter than this (rad or m):
 # the next one would be about its square.
@@ -258,22 +256,11 @@ def _held_back(s, q, seed, metric, g, before, fall, undone):
     return min(max(s, -most), most), now
 
 
-@lean
-def _is_at_limit(q, lower, upper):
-    """Tell whether a joint is so near to a limit that the last steps may have stopped there."""
-    for i in range(q.shape[0]):
-        if not lower[i] + NEAREST_STEP < q[i] < upper[i] - NEAREST_STEP:
-            return True
-    return False
-
-
-@part(types.Tuple((f8, b1))(IN2, IN2, IN1, IN1, IN1, i8, b1, OUT1))
+@part(f8(IN2, IN2, IN1, IN1, IN1, i8, b1, OUT1))
 def approach(packed, T, lower, upper, seed, metric, bounded, q):
     """Move q (n,), a posture of the pose T (4, 4), as near to the seed as its self-motion goes.
 
-    Limits hold where ``bounded``.  Returns the distance, infinite with q spoilt where that fails,
-    and whether it is sure that no step would come nearer: neither was their number exhausted, nor
-    did the last one stop at a limit, which may be less in the way of another start.
+    Limits hold where ``bounded``.  Returns the distance, infinite with q spoilt where that fails.
     """
     n = q.shape[0]
     J = np.empty((6, n))
@@ -284,7 +271,7 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
     g = np.empty(n)
     before = np.zeros(n)
     fall = 0.0
-    settled = nearest = False
+    settled = False
     for iteration in range(NEAREST_ITERATIONS):
         jacobian_body(packed, q, J, current)
         pose_difference(T, current, e)
@@ -293,10 +280,10 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
         there = iteration == 0 and distance_from(q, seed, metric) == 0.0
         if (settled or there) and error <= NEAREST_ERROR:
             if not bounded or _inside(q, lower, upper):
-                return distance_from(q, seed, metric), nearest or there
+                return distance_from(q, seed, metric)
             settled = False
         if not error < NEAREST_FARTHEST:
-            return math.inf, False
+            return math.inf
         for i in range(6):
             for j in range(i + 1):
                 value = 0.0
@@ -305,7 +292,7 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
                 A[i, j] = value
             A[i, i] += NEAREST_DAMPING * error * error
         if not cholesky_solve(A, e, 6):
-            return math.inf, False
+            return math.inf
         undone = correct(J, e, before, q)
         if not settled:
             _direction(J, A, y, q, seed, metric, g)
@@ -316,7 +303,5 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
                 before[k] = s * g[k]
                 largest = max(largest, abs(before[k]))
                 q[k] += before[k]
-            short = max(largest, error) < NEAREST_STEP
-            settled = short or iteration == NEAREST_ITERATIONS - 5
-            nearest = short and not (bounded and _is_at_limit(q, lower, upper))
-    return math.inf, False
+            settled = max(largest, error) < NEAREST_STEP or iteration == NEAREST_ITERATIONS - 5
+    return math.inf

@@ -30,7 +30,7 @@ from robomech_ros.kinematics.inverse.families.six_joints import (
 from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
 from robomech_ros.kinematics.tolerances import CONCURRENT_EXACT
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import pack_chain, unpack_chain
+from robomech_ros.robots.chain_layout import unpack_chain
 
 __all__ = ["locked_anyway", "match"]
 
@@ -42,13 +42,11 @@ NEARLY_SPHERICAL = 2e-3
 SPHERICAL_SLACK = 10.0
 # Values of the redundancy parameter for a list of solutions, with one locked joint and with the
 # arm angle: 24 solutions and more for most poses.
-LOCKED_SAMPLES = 8
+LOCKED_SAMPLES = 32
 ANGLE_SAMPLES = 8
 
 Array = NDArray[np.float64]
 
-# Where the cosines of two twists stand in what wrist_constants gives.
-_COSINES = (wrist_at.COS4, wrist_at.COS5)
 # Of how many runs of six joints, from the base on, elimination is tried: each takes 0.1 s to judge.
 _ELIMINATIONS = 8
 
@@ -72,10 +70,7 @@ def match(chain: SerialChain) -> Array | None:
     C = unpack_chain(chain.packed)
     parts = _arm_angle_parts(chain, C)
     if parts is not None:
-        data = _laid_out(chain, at.ARM_ANGLE, parts)
-        right = [first + k - wrist_at.ANGLES for first in (at.SHOULDER, at.WRIST) for k in _COSINES]
-        data[at.RIGHT] = not parts[right].any()
-        return data
+        return _laid_out(chain, at.ARM_ANGLE, parts)
     sixes = [_six(chain, C, first) for first in range(chain.n - 5)]
     for find in (match_six, _idealised):
         for first, (six, types) in enumerate(sixes):
@@ -139,46 +134,7 @@ def _laid_out(chain: SerialChain, kind: int, *parts: Array) -> Array:
     head[at.KIND], head[at.JOINTS] = kind, chain.n
     head[at.SAMPLES] = ANGLE_SAMPLES if kind == at.ARM_ANGLE else LOCKED_SAMPLES
     head[at.SIZE] = max(float(np.linalg.norm(chain.packed[:, 10:], axis=1).sum()), 1e-3)
-    data = np.concatenate((head, chain.packed.ravel(), *parts))
-    arcs = _arcs(chain, float(head[at.SIZE]))
-    if arcs is None:
-        return data
-    data[at.ARCS] = len(data)
-    return np.concatenate((data, arcs))
-
-
-def _arcs(chain: SerialChain, size: float) -> Array | None:
-    """Lay out the arcs of the self-motion of an arm (of a size, m) with a spherical shoulder.
-
-    Or wrist: then of its inverse motion.  None where axes 5 and 6 do not meet.
-    """
-    if chain.n != 7 or chain.types.any():
-        return None
-    forwards = unpack_chain(chain.packed)
-    for backwards, C in ((False, forwards), (True, reversed_transforms(forwards))):
-        shoulder, following = common_point(C[1], C[2]), nearest_points(C[5])
-        if shoulder is None or following is None:
-            continue
-        wrist = wrist_constants(C[1], C[2])
-        if wrist is None or max(shoulder[2], following[2]) > CONCURRENT_EXACT * size:
-            continue
-        data = np.zeros(at.ARC_LENGTH)
-        data[: at.ARC_SHOULDER] = pack_chain(C, chain.types).ravel()
-        centre = (C[0] @ (0.0, 0.0, shoulder[0], 1.0))[:3]
-        k = (np.linalg.inv(C[3]) @ (0.0, 0.0, shoulder[1], 1.0))[:3]
-        g = C[4, :3, 3] + following[0] * C[4, :3, 2]
-        cosine, sine = -2.0 * (k[:2] @ g[:2]), -2.0 * (k[1] * g[0] - k[0] * g[1])
-        amplitude, radius = np.hypot(cosine, sine), np.hypot(k[0], k[1])
-        if amplitude < NEARLY_SPHERICAL * size**2:
-            continue
-        data[at.ARC_SHOULDER : at.ARC_ELBOW], data[at.ARC_ELBOW : at.ARC_HEIGHT_5] = centre, k
-        data[at.ARC_HEIGHT_5 : at.ARC_CONSTANT] = following[:2]
-        data[at.ARC_CONSTANT] = k @ k + g @ g - 2.0 * k[2] * g[2]
-        data[at.ARC_AMPLITUDE], data[at.ARC_PHASE] = amplitude, np.arctan2(sine, cosine)
-        data[at.ARC_RADIUS], data[at.ARC_BACKWARDS] = radius, backwards
-        data[at.ARC_WRIST : at.ARC_LENGTH] = wrist
-        return data
-    return None
+    return np.concatenate((head, chain.packed.ravel(), *parts))
 
 
 def _idealised(C: Array, types: Sequence[int]) -> SixJointArm | None:

@@ -1,0 +1,432 @@
+"""Self-motions of seven joints traced from many postures, for the one nearest to a seed.
+
+From each start the curve is followed both ways by steps of the joints, over postures that are
+farther from the seed than the nearest known one by no more than BEYOND.  Between two steps it is a
+cubic to some 1e-3 rad; wherever that comes near enough, the least distance is settled exactly.
+"""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels.algebra.dense import cholesky_solve
+from robomech_ros._kernels.chain.serial import jacobian_body
+from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, b1, f8, i8, lean, part, scratch
+from robomech_ros._kernels.inverse.polishing import largest_error, pose_difference
+from robomech_ros._kernels.inverse.ranking import LINF, distance_from
+from robomech_ros._kernels.inverse.redundant.nearest import (
+    NEAREST_DAMPING,
+    NEAREST_ERROR,
+    correct,
+    best_step,
+    direction_like,
+    minimax,
+)
+from robomech_ros._kernels.tolerances import AT_LIMIT
+
+__all__ = ["NEARER_BY", "trace_nearest"]
+
+# How much farther from the seed (rad or m) than the nearest posture known starts and traces may
+# be, at most and as a multiple of its distance.
+BEYOND = 0.6
+BEYOND_FACTOR = 2.0
+# Length of a step (of the joint that moves most, rad or m), the shortest, and how many there are to
+# each side at most.  A step is shortened where the direction turns by more than TRACE_BENT.
+TRACE_STEP = 0.25
+TRACE_SHORTEST = 0.01
+TRACE_STEPS = 80
+TRACE_BENT = 0.5
+# A trace ends where the error of the pose (rad, m) is larger than this.
+TRACE_ERROR = 0.3
+# Steps that are kept, to see where a curve has been followed already: within so much (rad or m).
+TRACES = 512
+TRACE_NEAR = 0.01
+# Parts of a step in which it counts as straight, how much nearer than that the curve may come, how
+# far beyond limits it may be, and what is this near to the nearest posture known leads there.
+TRACE_PARTS = 8
+TRACE_OFF = 1e-3
+TRACE_OUTSIDE = 2e-3
+TRACE_AGAIN = 0.01
+# Steps towards a least distance: the first, the longest, by how much they grow, the shortest between
+# two of which the least lies (rad or m), and how many there are at most.  A part of one is no
+# smaller than the edge.
+SETTLE_STEP = 0.01
+SETTLE_MOST = 0.1
+SETTLE_GROWTH = 2.0
+SETTLE_SHORTEST = 1e-8
+SETTLE_STEPS = 40
+SETTLE_EDGE = 1e-3
+# A posture is on the self-motion when its error (rad, m) was less than this before the last
+# correction, of so many at most; so many at most bring the nearest one onto its pose.
+SETTLE_ERROR = 1e-5
+SETTLE_CORRECTIONS = 5
+FINISH_STEPS = 10
+# A posture counts as settled where lines lead no nearer than by this (rad or m).
+NEARER_BY = 1e-7
+# Added to how far a posture is beyond limits: more than any distance.
+OUTSIDE = 1e6
+
+
+@lean
+def _step(packed, T, way, bench, g, q):
+    """Correct the pose of q (7,) and turn g (7,) into the direction of the self-motion.
+
+    Returns the error that there was, infinite where the pose is lost.
+    """
+    J, current, e, y, A, none = bench
+    jacobian_body(packed, q, J, current)
+    pose_difference(T, current, e)
+    error = largest_error(e)
+    for i in range(6):
+        for j in range(i + 1):
+            value = 0.0
+            for k in range(7):
+                value += J[i, k] * J[j, k]
+            A[i, j] = value
+        A[i, i] += NEAREST_DAMPING * error * error
+    if not cholesky_solve(A, e, 6):
+        return math.inf
+    correct(J, e, none, q)
+    return error if direction_like(J, A, y, way, g) else math.inf
+
+
+@lean
+def _copy(source, target):
+    for i in range(7):
+        target[i] = source[i]
+
+
+@lean
+def _measured(request, q, g):
+    """Give what is to be small at a posture q (7,), and how fast it grows along g (7,).
+
+    That is the distance from the seed or, beyond a limit, OUTSIDE and how far it is beyond.  Also
+    returns by which joint both are measured, -1 by all.
+    """
+    _, lower, upper, seed, metric, bounded = request
+    most, joint, sense = AT_LIMIT, -1, 0.0
+    for i in range(7):
+        if bounded and lower[i] - q[i] > most:
+            most, joint, sense = lower[i] - q[i], i, -1.0
+        if bounded and q[i] - upper[i] > most:
+            most, joint, sense = q[i] - upper[i], i, 1.0
+    if joint >= 0:
+        return OUTSIDE + most, sense * g[joint], joint
+    if metric == LINF:
+        most, slope = 0.0, 0.0
+        for i in range(7):
+            move = q[i] - seed[i]
+            if abs(move) >= most:
+                most, joint, slope = abs(move), i, math.copysign(g[i], g[i] * move)
+        return most, slope, joint
+    along = 0.0
+    for i in range(7):
+        along += (q[i] - seed[i]) * g[i]
+    most = distance_from(q, seed, metric)
+    return most, along / most if most > 0.0 else 0.0, joint
+
+
+@lean
+def _put_on(packed, T, bench, g, q):
+    """Put q (7,) on the self-motion; g (7,) is its direction then.  False where that fails."""
+    for _ in range(SETTLE_CORRECTIONS):
+        error = _step(packed, T, 1.0, bench, g, q)
+        if error < SETTLE_ERROR:
+            return True
+        if error > TRACE_ERROR:
+            return False
+    return False
+
+
+@lean
+def _part_between(first, last, length):
+    """Give the part of a step at which the least is expected, from what is known of both ends."""
+    value, slope, joint = first
+    other, rise, another = last
+    part = 0.5
+    if other >= OUTSIDE > value and rise > 0.0:
+        # The limit itself.
+        part = 1.0 - (other - OUTSIDE) / (rise * length)
+    elif value >= OUTSIDE > other and slope < 0.0:
+        part = (OUTSIDE - value) / (slope * length)
+    elif joint == another and slope < 0.0 < rise:
+        part = slope / (slope - rise)
+    elif slope < rise:
+        part = (other - value - rise * length) / ((slope - rise) * length)
+    return part
+
+
+@lean
+def _settle(packed, T, request, bench, g, q):
+    """Go down from q (7,) to the next least distance; return that, infinite where there is none.
+
+    Steps down lead to one after which it goes up; what is between them is divided where lines
+    through both ends meet, or by Newton's rule where one joint counts, or all.
+    """
+    _, lower, upper, seed, metric, _ = request
+    a, b, ga, gb = scratch(7), scratch(7), scratch(7), scratch(7)
+    if not _put_on(packed, T, bench, g, q):
+        return math.inf
+    _copy(q, a)
+    first = _measured(request, a, g)
+    way = -1.0 if first[1] > 0.0 else 1.0
+    for i in range(7):
+        ga[i] = way * g[i]
+    first = first[0], way * first[1], first[2]
+    last, length, found = first, SETTLE_STEP, False
+    for _ in range(SETTLE_STEPS):
+        if first[0] >= OUTSIDE and first[1] < 0.0:
+            length = min(max(length, (OUTSIDE - first[0]) / first[1]), SETTLE_MOST)
+        for i in range(7):
+            b[i], gb[i] = a[i] + length * ga[i], ga[i]
+        if not _put_on(packed, T, bench, gb, b):
+            break
+        last = _measured(request, b, gb)
+        found = last[0] >= first[0] or last[1] > 0.0
+        if found:
+            break
+        _copy(b, a)
+        _copy(gb, ga)
+        first, length = last, min(SETTLE_GROWTH * length, SETTLE_MOST)
+    same = 0
+    for _ in range(SETTLE_STEPS if found else 0):
+        length = 0.0
+        for i in range(7):
+            length = max(length, abs(b[i] - a[i]))
+        if length < SETTLE_SHORTEST:
+            break
+        part = _part_between(first, last, length) if abs(same) < 2 else 0.5
+        part = min(max(part, SETTLE_EDGE), 1.0 - SETTLE_EDGE)
+        for i in range(7):
+            q[i] = a[i] + part * (b[i] - a[i])
+            g[i] = ga[i]
+        if not _put_on(packed, T, bench, g, q):
+            break
+        here = _measured(request, q, g)
+        if here[0] < first[0] and here[1] < 0.0:
+            _copy(q, a)
+            _copy(g, ga)
+            first, same = here, max(same, 0) + 1
+        else:
+            _copy(q, b)
+            _copy(g, gb)
+            last, same = here, min(same, 0) - 1
+        if abs(same) > 2:
+            same = 0
+    if last[0] < first[0]:
+        _copy(b, a)
+    _copy(a, q)
+    for _ in range(FINISH_STEPS):
+        error = _step(packed, T, 1.0, bench, g, q)
+        value, slope, joint = _measured(request, q, g)
+        if value >= OUTSIDE and abs(slope) > SETTLE_EDGE:
+            # Rounding has moved it off the limit.
+            for i in range(7):
+                q[i] -= (value - OUTSIDE) / slope * g[i]
+        elif error <= NEAREST_ERROR:
+            for i in range(7):
+                q[i] = min(max(q[i], lower[i]), upper[i])
+            return distance_from(q, seed, metric) if value < OUTSIDE else math.inf
+    return math.inf
+
+
+@lean
+def _on_cubic(ends, length, s, q):
+    """Write the posture (7,) at a part s of the cubic between two postures.
+
+    ``ends`` (4, 7) holds the first posture, the direction there, and those of the second.
+    """
+    a, b = s * s * (3.0 - 2.0 * s), length * s * (1.0 - s)
+    for i in range(7):
+        bow = ends[1, i] * (1.0 - s) - ends[3, i] * s
+        q[i] = ends[0, i] + a * (ends[2, i] - ends[0, i]) + b * bow
+
+
+@lean
+def _reach(ends):
+    """Largest move of a joint between two postures."""
+    length = 0.0
+    for i in range(7):
+        length = max(length, abs(ends[2, i] - ends[0, i]))
+    return length
+
+
+@lean
+def _least_between(request, p, move):
+    """Give the part of a ``move`` (7,) from p (7,) after which it is nearest, NaN where outside."""
+    _, lower, upper, seed, metric, bounded = request
+    low, high = 0.0, 1.0
+    for i in range(7):
+        if bounded:
+            first, last = lower[i] - TRACE_OUTSIDE - p[i], upper[i] + TRACE_OUTSIDE - p[i]
+            if move[i] != 0.0:
+                one, other = first / move[i], last / move[i]
+                low, high = max(low, min(one, other)), min(high, max(one, other))
+            elif first > 0.0 or last < 0.0:
+                return math.nan
+    if low > high:
+        return math.nan
+    if metric == LINF:
+        return minimax(p, seed, move, low, high)
+    along = squares = 0.0
+    for i in range(7):
+        along += (seed[i] - p[i]) * move[i]
+        squares += move[i] * move[i]
+    return min(max(along / squares, low), high) if squares > 0.0 else low
+
+
+@lean
+def _nearest_between(request, ends, best, found):
+    """Write the nearest posture (7,) between two postures to ``found``; return its distance.
+
+    What is near the ``best`` one is left out.
+    """
+    _, _, _, seed, metric, _ = request
+    p, move, here = scratch(7), scratch(7), scratch(7)
+    length = _reach(ends)
+    _copy(ends[0], p)
+    least, before = math.inf, distance_from(p, seed, metric)
+    for k in range(1, TRACE_PARTS + 1):
+        _on_cubic(ends, length, k / TRACE_PARTS, here)
+        for i in range(7):
+            move[i] = here[i] - p[i]
+        s = _least_between(request, p, move)
+        if s == s:
+            away = 0.0
+            for i in range(7):
+                move[i] = p[i] + s * move[i]
+                away = max(away, abs(move[i] - best[i]))
+            if away > TRACE_AGAIN:
+                distance = distance_from(move, seed, metric)
+                if distance < least:
+                    least = distance
+                    _copy(move, found)
+        _copy(here, p)
+    return least
+
+
+@lean
+def _is_known(known, count, q, near):
+    """Tell whether a posture is on one of the steps that were made."""
+    p = scratch(7)
+    for k in range(count):
+        ends = known[k]
+        length = _reach(ends)
+        along = squares = 0.0
+        far = False
+        for i in range(7):
+            move = ends[2, i] - ends[0, i]
+            off = q[i] - ends[0, i]
+            far = far or abs(off) > length + near
+            along += off * move
+            squares += move * move
+        if far:
+            continue
+        s = min(max(along / squares, 0.0), 1.0)
+        _on_cubic(ends, length, s, p)
+        off = 0.0
+        for i in range(7):
+            off = max(off, abs(q[i] - p[i]))
+        if off < near:
+            return True
+    return False
+
+
+@lean
+def _is_beyond(request, q, within):
+    """Tell whether a posture is too far from the seed, or from the limits, to go on."""
+    _, lower, upper, seed, metric, bounded = request
+    for i in range(7):
+        if bounded and not lower[i] - BEYOND <= q[i] <= upper[i] + BEYOND:
+            return True
+    return distance_from(q, seed, metric) > within
+
+
+@lean
+def _trace_from(packed, T, request, bench, start, known, count, distance, best):
+    """Trace both ways from ``start`` (7,); return how many steps are known, and the least distance.
+
+    The posture at that distance is ``best`` (7,) then.
+    """
+    _, _, _, seed, metric, _ = request
+    q, g, bent, found, along = scratch(7), scratch(7), scratch(7), scratch(7), scratch(7)
+    for side in range(2):
+        _copy(start, q)
+        for i in range(7):
+            g[i] = bent[i] = 0.0
+        if _step(packed, T, 1.0 - 2.0 * side, bench, g, q) > TRACE_ERROR:
+            break
+        if side == 0 and distance_from(start, seed, metric) <= distance:
+            s = best_step(request, q, g, SETTLE_STEP)
+            for i in range(7):
+                found[i] = q[i] + s * g[i]
+            if distance_from(found, seed, metric) < distance - NEARER_BY:
+                _copy(g, along)
+                settled = _settle(packed, T, request, bench, along, found)
+                if settled < distance:
+                    distance = settled
+                    _copy(found, best)
+        length = TRACE_STEP
+        for _ in range(TRACE_STEPS):
+            if count == known.shape[0]:
+                break
+            ends = known[count]
+            _copy(q, ends[0])
+            _copy(g, ends[1])
+            lost = False
+            while True:
+                for i in range(7):
+                    q[i] = ends[0, i] + length * (ends[1, i] + length * bent[i])
+                    g[i] = ends[1, i]
+                lost = _step(packed, T, 1.0, bench, g, q) > TRACE_ERROR
+                turned = 0.0
+                for i in range(7):
+                    turned = max(turned, abs(g[i] - ends[1, i]))
+                if (not lost and turned < TRACE_BENT) or length < TRACE_SHORTEST:
+                    break
+                length *= 0.5
+            if lost:
+                break
+            _copy(q, ends[2])
+            _copy(g, ends[3])
+            for i in range(7):
+                bent[i] = 0.5 * (g[i] - ends[1, i]) / length
+            near = _nearest_between(request, ends, best, found)
+            if near < distance + TRACE_OFF:
+                _copy(g, along)
+                settled = _settle(packed, T, request, bench, along, found)
+                if settled < distance:
+                    distance = settled
+                    _copy(found, best)
+            closed = _is_known(known, count - 1, q, TRACE_NEAR)
+            count += 1
+            within = distance + min(BEYOND, BEYOND_FACTOR * distance)
+            if closed or _is_beyond(request, q, within):
+                break
+            if turned < 0.5 * TRACE_BENT:
+                length = min(TRACE_STEP, 1.5 * length)
+    return count, distance
+
+
+@part(f8(IN2, IN2, IN2, i8, b1, IN2, IN1, f8, OUT1))
+def trace_nearest(packed, T, joints, metric, bounded, starts, away, distance, best):
+    """Find the posture nearest to a seed on the self-motions through some postures.
+
+    ``joints`` (4, 7) holds whether joints turn, lower and upper limits, which hold where
+    ``bounded``, and the seed.  The ``starts`` (m, 7) are ``away`` (m,) from it, nearest first.
+    The nearest posture known is ``best`` (7,), at a ``distance``, infinite where there is none; the
+    nearest of all is in ``best`` then.  Returns its distance.
+    """
+    request = joints[0], joints[1], joints[2], joints[3], metric, bounded
+    J, current, e, y, A = scratch(6, 7), scratch(4, 4), scratch(6), scratch(6), scratch(6, 6)
+    bench = J, current, e, y, A, np.zeros(7)
+    known = np.empty((TRACES, 4, 7))
+    count = 0
+    for k in range(starts.shape[0]):
+        if away[k] > distance + min(BEYOND, BEYOND_FACTOR * distance) or count == TRACES:
+            break
+        if not _is_known(known, count, starts[k], TRACE_NEAR):
+            count, distance = _trace_from(
+                packed, T, request, bench, starts[k], known, count, distance, best
+            )
+    return distance
