@@ -67,12 +67,12 @@ class GraspingNode(Node):
         described = settings.robot_description
         hand = load_hand(described) if described else None
         self._hand = GivenHand(hand, settings.frame_prefix)
-        # A quality may take half a second, in which others are served.
-        self._worker = Worker(self)
+        # A quality may take half a second; forces do not wait for it, nor it for them.
+        self._analyses, self._forces = Worker(self), Worker(self)
         Readiness(self)
         group = ReentrantCallbackGroup()
         serve(self, AnalyzeGrasp, "~/analyze_grasp", self._analyze_grasp, callback_group=group)
-        serve(self, ContactForces, "~/contact_forces", self._contact_forces)
+        serve(self, ContactForces, "~/contact_forces", self._contact_forces, callback_group=group)
         serve(self, SolveGrasp, "~/solve_grasp", self._solve_grasp)
         if find_spec("clarabel") is None:
             self.get_logger().warning(f"no ~/contact_forces: {ConicSolverUnavailableError()}")
@@ -81,11 +81,13 @@ class GraspingNode(Node):
 
     def stop(self) -> None:
         """Answer those who wait for what takes long."""
-        self._worker.give_up(ShutdownError(self.get_name()))
+        for worker in (self._analyses, self._forces):
+            worker.give_up(ShutdownError(self.get_name()))
 
     def destroy_node(self) -> None:
-        """Take leave of ROS, and of the thread for long work."""
-        self._worker.close()
+        """Take leave of ROS, and of the threads for long work."""
+        for worker in (self._analyses, self._forces):
+            worker.close()
         super().destroy_node()
 
     @guarded
@@ -105,11 +107,11 @@ class GraspingNode(Node):
             most_points=self._table.settings.most_points,
             made_by=None if q is None else (self._hand.required(), q, fingers),
         )
-        found = await self._worker.do(work, self._table.settings.longest_wait)
+        found = await self._analyses.do(work, self._table.settings.longest_wait)
         return found.fill(self._hand.frame(request.frame_id), response)
 
     @guarded
-    def _contact_forces(self, request: Any, response: Any) -> Any:
+    async def _contact_forces(self, request: Any, response: Any) -> Any:
         contacts = read_contacts(request)
         if request.smallest >= len(SMALLEST):
             raise BadValueError("smallest", request.smallest, "LARGEST (0) or TOTAL (1)")
@@ -117,7 +119,9 @@ class GraspingNode(Node):
         origin = read_origin(request)
         q = self._hand.state(request)
         fingers = self._hand.fingers(request.fingers, len(contacts))
-        found = contact_forces(contacts, load, origin=origin, smallest=SMALLEST[request.smallest])
+        smallest = SMALLEST[request.smallest]
+        work = partial(contact_forces, contacts, load, origin=origin, smallest=smallest)
+        found = await self._forces.do(work)
         if q is not None and found.status is ForceStatus.HELD:
             hand = self._hand.required()
             fill_efforts(hand, q, contacts, found.components, fingers, response)

@@ -1,7 +1,8 @@
 """Read XML from outside safely: it can only be read.
 
 A document type declaration, and with it every entity, is refused before the parser acts on it;
-size, depth and number of elements are capped.
+size, depth and number of elements are capped.  Files that other readers of URDF accept are
+accepted: Latin-1 text that declares no encoding, and double hyphens in comments.
 """
 
 import codecs
@@ -94,11 +95,14 @@ def parse_xml(text: str | bytes, where: str) -> XmlElement:
     RobotDescriptionError
         Too large, too deep, not well-formed, or with a document type declaration.
     """
-    data = _encoded(text, where)
-    if len(data) > LARGEST_XML:
-        raise RobotDescriptionError(where, f"{len(data)} bytes, at most {LARGEST_XML} are allowed")
+    if len(text) > LARGEST_XML:
+        raise RobotDescriptionError(where, f"{len(text)} bytes, at most {LARGEST_XML} are allowed")
+    try:
+        data = _well_formed(text).encode("utf-8")
+    except (LookupError, UnicodeError) as error:
+        raise RobotDescriptionError(where, f"not valid text: {error}") from None
     # The text of a str is what counts, not the encoding that its declaration names.
-    parser = expat.ParserCreate("utf-8" if isinstance(text, str) else None)
+    parser = expat.ParserCreate("utf-8")
     builder = _Builder(where, parser)
     parser.StartDoctypeDeclHandler = builder.doctype
     parser.EntityDeclHandler = builder.doctype
@@ -110,23 +114,9 @@ def parse_xml(text: str | bytes, where: str) -> XmlElement:
         place = f"{where}: line {error.lineno}, column {error.offset + 1}"
         why = f"not well-formed XML: {expat.ErrorString(error.code)}"
         raise RobotDescriptionError(place, why) from None
-    except (LookupError, ValueError) as error:
-        if isinstance(error, RobotDescriptionError):
-            raise
-        raise RobotDescriptionError(where, f"unreadable encoding: {error}") from None
     if builder.root is None:
         raise RobotDescriptionError(where, "no element")
     return builder.root
-
-
-def _encoded(text: str | bytes, where: str) -> bytes:
-    if isinstance(text, bytes):
-        # Blanks in front of the declaration are against the rules, and common.
-        return text.removeprefix(codecs.BOM_UTF8).lstrip(b" \t\r\n")
-    try:
-        return text.lstrip("\ufeff \t\r\n").encode("utf-8")
-    except UnicodeEncodeError as error:
-        raise RobotDescriptionError(where, f"not valid text: {error.reason}") from None
 
 
 # What xacro leaves to be expanded, but for definitions, without which nothing is missing.
@@ -151,11 +141,40 @@ def refuse_xacro(root: XmlElement, where: str) -> None:
 
 _DECLARATION = re.compile(r"\A<\?xml\s.*?\?>\s*", re.DOTALL)
 _ENCODING = re.compile(rb"<\?xml\s[^>]*?encoding\s*=\s*[\"']([A-Za-z0-9._-]+)[\"']")
-_MARKS = {
-    codecs.BOM_UTF8: "utf-8",
-    codecs.BOM_UTF16_LE: "utf-16",
-    codecs.BOM_UTF16_BE: "utf-16",
-}
+_MARKS = {codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
+_ENCODINGS = ("utf-8", "utf-16", "ascii", "iso8859", "cp", "gb", "big5", "euc", "shift", "koi8")
+_HYPHENS = re.compile("--+")
+
+
+def _well_formed(document: str | bytes) -> str:
+    """Decode a document, without blanks in front of it, which are against the rules and common."""
+    text = document if isinstance(document, str) else _decoded(document)
+    return _with_plain_comments(text.lstrip("\ufeff \t\r\n"))
+
+
+def _decoded(document: bytes) -> str:
+    for mark, encoding in _MARKS.items():
+        if document.startswith(mark):
+            return document.decode(encoding)
+    named = _ENCODING.match(document.removeprefix(codecs.BOM_UTF8).lstrip(b" \t\r\n"))
+    encoding = named.group(1).decode() if named else "utf-8"
+    if not codecs.lookup(encoding).name.startswith(_ENCODINGS):
+        raise LookupError(f"unknown encoding: {encoding}")
+    try:
+        return document.decode(encoding)
+    except UnicodeDecodeError:
+        # What urdfdom takes as it is: mostly a degree sign or an umlaut in a comment.
+        return document.decode("latin-1")
+
+
+def _with_plain_comments(text: str) -> str:
+    """Blank out hyphens that XML does not allow in comments; no line or column moves."""
+    parts, at = list[str](), 0
+    while (start := text.find("<!--", at)) >= 0 and (end := text.find("-->", start + 4)) >= 0:
+        inside = _HYPHENS.sub(lambda found: " " * len(found[0]), text[start + 4 : end])
+        parts += text[at : start + 4], inside[:-1], inside[-1:].replace("-", " "), "-->"
+        at = end + 3
+    return "".join([*parts, text[at:]])
 
 
 def is_xml(text: str) -> bool:
@@ -170,10 +189,5 @@ def text_of_xml(document: str | bytes) -> str:
     ----------
     document : str or bytes
     """
-    if isinstance(document, bytes):
-        named = _ENCODING.match(document.lstrip(b" \t\r\n"))
-        found = [encoding for mark, encoding in _MARKS.items() if document.startswith(mark)]
-        encoding = found[0] if found else named.group(1).decode() if named else "utf-8"
-        document = document.decode(encoding)
-    body = _DECLARATION.sub("", document.lstrip("\ufeff \t\r\n"), count=1)
+    body = _DECLARATION.sub("", _well_formed(document), count=1)
     return f'<?xml version="1.0" encoding="utf-8"?>\n{body}'

@@ -2,6 +2,7 @@
 
 import math
 import sys
+import threading
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from robomech_ros.hands import (
 )
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.parameters import ParameterError
+from robomech_ros.nodes.grasping import node as grasping_node
 from robomech_ros.nodes.grasping.node import GraspingNode
 
 HAND = load_hand("three_fingered")
@@ -537,3 +539,30 @@ def test_without_the_conic_solver_the_answer_has_the_command(graph, monkeypatch)
     answer = graph.call(ContactForces, "grasping/contact_forces", request)
     assert answer.error_code == ErrorCode.NOT_INSTALLED
     assert "pip install 'robomech_ros[hands]'" in answer.error_msg
+
+
+@pytest.mark.parametrize("busy", ["analysed", "contact_forces"])
+def test_long_work_of_one_service_does_not_keep_the_other_waiting(graph, monkeypatch, busy):
+    began, go_on = threading.Event(), threading.Event()
+    own = getattr(grasping_node, busy)
+
+    def long_work(*contacts, **options):
+        began.set()
+        assert go_on.wait(60.0)
+        return own(*contacts, **options)
+
+    monkeypatch.setattr(grasping_node, busy, long_work)
+    graph.start(GraspingNode)
+    calls = [
+        (AnalyzeGrasp, "grasping/analyze_grasp", requested(AnalyzeGrasp, CUBE)),
+        (ContactForces, "grasping/contact_forces", requested(ContactForces, CUBE, wrench=loaded())),
+    ]
+    first, second = calls if busy == "analysed" else calls[::-1]
+    waiting = graph.start_call(*first)
+    try:
+        assert began.wait(60.0)
+        assert graph.call(*second).error_code == ErrorCode.NONE
+        assert not waiting.done()
+    finally:
+        go_on.set()
+    assert graph.wait_for(waiting).error_code == ErrorCode.NONE
