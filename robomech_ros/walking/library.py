@@ -15,7 +15,7 @@ feet::
         joints:
           - {name: coxa, axis: [0, 0, 1], point: [0.1, 0.1, 0], lower: -1, upper: 1, velocity: 6}
 
-or a document names a URDF beside it, in place of the joints::
+or a document names a URDF beside it, in place of the joints; its masses give the mass centre::
 
     urdf: robot.urdf
     legs:
@@ -104,7 +104,8 @@ def load_legged(name_or_path: str | os.PathLike[str]) -> LeggedRobot:
     try:
         make = _from_urdf if "urdf" in document else _from_axes
         legs, homes, tree = make(document, rows, where)
-        centre = _numbers(document.get("mass_centre", [0.0, 0.0, 0.0]), f"{where}: mass_centre", 3)
+        given = document.get("mass_centre")
+        centre = None if given is None else _numbers(given, f"{where}: mass_centre", 3)
         return LeggedRobot(
             legs,
             home=np.concatenate(homes),

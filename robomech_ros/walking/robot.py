@@ -16,7 +16,9 @@ from robomech_ros.kinematics import InverseKinematicsResult, forward_kinematics,
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.parallel import Mechanism
 from robomech_ros.robots import RobotDescription, SerialChain
+from robomech_ros.robots.bodies import combined
 from robomech_ros.spatial.arrays import as_choice, as_finite, listed
+from robomech_ros.spatial.poses import inverse_pose
 from robomech_ros.walking.described import tree_of_legs
 from robomech_ros.walking.planted import contact_rows, planted_mechanism
 
@@ -44,7 +46,8 @@ class LeggedRobot:
     home : array_like, shape (3 k,), optional
         The joints of the robot that stands to begin with (rad or m); default those of the chains.
     mass_centre : array_like, shape (3,), optional
-        In the trunk (m), the legs counted as they are at home.  Default the origin of the trunk.
+        In the trunk (m), the legs counted as they are at home.  Default that of the masses in
+        ``tree``, or else the origin of the trunk.
     name : str, optional
         What it is called.
     source : str, optional
@@ -71,7 +74,7 @@ class LeggedRobot:
         legs: Mapping[str, SerialChain],
         *,
         home: ArrayLike | None = None,
-        mass_centre: ArrayLike = (0.0, 0.0, 0.0),
+        mass_centre: ArrayLike | None = None,
         name: str = "legged",
         source: str = "",
         tree: RobotDescription | None = None,
@@ -106,7 +109,18 @@ class LeggedRobot:
         ):
             if not lower <= value <= upper:
                 raise SeedOutsideLimitsError(joint, value, lower, upper, "home")
-        self.mass_centre = self._checked("mass_centre", mass_centre, (3,)).copy()
+        centre = self._mass_centre_at_home() if mass_centre is None else mass_centre
+        self.mass_centre = self._checked("mass_centre", centre, (3,)).copy()
+
+    def _mass_centre_at_home(self) -> Array:
+        """Compute the mass centre of all links of the tree in the trunk (m), shape (3,)."""
+        bodies = {} if self._tree is None else self._tree.bodies
+        if not bodies:
+            return np.zeros(3)
+        poses = self.description.link_poses(self.description.home)
+        back = inverse_pose(poses[self.trunk])
+        whole = combined(body.seen_from(back @ poses[link]) for link, body in bodies.items())
+        return np.zeros(3) if whole is None else whole.com
 
     @property
     def n(self) -> int:
@@ -153,7 +167,7 @@ class LeggedRobot:
         *,
         trunk: str | None = None,
         home: ArrayLike | None = None,
-        mass_centre: ArrayLike = (0.0, 0.0, 0.0),
+        mass_centre: ArrayLike | None = None,
     ) -> LeggedRobot:
         """Take the legs of a robot that is described by a URDF.
 

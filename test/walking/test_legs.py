@@ -1,6 +1,7 @@
 """Legs, stance, planted feet as a parallel robot, stability and gaits."""
 
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pinocchio
@@ -174,6 +175,43 @@ def test_any_urdf_can_walk(tmp_path):
     other = load_legged(path)
     assert np.array_equal(other.feet(home), robot.feet(home))
     assert other.joint_names == robot.joint_names
+
+
+QUADRUPED = (Path(__file__).parents[1] / "data" / "quadruped_with_head.urdf").read_text("utf-8")
+QUADRUPED_FEET = {leg: f"{leg}_foot" for leg in ("FL", "FR", "RL", "RR")}
+
+
+def test_the_masses_of_a_urdf_give_the_mass_centre_and_the_margin(tmp_path):
+    robot = LeggedRobot.from_description(load_description(QUADRUPED), QUADRUPED_FEET)
+    np.testing.assert_allclose(robot.mass_centre, [0.105, 0.0, 0.03], atol=1e-12)
+    feet = robot.feet(np.zeros(12))[1:, :2]
+    assert stability_margin(robot.mass_centre[:2], feet) == pytest.approx(-0.047, abs=5e-4)
+    (tmp_path / "quadruped.urdf").write_text(QUADRUPED)
+    legs = "".join(
+        f"  - {{name: {leg}, foot: {foot}, home: [0, 0.7, -1.5]}}\n"
+        for leg, foot in QUADRUPED_FEET.items()
+    )
+    path = tmp_path / "quadruped.yaml"
+    text = f"kind: walking\nname: q\nsource: ours\nurdf: quadruped.urdf\nlegs:\n{legs}"
+    path.write_text(text)
+    np.testing.assert_allclose(load_legged(path).mass_centre, [0.105, 0.0, 0.03], atol=1e-12)
+    path.write_text(f"{text}mass_centre: [0.1, 0, 0]\n")
+    np.testing.assert_array_equal(load_legged(path).mass_centre, [0.1, 0.0, 0.0])
+
+
+def test_the_mass_centre_counts_the_legs_at_home_as_pinocchio_does():
+    calf = (
+        '<link name="FL_c"><inertial><origin xyz="0.01 0.02 -0.1"/><mass value="2"/>'
+        '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>'
+    )
+    text = QUADRUPED.replace('<link name="FL_c"/>', calf)
+    robot = LeggedRobot.from_description(load_description(text), QUADRUPED_FEET)
+    model = pinocchio.buildModelFromXML(text, pinocchio.JointModelFreeFlyer())
+    q = pinocchio.neutral(model)
+    for name, position in zip(robot.joint_names, robot.home, strict=True):
+        q[model.joints[model.getJointId(name)].idx_q] = position
+    centre = pinocchio.centerOfMass(model, model.createData(), q)
+    np.testing.assert_allclose(robot.mass_centre, centre, atol=1e-12)
 
 
 def test_wrong_requests_name_what_is_wrong(robot):
