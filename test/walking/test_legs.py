@@ -191,7 +191,7 @@ def test_the_masses_of_a_urdf_give_the_mass_centre_and_the_margin(tmp_path):
         f"  - {{name: {leg}, foot: {foot}, home: [0, 0.7, -1.5]}}\n"
         for leg, foot in QUADRUPED_FEET.items()
     )
-    path = tmp_path / "quadruped.yaml"
+    path = tmp_path / "quadruped_walking.yaml"
     text = f"kind: walking\nname: q\nsource: ours\nurdf: quadruped.urdf\nlegs:\n{legs}"
     path.write_text(text)
     np.testing.assert_allclose(load_legged(path).mass_centre, [0.105, 0.0, 0.03], atol=1e-12)

@@ -12,10 +12,11 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, RobotDescriptionError
 from robomech_ros.nodes.calibration.samples import Placed, Solution
 from robomech_ros.nodes.calibration.settings import MOUNT_OF_TYPE, is_plain_name
 from robomech_ros.regular_files import read_regular
+from robomech_ros.robots.documents.guarded_yaml import parse_yaml
 from robomech_ros.spatial import pose_from_position_quaternion
 from robomech_ros.spatial.plain_poses import plain_pose
 from robomech_ros.spatial.poses import rigid_inverse
@@ -49,8 +50,8 @@ def load(folder: str, name: str) -> Placed:
         raise BadValueError("the parameter saved", name, expected)
     try:
         path = Path(folder).expanduser() / f"{name}.yaml"
-        content = yaml.safe_load(read_regular(path, _LARGEST_FILE))
-        if not isinstance(content, dict) or content.get("format") != FORMAT:
+        content = parse_yaml(read_regular(path, _LARGEST_FILE), path.name, _LARGEST_FILE)
+        if content.get("format") != FORMAT:
             raise ValueError(f"no file of the format '{FORMAT}'")
         tf = content["tf"]
         if tf is None:
@@ -59,8 +60,11 @@ def load(folder: str, name: str) -> Placed:
         if not all(isinstance(frame, str) and frame for frame in (parent, child)):
             raise ValueError("frames without names")
         pose = pose_from_position_quaternion(tf["position"], tf["quaternion"])
-    except (OSError, ValueError, TypeError, KeyError, RecursionError, yaml.YAMLError) as error:
-        why = getattr(error, "strerror", None) or " ".join(f"{error}".split())
+    except RobotDescriptionError as error:
+        why = f"no file of the format '{FORMAT}', while parsing {error}"
+        raise BadValueError("the parameter saved", name, f"{expected} ({why})") from None
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        why = getattr(error, "strerror", None) or f"{error}"
         raise BadValueError("the parameter saved", name, f"{expected} ({why})") from None
     return Placed(parent, child, pose)
 

@@ -34,7 +34,20 @@ def shown(value: object) -> str:
 
 
 class UniqueKeyLoader(yaml.SafeLoader):
-    """Safe loader that refuses repeated keys, and keys that are no plain text."""
+    """Safe loader that refuses aliases, repeated keys, and keys that are no plain text.
+
+    Merge keys of aliases double a document with every line.
+    """
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        """Compose the next node of a document, unless it is an alias."""
+        if self.check_event(yaml.events.AliasEvent):
+            raise self._refusal("aliases (*name) are not allowed")
+        return super().compose_node(parent, index)
+
+    def _refusal(self, why: str) -> yaml.composer.ComposerError:
+        mark = self.peek_event().start_mark  # type: ignore[no-untyped-call]
+        return yaml.composer.ComposerError(None, None, why, mark)
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
         """Make a dict of a mapping, once its keys are known to be different."""
@@ -56,13 +69,11 @@ class UniqueKeyLoader(yaml.SafeLoader):
 
 
 class _Loader(UniqueKeyLoader):
-    """Refuses aliases, tags and deep nesting, too."""
+    """Refuses tags and deep nesting, too."""
 
     depth = 0
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        if self.check_event(yaml.events.AliasEvent):
-            raise self._refusal("aliases (*name) are not allowed")
         if getattr(self.peek_event(), "tag", None):  # type: ignore[no-untyped-call]
             raise self._refusal("tags (!name) are not allowed")
         self.depth += 1
@@ -71,10 +82,6 @@ class _Loader(UniqueKeyLoader):
         node = super().compose_node(parent, index)
         self.depth -= 1
         return node
-
-    def _refusal(self, why: str) -> yaml.composer.ComposerError:
-        mark = self.peek_event().start_mark  # type: ignore[no-untyped-call]
-        return yaml.composer.ComposerError(None, None, why, mark)
 
 
 _Loader.yaml_implicit_resolvers = {}
@@ -93,7 +100,7 @@ for _tag, _pattern, _first in (
     )
 
 
-def parse_yaml(text: str | bytes, where: str) -> dict[str, Any]:
+def parse_yaml(text: str | bytes, where: str, largest: int = LARGEST_YAML) -> dict[str, Any]:
     """Parse a document whose top level is a mapping.
 
     Parameters
@@ -102,14 +109,16 @@ def parse_yaml(text: str | bytes, where: str) -> dict[str, Any]:
         The document.
     where : str
         What it is called in messages.
+    largest : int, optional
+        Most bytes that are read.
 
     Raises
     ------
     RobotDescriptionError
         Too large, not YAML, not a mapping, or with something that is not plain data.
     """
-    if len(text) > LARGEST_YAML:
-        raise RobotDescriptionError(where, f"{len(text)} bytes, at most {LARGEST_YAML} are allowed")
+    if len(text) > largest:
+        raise RobotDescriptionError(where, f"{len(text)} bytes, at most {largest} are allowed")
     try:
         document = yaml.load(text, Loader=_Loader)
     except yaml.MarkedYAMLError as error:

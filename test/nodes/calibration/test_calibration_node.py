@@ -426,11 +426,16 @@ def test_what_was_saved_is_on_tf_from_the_start(stage, graph, tmp_path):
 
 
 TOLD = f"{{format: '{FORMAT}', tf: {{parent: a, frame: %s, position: [0, 0, 0]%s}}}}"
+# 30 mappings, each of which merges the last one three times: 3^29 entries.
+BOMB = "m0: &m0 {x: 1}\n" + "".join(
+    f"m{k}: &m{k} {{<<: [*m{k - 1}, *m{k - 1}, *m{k - 1}]}}\n" for k in range(1, 30)
+)
 DAMAGED = {
     "nothing": (None, "No such file or directory"),
     "another format": ("{format: 7}", "no file of the format"),
     "no mapping": ("[1, 2]", "no file of the format"),
     "no YAML": ("{", "while parsing"),
+    "merge keys": (BOMB, "aliases .* are not allowed"),
     "not told": (f"{{format: '{FORMAT}', tf: null}}", "tf was not told of it"),
     "no frames": (TOLD % ("''", ""), "frames without names"),
     "no turn": (TOLD % ("b", ""), "'quaternion'"),

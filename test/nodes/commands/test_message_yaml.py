@@ -76,6 +76,13 @@ def test_what_does_not_fit_is_named(text, words):
     assert words in str(caught.value)
 
 
+def test_merge_keys_that_double_a_request_with_every_line_are_refused():
+    text = "m0: &m0 {x: 1}\n"
+    text += "".join(f"m{k}: &m{k} {{<<: [*m{k - 1}, *m{k - 1}]}}\n" for k in range(1, 40))
+    with pytest.raises(BadValueError, match=r"aliases \(\*name\) are not allowed"):
+        parse_yaml(text)
+
+
 def test_bad_element_of_a_list_is_named():
     with pytest.raises(RobomechError, match=r"states\[1\]"):
         filled(SolveFK.Request, "{states: [{}, {positio: [1]}]}")
