@@ -17,6 +17,7 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import fitted
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.profiles.jerk_limited import JerkLimited, planned_between
+from robomech_ros.trajectory.profiles.ruckig_phases import failure
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.time_optimal_motions import time_optimal_through
 
@@ -175,9 +176,7 @@ class _Search:
         request.target_position = (self._places[k + 1] - self._places[k]).tolist()
         request.current_velocity = before.tolist()
         request.target_velocity = after.tolist()
-        try:
-            self._solver.calculate(request, self._motion)
-        except (ruckig.RuckigError, ValueError):
+        if failure(self._solver, request, self._motion):
             return np.inf
         alone = self._motion.independent_min_durations
         return float(self._motion.duration + _HIDDEN * sum(alone))

@@ -34,7 +34,8 @@ class Verification:
     ----------
     peak_velocity_ratio, peak_acceleration_ratio, peak_jerk_ratio : ndarray, shape (n,)
         Largest magnitude anywhere on the curve over the limit, as far as it is certain in spite
-        of the rounding of samples; 0 where there is no limit.
+        of the rounding of samples; 0 where there is no limit.  A step of the acceleration is an
+        infinite jerk, which counts as a violation only if the profile promises none.
     violation : Violation or None
         The first one in time, None if there is none.
     largest_acceleration_step : ndarray, shape (n,)
@@ -135,6 +136,7 @@ def verify(
     if not good:
         found += violations_between(curve, known, doubts, allowed, rates)
     velocity, acceleration, jerk = ratios
+    jerk[np.isfinite(known.jerk) & (largest[2] > LIMIT_SLACK * known.scales[1])] = np.inf
     return Verification(velocity, acceleration, jerk, _first(found), largest[2])
 
 

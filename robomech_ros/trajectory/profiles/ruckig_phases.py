@@ -19,7 +19,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Phases", "jerk_phases", "phases_from_rest", "rest_to_rest"]
+__all__ = ["Phases", "failure", "jerk_phases", "phases_from_rest", "rest_to_rest"]
 
 # Ruckig refuses durations of more than 7600 of its units of time; this leaves room for a detour.
 _LONG = 1000.0
@@ -31,6 +31,9 @@ _LARGEST_MISS = 1e-9
 _MISS_JERK = 60.0
 # By how much Ruckig lets itself miss a goal at most, in its unit of length.
 _RUCKIG_MISS = 1e-8
+# Where two shapes of a profile fit equally well, as with a displacement of 2 A^3 / J^2, rounding
+# makes Ruckig reject both. Limits lower by this part decide, and cost no more than 1e-12 of the time.
+_TIE_BREAK, _TIED = 1e-12, ("max_jerk", "max_acceleration", "max_velocity")
 # Breaks nearer to each other than this, in parts of the duration, are one.
 _SAME_BREAK = 2e-15
 # What rounding may add to the peaks of a joint whose limits another joint's course just meets.
@@ -188,9 +191,9 @@ def jerk_phases(
             request.target_acceleration = (final_acceleration * (time**2 / length)).tolist()
         request.minimum_duration = shortest / time
         motion = ruckig.Trajectory(len(rise))
-        failure = _failure(request, motion)
-        if failure:
-            reason = reason or failure
+        refused = failure(ruckig.Ruckig(len(rise)), request, motion)
+        if refused:
+            reason = reason or refused
             continue
         phases = _phases_of(motion, request, length).slowed(time)
         if (_miss(phases, rise) <= _LARGEST_MISS * limits.jerk).all():
@@ -249,15 +252,37 @@ def _request(
     return request
 
 
-def _failure(request: Any, motion: Any) -> str:
-    """Run Ruckig; return why it failed, empty if it did not."""
+def failure(solver: Any, request: Any, motion: Any) -> str:
+    """Run Ruckig on a request; return why it failed, or an empty text.
+
+    A refused request is repeated with slightly lower limits of jerk, acceleration and velocity.
+
+    Parameters
+    ----------
+    solver : Ruckig
+    request : InputParameter
+        Unchanged on return.
+    motion : Trajectory
+        Receives the motion.
+    """
+    given = {name: getattr(request, name) for name in _TIED}
+    reason = ""
     try:
-        ruckig.Ruckig(request.degrees_of_freedom).calculate(request, motion)
+        for name in ("", *_TIED):
+            if name:
+                setattr(request, name, [limit * (1.0 - _TIE_BREAK) for limit in given[name]])
+            try:
+                solver.calculate(request, motion)
+            except ruckig.RuckigError as error:
+                reason = reason or str(error).strip().splitlines()[0]
+            else:
+                return ""
     except ValueError:  # the binding has no name for this code
         return "too long"
-    except ruckig.RuckigError as error:
-        return str(error).strip().splitlines()[0].removeprefix("[ruckig]").strip()
-    return ""
+    finally:
+        for name in _TIED:
+            setattr(request, name, given[name])
+    return reason.removeprefix("[ruckig]").strip()
 
 
 def _refuse(reason: str, limits: Limits) -> NoReturn:

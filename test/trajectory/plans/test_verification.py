@@ -161,6 +161,7 @@ def test_profiles_keep_what_they_promise_of_their_acceleration(profile):
     report = verify(motion, LIMITS, start=START, to_rest=profile != "trapezoidal")
     assert report.ok
     assert (report.largest_acceleration_step > 1e-3).any() == motion.ACCELERATION_STEPS
+    assert np.isinf(report.peak_jerk_ratio).any() == motion.ACCELERATION_STEPS
 
 
 def test_the_first_violation_alone_is_that_of_the_report_and_takes_no_compiled_code(waypoints):

@@ -14,7 +14,7 @@ from robomech_ros.errors import (
     LimitExceededError,
     MissingLimitsError,
 )
-from robomech_ros.trajectory import Limits, point_to_point, verify
+from robomech_ros.trajectory import Limits, point_to_point, through_points, verify
 from robomech_ros.trajectory.curves.bounds import extremes
 
 JOINTS = ("base", "shoulder", "elbow")
@@ -102,6 +102,54 @@ def test_limits_hold_everywhere_and_one_of_them_binds(seed):
     dense = motion.sample(np.linspace(0.0, motion.duration, 2000))
     for rate in ("velocity", "acceleration", "jerk"):
         assert (np.abs(getattr(dense, rate)) <= getattr(limits, rate) * (1.0 + 1e-9)).all()
+
+
+COINCIDENCES = [  # velocity, acceleration and jerk limit, start and goal, shortest time
+    (0.1, 2.5, 2000.0, 0.0049921875, 0.005, 0.005),
+    (10.0, 20.0, 1000.0, 1.694, 1.71, 0.08),
+]
+
+
+@pytest.mark.parametrize(
+    ("velocity", "acceleration", "jerk", "start", "goal", "time"), COINCIDENCES
+)
+def test_a_displacement_that_just_reaches_the_acceleration_limit_takes_the_shortest_time(
+    velocity, acceleration, jerk, start, goal, time
+):
+    limits = Limits(["slide"], velocity=velocity, acceleration=acceleration, jerk=jerk)
+    motion = point_to_point([start], [goal], limits=limits, profile="ruckig")
+    assert motion.duration == pytest.approx(time, rel=1e-9)
+    assert verify(motion, limits, start=[start]).ok
+
+
+def test_several_joints_and_via_points_with_such_displacements():
+    limits = Limits(JOINTS, velocity=3.0, acceleration=np.pi, jerk=10.0 * np.pi)
+    start, goal = np.array([0.46, 0.39, 0.88]), np.array([0.5228318530717959, 0.39, 0.88])
+    motion = point_to_point(start, goal, limits=limits, profile="ruckig")
+    assert motion.duration == pytest.approx(0.4, rel=1e-9)
+    there_and_back = through_points([start, goal, start], limits=limits, profile="ruckig")
+    assert there_and_back.duration == pytest.approx(0.8, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_one_joint_is_as_fast_as_the_closed_form_whatever_the_numbers(seed):
+    generator = np.random.default_rng(seed)
+    digits = [1.0, 1.5, 2.0, 2.5, 4.0, 5.0, 8.0]
+    for _ in range(50):
+        velocity, acceleration, jerk = generator.choice(digits, 3) * [1.0, 1.0, 10.0]
+        limits = Limits(["turn"], velocity=velocity, acceleration=acceleration, jerk=jerk)
+        start = round(generator.uniform(-3.0, 3.0), 2)
+        for way in (
+            2.0 * acceleration**3 / jerk**2,
+            velocity * (velocity / acceleration + acceleration / jerk),
+            2.0 * velocity * np.sqrt(velocity / jerk),
+            round(generator.uniform(0.01, 2.0), 2),
+        ):
+            closed, motion = (
+                point_to_point([start], [start + way], limits=limits, profile=profile)
+                for profile in ("double_s", "ruckig")
+            )
+            assert motion.duration == pytest.approx(closed.duration, rel=1e-9)
 
 
 def test_the_time_optimum_of_a_single_joint():
