@@ -32,7 +32,7 @@ _MISS_JERK = 60.0
 # By how much Ruckig lets itself miss a goal at most, in its unit of length.
 _RUCKIG_MISS = 1e-8
 # Where two shapes of a profile fit equally well, as with a displacement of 2 A^3 / J^2, rounding
-# makes Ruckig reject both. Limits lower by this part decide, and cost no more than 1e-12 of the time.
+# makes Ruckig reject both.  Limits lower by this part decide, and cost 1e-12 of the time at most.
 _TIE_BREAK, _TIED = 1e-12, ("max_jerk", "max_acceleration", "max_velocity")
 # Breaks nearer to each other than this, in parts of the duration, are one.
 _SAME_BREAK = 2e-15
