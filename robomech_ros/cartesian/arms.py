@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,20 +11,23 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import SerialChain
-from robomech_ros.trajectory import SerialArm
+from robomech_ros.trajectory import Limits, SerialArm
 
 __all__ = ["load_inverse_kinematics", "serial_arm"]
 
 Array = NDArray[np.float64]
 
 
-def serial_arm(chain: SerialChain) -> SerialArm:
+def serial_arm(chain: SerialChain, task_mask: Sequence[bool] | None = None) -> SerialArm:
     """Make the arm that `track_path` and `along_path` take from a chain.
 
     Parameters
     ----------
     chain : SerialChain
         Of n joints.
+    task_mask : sequence of six bool, optional
+        Which of x, y, z, rx, ry, rz a path holds, along and about the axes of its pose, as for
+        `inverse_kinematics`; default (and all False) the full pose.
 
     Returns
     -------
@@ -32,8 +37,8 @@ def serial_arm(chain: SerialChain) -> SerialArm:
 
     Raises
     ------
-    BadValueError
-        No chain.
+    BadValueError, WrongSizeError
+        No chain, or no mask.
 
     Examples
     --------
@@ -50,10 +55,16 @@ def serial_arm(chain: SerialChain) -> SerialArm:
 
     def inverse(T: Array, near: Array) -> Array | None:
         seed = np.clip(near, chain.lower, chain.upper)
-        found = inverse_kinematics(chain, T, seed=seed, max_solutions=1).q
+        found = inverse_kinematics(chain, T, seed=seed, max_solutions=1, task_mask=task_mask).q
         return found[0] if len(found) else None
 
-    return SerialArm(lambda q: forward_kinematics(chain, q), inverse, lambda q: jacobian(chain, q))
+    return SerialArm(
+        lambda q: forward_kinematics(chain, q),
+        inverse,
+        lambda q: jacobian(chain, q),
+        task_mask,
+        Limits.of(chain),
+    )
 
 
 def load_inverse_kinematics() -> None:

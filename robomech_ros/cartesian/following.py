@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -100,6 +101,7 @@ def follow_path(
     path: PosePath,
     start: ArrayLike,
     *,
+    task_mask: Sequence[bool] | None = None,
     bounds: PathBounds | None = None,
     limits: JointLimits | Any = None,
 ) -> FollowedPath:
@@ -113,6 +115,10 @@ def follow_path(
         Of its tip in its base.
     start : array_like, shape (n,)
         Joint values (rad or m) that choose the branch: those at the start of the path, or near.
+    task_mask : sequence of six bool, optional
+        Which of x, y, z, rx, ry, rz are held, along and about the axes of the path's pose, as for
+        `inverse_kinematics`; default (and all False) the full pose.  What is free is chosen for the
+        smallest motion of the joints, away from their limits.
     bounds : PathBounds, optional
         Condition number, jumps and checks of the caller that end the path.
     limits : JointLimits, optional
@@ -153,7 +159,7 @@ def follow_path(
     >>> round(followed.fraction, 2), followed.stop.kind.name, followed.stop.index
     (0.16, 'SINGULAR', 0)
     """
-    robot = as_follower(chain)
+    robot = as_follower(chain, task_mask)
     values = _as_start(robot, start)
     allowed = robot.limits if limits is None else Limits.of(limits)
     most = _as_bounds(bounds)

@@ -73,6 +73,7 @@ def plan_along(
     path: PosePath,
     start: ArrayLike,
     *,
+    task_mask: Sequence[bool] | None = None,
     bounds: PathBounds | None = None,
     limits: JointLimits | Any = None,
     profile: str = "poly345",
@@ -91,6 +92,10 @@ def plan_along(
         Of its tip in its base, such as `path_through` makes it.
     start : array_like, shape (n,)
         Joint values (rad or m) at the start of the path, or near: they choose the branch.
+    task_mask : sequence of six bool, optional
+        Which of x, y, z, rx, ry, rz are held, along and about the axes of the path's pose, as for
+        `inverse_kinematics`; default (and all False) the full pose.  What is free is chosen for the
+        smallest motion of the joints, away from their limits.
     bounds : PathBounds, optional
         Condition number, jumps and checks of the caller that end the path.
     limits : JointLimits, optional
@@ -135,7 +140,7 @@ def plan_along(
     >>> plan.trajectory.sample(plan.trajectory.duration).velocity.tolist()
     [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     """
-    followed = follow_path(chain, path, start, bounds=bounds, limits=limits)
+    followed = follow_path(chain, path, start, task_mask=task_mask, bounds=bounds, limits=limits)
     sampled = plan_followed(
         followed, limits=limits, profile=profile, speeds=speeds, sampling=sampling
     )
@@ -190,6 +195,7 @@ def plan_followed(
             profile=profile,
             speeds=speeds,
             speed_limits=speed_limits,
+            arm=robot.arm,
         )
         latest[:] = [motion]
         return motion

@@ -8,20 +8,19 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinematics.tolerances import ARM_RANK
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.kinetostatics.point_jacobians import TIP, point_jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-from robomech_ros.spatial.arrays import as_flag, listed
+from robomech_ros.spatial.arrays import held_rows
 
 __all__ = ["planar_jacobian", "planar_rows", "task_jacobian"]
 
 Array = NDArray[np.float64]
 
-_MASK = "six of True or False: x, y, z, rx, ry, rz"
 # More of the base's x axis than this along the normal, and the y axis gives the directions instead.
 _UPRIGHT = 0.9
 
@@ -62,13 +61,9 @@ def task_jacobian(
     --------
     jacobian : all rows.
     """
-    given = listed("mask", mask, _MASK)
-    if len(given) != 6:
-        raise WrongSizeError("mask", len(given), "6: x, y, z, rx, ry, rz")
-    entries = [as_flag(f"mask[{i}]", one) for i, one in enumerate(given)]
-    if not any(entries):
-        raise BadValueError("mask", given, "one that leaves a row: not all False")
-    rows = np.flatnonzero([*entries[3:], *entries[:3]])
+    rows = held_rows("mask", mask)
+    if not len(rows):
+        raise BadValueError("mask", tuple(mask), "one that leaves a row: not all False")
     part: Array = point_jacobian(chain, q, point, axes)[..., rows, :]
     return part
 

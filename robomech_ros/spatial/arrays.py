@@ -15,6 +15,7 @@ __all__ = [
     "as_choice",
     "as_finite",
     "as_flag",
+    "held_rows",
     "listed",
     "readable_axis",
     "real_array",
@@ -96,6 +97,28 @@ def as_choice(what: str, value: object, known: Sequence[str]) -> str:
         if isinstance(value, str) and value == name:
             return name
     raise BadValueError(what, value, "one of " + ", ".join(known))
+
+
+def held_rows(what: str, mask: object) -> NDArray[np.int64]:
+    """Return the rows of a twist, angular first, that a task mask holds.
+
+    Parameters
+    ----------
+    what : str
+        Name of the mask in messages.
+    mask : sequence of six bool
+        x, y, z, rx, ry, rz.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError
+        Not six of True or False.
+    """
+    given = listed(what, mask, "six of True or False: x, y, z, rx, ry, rz")
+    if len(given) != 6:
+        raise WrongSizeError(what, len(given), "6: x, y, z, rx, ry, rz")
+    entries = [as_flag(f"{what}[{i}]", one) for i, one in enumerate(given)]
+    return np.flatnonzero([*entries[3:], *entries[:3]])
 
 
 def as_flag(what: str, value: object) -> bool:

@@ -11,6 +11,7 @@ from robomech_ros.lazy import lazy_exports
 if TYPE_CHECKING:
     from robomech_ros.trajectory.curves.interpolation import interpolant
     from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+    from robomech_ros.trajectory.joint_points import nearest_turns
     from robomech_ros.trajectory.limits import JointLimits, Limits
     from robomech_ros.trajectory.paths.arc_length import ArcLength, ByArcLength, arc_length
     from robomech_ros.trajectory.paths.arms import Arm, JoinedArms, SerialArm
@@ -149,6 +150,7 @@ __all__ = [
     "join_curves",
     "joint_spline",
     "line",
+    "nearest_turns",
     "orientation_spline",
     "point_to_point",
     "pose_path",
@@ -237,6 +239,7 @@ _MODULES = {
     "join_curves": "paths.curve",
     "joint_spline": "paths.joint_synthesis",
     "line": "paths.closed_form",
+    "nearest_turns": "joint_points",
     "orientation_spline": "paths.orientation_spline",
     "point_to_point": "plans.point_to_point",
     "pose_path": "paths.pose_path",

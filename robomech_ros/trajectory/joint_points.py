@@ -1,5 +1,6 @@
-"""Check points in joint space that come from a caller."""
+"""Check points in joint space that come from a caller, and choose their whole turns."""
 
+import math
 from typing import NoReturn
 
 import numpy as np
@@ -10,7 +11,7 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["check_numbers", "joint_points", "joint_values"]
+__all__ = ["check_numbers", "joint_points", "joint_values", "nearest_turns"]
 
 
 def joint_points(
@@ -47,6 +48,46 @@ def joint_points(
         _refuse(places, good)
     places.setflags(write=False)
     return places
+
+
+def nearest_turns(
+    points: npt.ArrayLike, continuous: npt.ArrayLike
+) -> tuple[FloatArray, npt.NDArray[np.int64]]:
+    """Return points whose continuous joints take the short way from each to the next.
+
+    Parameters
+    ----------
+    points : array_like, shape (m, n)
+        Joint values, rad or m.
+    continuous : array_like, shape (n,)
+        Which joints turn without limits, such as `SerialChain.continuous`; the others stay.
+
+    Returns
+    -------
+    points : ndarray, shape (m, n)
+        The first one as given; no continuous joint goes more than half a turn to the next one.
+    turns : ndarray, shape (m, n)
+        How many whole turns each was moved by.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As `joint_points` does, or `continuous` does not have one entry for each joint.
+
+    Examples
+    --------
+    >>> from robomech_ros.trajectory import nearest_turns
+    >>> points, turns = nearest_turns([[3.0, 0.5], [-3.0, 0.0]], [True, False])
+    >>> points[-1].round(3).tolist(), turns[-1].tolist()
+    ([3.283, 0.0], [1, 0])
+    """
+    places = joint_points(points)
+    free = np.asarray(continuous, dtype=np.bool_)
+    if free.shape != places[0].shape:
+        raise WrongSizeError("continuous", free.shape, places[0].shape)
+    steps = np.where(free, np.round(np.diff(places, axis=0) / math.tau), 0.0)
+    turns = np.concatenate([np.zeros((1, len(free))), -np.cumsum(steps, axis=0)]) + 0.0
+    return places + math.tau * turns, turns.astype(np.int64)
 
 
 def _refuse(places: FloatArray, good: npt.NDArray[np.bool_]) -> NoReturn:

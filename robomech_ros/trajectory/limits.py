@@ -246,6 +246,12 @@ class Limits:
         return np.stack([self.lower.clip(-largest, None), self.upper.clip(None, largest)])
 
     @cached_property
+    def continuous(self) -> npt.NDArray[np.bool_]:
+        """Which joints turn without limits of position, shape (n,)."""
+        turning = np.array([unit == "rad" for unit in self.units], dtype=np.bool_)
+        return turning & np.isinf(self.lower) & np.isinf(self.upper)
+
+    @cached_property
     def rates(self) -> FloatArray:
         """Limits of velocity, acceleration and jerk, (3, n)."""
         return np.stack([self.velocity, self.acceleration, self.jerk])

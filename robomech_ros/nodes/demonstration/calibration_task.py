@@ -180,6 +180,7 @@ class CalibrationTask:
                 start=joint_state(names, client.present),
                 goal=JointState(name=list(names), position=goal.tolist()),
                 profile=PlanJoint.Request.RUCKIG,
+                keep_turns=True,  # arrival is judged by the goal itself
             )
             planned = client.call("trajectory_planner/plan_joint", request)
             seconds = seconds_from_duration(planned.duration, "duration")

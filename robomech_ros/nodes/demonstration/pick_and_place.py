@@ -182,6 +182,7 @@ class PickAndPlace:
             start=self._present_state(),
             goal=goal,
             profile=_PROFILES[profile],
+            keep_turns=True,  # arrival is judged by the goal itself
         )
         response = self._client.call("trajectory_planner/plan_joint", request)
         duration = seconds_from_duration(response.duration, "duration")

@@ -47,6 +47,8 @@ from robomech_ros.trajectory import (
 __all__ = ["CartesianPathService"]
 
 Array = NDArray[np.float64]
+# The task mask of a position alone.
+_POSITION = (True, True, True, False, False, False)
 _CODES = {
     Code.IK_LOST: MoveItErrorCodes.NO_IK_SOLUTION,
     Code.LIMIT: MoveItErrorCodes.NO_IK_SOLUTION,
@@ -157,7 +159,7 @@ def _solved(question: CartesianQuestion, settings: Any) -> _Found:
         path = path_through(start, question.waypoints)
     if path is None:
         return _Found(_standstill(question, settings), 1.0, int(MoveItErrorCodes.SUCCESS), "")
-    followed = _followed(question, path)
+    followed = _followed(question, path, _POSITION if settings.position_only_ik else None)
     plan = plan_followed(
         followed,
         profile="time_optimal",
@@ -173,7 +175,9 @@ def _solved(question: CartesianQuestion, settings: Any) -> _Found:
     return _Found(plan, fraction, *_outcome(followed, fraction))
 
 
-def _followed(question: CartesianQuestion, path: PosePath) -> FollowedPath:
+def _followed(
+    question: CartesianQuestion, path: PosePath, task_mask: tuple[bool, ...] | None
+) -> FollowedPath:
     """Follow the path until joints jump, leave their limits, or a constraint breaks."""
     chain, step = question.chain, question.step
     checks = [relative_jump(chain, step, question.relative_jump)]
@@ -187,7 +191,7 @@ def _followed(question: CartesianQuestion, path: PosePath) -> FollowedPath:
     jumps = question.revolute_jump, question.prismatic_jump
     bounds = PathBounds(math.inf, step, *jumps, checks)
     with refused_as(MoveItErrorCodes.START_STATE_INVALID):
-        return follow_path(chain, path, question.start, bounds=bounds)
+        return follow_path(chain, path, question.start, task_mask=task_mask, bounds=bounds)
 
 
 def _speed_limits(question: CartesianQuestion, followed: FollowedPath) -> list[SpeedLimit]:

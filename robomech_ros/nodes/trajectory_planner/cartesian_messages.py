@@ -80,6 +80,7 @@ def read_path_request(request: Any, settings: PlannerSettings) -> PathRequest:
     options = {
         "profile": _named("profile", request.profile, _PROFILES),
         "speeds": _tip_speeds(request),
+        "task_mask": [bool(held) for held in request.task_mask],
         "bounds": _path_bounds(request, settings),
     }
     waypoints = _waypoint_poses(request, settings.max_waypoints)

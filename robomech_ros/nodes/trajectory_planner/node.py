@@ -44,7 +44,7 @@ from robomech_ros.nodes.trajectory_planner.plan_messages import (
 )
 from robomech_ros.nodes.trajectory_planner.publication import PlanPublication
 from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings
-from robomech_ros.trajectory import PROFILES, sampled_through_points
+from robomech_ros.trajectory import PROFILES, nearest_turns, sampled_through_points
 
 _P = TypeVar("_P")
 
@@ -122,11 +122,14 @@ class TrajectoryPlannerNode(Node):
         wanted = read_plan_request(request, self._limits, settings)
         goal, posture = self._motions.read_goal(request.goal)
         start = await self._start(request.start, settings)
-        points = plan_points(self._motions.commanded(start), wanted.via, goal, self._limits)
+        given = plan_points(self._motions.commanded(start), wanted.via, goal, self._limits)
+        free = self._limits.continuous & (not request.keep_turns)
+        points, turns = nearest_turns(given, free)
         options = {**wanted.options, **settings.most, "usual_period": settings.sample_period}
         plan = partial(self._motions.through, points, start, posture, options)
         found = await self._planned(plan, beside=len(wanted.via) > 0)
         self._plans.publish_waiting()
+        response.turns = turns[-1].tolist()
         encode_plan(found.sampled, self._limits, wanted.options, self._points, response)
         self._plans.publish_soon(response.trajectory, found.poses)
         return answer(response)

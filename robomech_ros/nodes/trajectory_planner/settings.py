@@ -96,6 +96,12 @@ class PlannerSettings(StateSettings):
         1e6,
         read_only=False,
     )
+    position_only_ik: bool = parameter(
+        False,
+        "Whether compute_cartesian_path holds the position of the link only and leaves its "
+        "orientation free, as MoveIt does for a group whose solver has this parameter",
+        read_only=False,
+    )
     stopped_velocity_tolerance: float = parameter(
         0.01,
         "Largest speed of a joint, rad/s or m/s, that counts as rest where a plan starts from the "

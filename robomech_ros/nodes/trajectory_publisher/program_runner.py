@@ -14,6 +14,7 @@ from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.pauses import passing_timer
 from robomech_ros.nodes.trajectory_publisher.program import Program, Step
 from robomech_ros.robots import SerialChain
+from robomech_ros.trajectory.joint_points import nearest_turns
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
@@ -127,9 +128,10 @@ class ProgramRunner:
             self._timer = passing_timer(self._node, wait, self._waited, self._clock.clock)
             return
         try:
-            delivery = self._delivery(self._plan(step, self._chain, self._position))
+            points = self._plan(step, self._chain, self._position)
+            delivery = self._delivery(points)
             delivery.listen(self._moved)
-            self._position = np.array(step.positions)
+            self._position = points.positions[-1]
             self._offer(delivery)
         except RobomechError as error:
             self._end(f"{self.condition}: {error}")
@@ -150,7 +152,7 @@ class ProgramRunner:
 
         plan = fitting_plan(
             chain,
-            np.stack([start, step.positions]),
+            nearest_turns([start, step.positions], chain.continuous)[0],
             wanted_period=0.0,
             usual_period=_PERIOD,
             max_points=self._max_points,

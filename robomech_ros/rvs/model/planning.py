@@ -13,7 +13,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.spatial.arrays import as_choice
-from robomech_ros.trajectory import PROFILES, point_to_point
+from robomech_ros.trajectory import PROFILES, nearest_turns, point_to_point
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 
 __all__ = [
@@ -82,7 +82,8 @@ def plan_between(chain: SerialChain, start: Array, goal: Array, way: str, profil
         as_choice("profile", profile, tuple(PROFILES))
         if np.array_equal(start, goal):
             raise BadValueError("goal", "the start", "another posture")
-        trajectory = point_to_point(start, goal, limits=chain, profile=profile)
+        points, _ = nearest_turns([start, goal], chain.continuous)
+        trajectory = point_to_point(*points, limits=chain, profile=profile)
         return _made(chain, trajectory, f"{profile}: {trajectory.duration:.2f} s", True)
     return _along_line(chain, start, goal, profile)
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from functools import cached_property
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.arrays import as_finite, held_rows
+from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = [
@@ -62,18 +64,39 @@ class SerialArm:
     jacobian : callable
         Matrix (6, n) at joint values (n,): the columns [e; e x (p - o)] or [0; e], in the axes of
         the base, at the tool's origin p.
+    task_mask : sequence of six bool, optional
+        Which of x, y, z, rx, ry, rz a path holds, along and about the axes of its pose, as for
+        `inverse_kinematics`; None and all False are the full pose.  What is free is chosen for the
+        smallest motion of the joints.
+    limits : JointLimits, optional
+        With a mask: whose position limits joints keep away from, where others can move instead.
 
     Raises
     ------
-    BadValueError
-        One of the three is not callable.
+    BadValueError, WrongSizeError
+        One of the three is not callable, or the mask is none.
     """
 
     forward: Callable[[FloatArray], npt.ArrayLike]
     inverse: Callable[[FloatArray, FloatArray], npt.ArrayLike | None]
     jacobian: Callable[[FloatArray], npt.ArrayLike]
+    task_mask: Sequence[bool] | None = None
+    limits: JointLimits | Any = None
+
+    @cached_property
+    def held(self) -> npt.NDArray[np.int64] | None:
+        """Rows of twists, angular first, that a path holds; None for the full pose."""
+        rows = None if self.task_mask is None else held_rows("task_mask", self.task_mask)
+        return None if rows is None or len(rows) in (0, 6) else rows
+
+    @cached_property
+    def bounds(self) -> FloatArray | None:
+        """Position limits (2, n), if joints keep away from any (rad or m)."""
+        known = None if self.limits is None else Limits.of(self.limits)
+        return None if known is None else np.stack([known.lower, known.upper])
 
     def __post_init__(self) -> None:
+        _ = self.held, self.bounds
         for name in ("forward", "inverse", "jacobian"):
             if not callable(getattr(self, name)):
                 raise BadValueError(name, getattr(self, name), "a callable")

@@ -6,6 +6,14 @@ import numpy as np
 
 from robomech_ros.spatial.cross_product import axial_vector
 from robomech_ros.trajectory.paths.arms import JoinedArms, Tracked, checked_array
+from robomech_ros.trajectory.paths.partial_poses import (
+    is_partial,
+    least_solution,
+    partial_deviation,
+    partial_rank,
+    partial_rates,
+    partial_step,
+)
 from robomech_ros.trajectory.paths.pose_path import PoseSample
 from robomech_ros.trajectory.sample import FloatArray
 
@@ -75,20 +83,24 @@ def posture(arm: Tracked, q: FloatArray, place: PoseSample) -> Posture:
         parts = [posture(one, own, place) for one, own in arm.shares(q)]
         q, first, second = (np.concatenate([getattr(one, name) for one in parts]) for name in _ROWS)
         return Posture(q, first, second, max(one.condition for one in parts))
+    if is_partial(arm):
+        return Posture(q, *partial_rates(arm, q, place))
     J = checked_array("jacobian", arm.jacobian(q), (6, len(q)))
     singular = np.linalg.svd(J, compute_uv=False)
-    first = _solved(J, place.twist)
+    first = least_solution(J, place.twist)
     rate = checked_array("jacobian_rate", arm.jacobian_rate(q, first), (6, len(q)))
-    second = _solved(J, place.twist_rate - rate @ first)
+    second = least_solution(J, place.twist_rate - rate @ first)
     if is_redundant(arm, q):
-        spare = rate.T @ _solved(J.T, first)
-        second += spare - _solved(J, J @ spare)
+        spare = rate.T @ least_solution(J.T, first)
+        second += spare - least_solution(J, J @ spare)
     condition = float(singular[0] / singular[-1]) if singular[-1] > 0.0 else np.inf
     return Posture(q, first, second, condition)
 
 
 def is_redundant(arm: Tracked, q: FloatArray) -> bool:
-    """Whether an arm with joint values (n,) has more joints than a pose has freedoms."""
+    """Whether an arm with joint values (n,) has more joints than a path holds freedoms."""
+    if is_partial(arm):
+        return len(q) > partial_rank(arm, len(q))
     return max(arm.joints) > 6 if isinstance(arm, JoinedArms) else len(q) > 6
 
 
@@ -120,9 +132,11 @@ def corrected(arm: Tracked, q: FloatArray, pose: FloatArray) -> FloatArray | Non
         return np.concatenate(found) if len(found) == len(parts) else None
     last = 0.0
     for _ in range(CORRECTIONS):
-        error = pose_deviation(arm, q, pose)
-        J = checked_array("jacobian", arm.jacobian(q), (6, len(q)))
-        step = _solved(J, error)
+        if is_partial(arm):
+            step = partial_step(arm, q, pose)
+        else:
+            J = checked_array("jacobian", arm.jacobian(q), (6, len(q)))
+            step = least_solution(J, pose_deviation(arm, q, pose))
         size = float(np.abs(step).max())
         if not np.isfinite(size) or size > max(2.0 * last, 1.0):
             return None  # the next step would be longer still, or leads to another branch
@@ -136,8 +150,11 @@ def corrected(arm: Tracked, q: FloatArray, pose: FloatArray) -> FloatArray | Non
 def pose_deviation(arm: Tracked, q: FloatArray, pose: FloatArray) -> FloatArray:
     """Rotation left to a pose as e sin(phi), beyond a right angle as e, and distance, (6,).
 
-    In rad and m, in the base frame; of k joined arms one after the other, (6 k,).
+    In rad and m, in the base frame; of k joined arms one after the other, (6 k,).  Of an arm with a
+    task mask the components that are held, in the axes of the pose.
     """
+    if is_partial(arm):
+        return partial_deviation(arm, q, pose)
     if isinstance(arm, JoinedArms):
         return np.concatenate([pose_deviation(one, own, pose) for one, own in arm.shares(q)])
     actual = checked_array("pose of the arm", arm.forward(q), (4, 4))
@@ -148,8 +165,3 @@ def pose_deviation(arm: Tracked, q: FloatArray, pose: FloatArray) -> FloatArray:
         length = np.linalg.norm(vector)
         vector = vector / length if length > 0.0 else np.ones(3)
     return np.concatenate([vector, pose[:3, 3] - actual[:3, 3]])
-
-
-def _solved(J: FloatArray, twist: FloatArray) -> FloatArray:
-    """Solve for the least vector with the least error."""
-    return np.linalg.lstsq(J, twist, rcond=None)[0].astype(np.float64, copy=False)

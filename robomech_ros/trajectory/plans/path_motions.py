@@ -17,9 +17,10 @@ from robomech_ros.trajectory.curves.motion_to_rest import MotionToRest, check_po
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import checked_duration, stretch_needed
 from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.paths.arms import Arm
+from robomech_ros.trajectory.paths.arms import Arm, Tracked
 from robomech_ros.trajectory.paths.curve_arguments import as_positive
 from robomech_ros.trajectory.paths.joint_path import JointPath, check_follows
+from robomech_ros.trajectory.paths.partial_poses import is_partial, tip_rates
 from robomech_ros.trajectory.paths.path_tracking import track_path
 from robomech_ros.trajectory.paths.pose_path import PosePath
 from robomech_ros.trajectory.paths.tracking_result import PathTracking
@@ -146,8 +147,7 @@ def along_path(
 
     Examples
     --------
-    >>> from functools import partial
-    >>> import numpy as np
+    >>>     >>> import numpy as np
     >>> from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
     >>> from robomech_ros.kinetostatics import jacobian
     >>> from robomech_ros.robots import load_robot
@@ -170,7 +170,7 @@ def along_path(
     if tracking.path is None:
         return _resting(np.array(start, dtype=np.float64), tracking)
     return along_joint_path(
-        path, tracking, limits=limits, profile=profile, duration=duration, speeds=speeds
+        path, tracking, limits=limits, profile=profile, duration=duration, speeds=speeds, arm=ik
     )
 
 
@@ -183,6 +183,7 @@ def along_joint_path(
     duration: float | None = None,
     speeds: TipSpeeds | None = None,
     speed_limits: Sequence[SpeedLimit] = (),
+    arm: Tracked | None = None,
 ) -> PathMotion:
     """Run along a joint path that follows a pose path.
 
@@ -194,6 +195,9 @@ def along_joint_path(
         With a joint path.
     speed_limits : sequence of SpeedLimit
         Further speeds, over the path coordinate.
+    arm : Arm, optional
+        The one that follows the path.  With a task mask `speeds` hold for its tip, which then turns
+        or moves otherwise than the poses of the path.
 
     Returns
     -------
@@ -209,7 +213,8 @@ def along_joint_path(
     allowed = Limits.of(limits)
     allowed.require(*timing.required)
     others = checked_list("speed_limits", speed_limits, SpeedLimit)
-    slow = (*_speed_limits(path, speeds), *others)
+    twists = tip_rates(arm, joints) if is_partial(arm) else lambda s: path.sample(s).twist
+    slow = (*_speed_limits(twists, speeds), *others)
     curve = joined(
         [
             timing.timed(PathSection(joints, low, high, allowed, slow))
@@ -255,8 +260,10 @@ def _edges(joints: JointPath, needs_smooth: bool) -> list[tuple[float, float]]:
     return list(pairwise(rests.tolist()))
 
 
-def _speed_limits(path: PosePath, most: TipSpeeds | None) -> list[SpeedLimit]:
-    """Express the speeds of the tool that are limited by the path coordinate's."""
+def _speed_limits(
+    twists: Callable[[FloatArray], FloatArray], most: TipSpeeds | None
+) -> list[SpeedLimit]:
+    """Limit the speeds of the tool, whose twists (m, 6) over the path coordinate are given."""
     if most is None:
         return []
     if not isinstance(most, TipSpeeds):
@@ -264,7 +271,7 @@ def _speed_limits(path: PosePath, most: TipSpeeds | None) -> list[SpeedLimit]:
 
     def rate(part: slice) -> Callable[[FloatArray], FloatArray]:
         def of(s: FloatArray) -> FloatArray:
-            magnitude: FloatArray = np.linalg.norm(path.sample(s).twist[:, part], axis=1)
+            magnitude: FloatArray = np.linalg.norm(twists(s)[:, part], axis=1)
             return magnitude
 
         return of
