@@ -65,7 +65,8 @@ def bench(
         os.environ["ROS_DOMAIN_ID"] = str(domain)
         outsider = Outsider(domain)
         stack.callback(outsider.close)
-        options = LaunchOptions(robot=robot, rate=_RATE, ros_args=_parameters(simulated))
+        words = _parameters(simulated)
+        options = LaunchOptions(robot=robot, rate=_RATE, auto_execute=True, ros_args=words)
         if fingers:
             hand = Path(folder, "panda_with_hand.urdf")
             hand.write_text(panda_with_hand(), encoding="utf-8")
@@ -91,7 +92,7 @@ def _no_jump(by: float) -> int:
 
 def _parameters(simulated: bool) -> tuple[str, ...]:
     values = {
-        # Plans are executed by whom they are asked for.
+        # Only plans that a caller publishes are executed.
         f"{PUBLISHER}:planner_topic": '""',
         f"{CONTROLLER}:gripper_max_velocity": str(_OF_FINGERS),
         "use_sim_time": str(simulated).lower(),

@@ -8,7 +8,7 @@ from moveit_msgs.msg import MoveItErrorCodes, PositionIKRequest, RobotState
 from moveit_msgs.srv import GetPositionIK
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
-from test_suite import plan_and_arrive, wait_until_the_state_is_known
+from test_suite import execute, plan_and_arrive, wait_until_the_state_is_known
 from two_armed import SRDF, URDF, joints_of
 
 from robomech_ros.nodes.common.joint_messages import joint_state
@@ -43,6 +43,7 @@ def test_home_of_an_srdf_is_reached_by_its_name_and_each_group_has_its_own_joint
         plan_and_arrive(outsider, {name: place + 0.2 for name, place in HOME.items()})
         answer = suite.call("trajectory_planner/plan_joint", {"goal": {"name": ["home"]}})
         assert answer["error_code"] == 0, answer["error_msg"]
+        execute(outsider)
         outsider.wait_for_joints(near(HOME))
         answer = suite.call("trajectory_planner/plan_joint", {"goal": {"name": ["open"]}})
         assert answer["error_msg"] == "posture is 'open', expected one of home"

@@ -14,6 +14,7 @@ from trajectory_msgs.msg import JointTrajectoryPoint
 
 from robomech_interfaces.srv import (
     AnalyzeSingularity,
+    Execute,
     InverseDynamics,
     PlanJoint,
     SolveFK,
@@ -59,7 +60,12 @@ def test_a_parallel_robot_is_brought_up_and_moved_as_an_arm_is(bringup, outsider
         )
         assert planned.error_code == 0, planned.error_msg
         assert tuple(planned.trajectory.joint_names) == mechanism.actuated
-        # What is planned is executed.
+        done = outsider.call(
+            Execute,
+            "trajectory_publisher/execute",
+            Execute.Request(trajectory=planned.trajectory),
+        )
+        assert done.error_code == 0, done.error_msg
         wanted = dict(zip(goal.name, goal.position, strict=True))
         last = outsider.wait_for_joints(
             lambda q: all(abs(q[joint] - wanted[joint]) < 1e-9 for joint in wanted)

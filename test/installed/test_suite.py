@@ -19,9 +19,11 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
+from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import (
+    Execute,
     GetJacobian,
     PlanCartesian,
     PlanJoint,
@@ -84,6 +86,14 @@ def plan(outsider, request, prefix=""):
         if response.error_code != ErrorCode.NO_STATE or time.monotonic() > deadline:
             break
     assert response.error_code == 0, response.error_msg
+    return response.trajectory
+
+
+def execute(outsider, trajectory=None, prefix=""):
+    """Execute a trajectory, or the latest plan."""
+    request = Execute.Request(trajectory=trajectory or JointTrajectory())
+    response = outsider.call(Execute, f"{prefix}trajectory_publisher/execute", request)
+    assert response.error_code == 0, response.error_msg
 
 
 def fix_frame(outsider, parent, child, T):
@@ -140,12 +150,12 @@ def test_goals_in_the_world_and_in_a_camera_that_the_arm_carries(bringup, outsid
 
 
 def plan_and_arrive(outsider, goal, profile=PlanJoint.Request.POLY345, prefix=""):
-    """Plan to a goal, and wait until the published joints are there."""
+    """Plan to a goal, execute that, and wait until the published joints are there."""
     names = list(goal)
     request = PlanJoint.Request(
         goal=JointState(name=names, position=list(goal.values())), profile=profile
     )
-    plan(outsider, request, prefix)
+    execute(outsider, plan(outsider, request, prefix), prefix)
     outsider.wait_for_joints(
         lambda q: all(abs(q[name] - goal[name]) < 1e-6 for name in names), f"{prefix}joint_states"
     )
@@ -287,7 +297,7 @@ def test_one_process_in_mid_motion_ends_cleanly(bringup, outsider):
     chain = load_robot("puma560")
     goal = dict(zip(chain.joint_names, chain.home() + 0.5, strict=True))
     start = float(chain.home()[0])
-    with bringup("--robot", "puma560", "--in-one-process"):
+    with bringup("--robot", "puma560", "--in-one-process", "--auto-execute"):
         outsider.wait_for_joints(lambda q: True)
         request = PlanJoint.Request(
             goal=JointState(name=list(goal), position=list(goal.values())),
@@ -306,6 +316,10 @@ def test_when_a_node_dies_bringup_says_which_and_stops_the_others(suite):
     )
     try:
         children = wait_for_children(process.pid, {name.strip("/") for name in NODES})
+        subprocess.run(["kill", "-KILL", str(children["servo"])], check=True)
+        assert any("servo ended with exit code -9; the other" in line for line in process.stderr)
+        others = {name: pid for name, pid in children.items() if name != "servo"}
+        assert all(is_alive(pid) for pid in others.values())
         subprocess.run(["kill", "-KILL", str(children["trajectory_planner"])], check=True)
         _, errors = process.communicate(timeout=PATIENCE)
         assert process.returncode == 1

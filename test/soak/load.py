@@ -172,9 +172,8 @@ class Load:
             self.counts["refused plans"] += 1
             return
         self.counts["plans"] += 1
-        # The publisher executes every plan; this waits for the end of the last one.
         execute = ask(self._node, Execute, "trajectory_publisher/execute")
-        answer = execute.call_async(Execute.Request())
+        answer = execute.call_async(Execute.Request(trajectory=plan.trajectory))
         if cancelled:
             self._spin(0.2)
             self._call("trajectory_publisher/cancel", Trigger, Trigger.Request())

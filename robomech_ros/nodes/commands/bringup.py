@@ -15,10 +15,10 @@ from typing import Any
 from robomech_ros.cli.kind_options import refuse_options
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.process.kind_nodes import KIND_NODES, KindNodes
-from robomech_ros.nodes.process.launch_options import LaunchOptions
+from robomech_ros.nodes.process.launch_options import OPTIONAL_NODES, LaunchOptions
 from robomech_ros.nodes.process.process_group import ProcessGroup
 from robomech_ros.nodes.process.reach import ports_left, reach, stay_on_this_machine
-from robomech_ros.nodes.process.start import NODE_MODULES
+from robomech_ros.nodes.process.start import EXIT_CANNOT_START, NODE_MODULES
 from robomech_ros.parallel import DescribedRobot, load_described
 from robomech_ros.robots import main_chain, semantics_of
 from robomech_ros.robots.kinds import ARM, KINDS, check_name, kind_of
@@ -90,6 +90,11 @@ def add_launch_arguments(parser: argparse.ArgumentParser) -> None:
         help="drives move the simulated robot, through mass, friction and effort limits",
     )
     parser.add_argument("--params-file", action="append", default=[], help="YAML with parameters")
+    parser.add_argument(
+        "--auto-execute",
+        action="store_true",
+        help="move the robot by every plan as it is made; default: by trajectory_publisher/execute",
+    )
     parser.add_argument("--no-servo", action="store_true", help="all nodes but the servo")
     parser.add_argument(
         "--calibration",
@@ -114,7 +119,7 @@ def add_launch_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Bring the nodes up; returns 0 after SIGINT or SIGTERM, 1 if a node ended by itself."""
+    """Bring the nodes up; returns 0 after SIGINT or SIGTERM, 1 if a needed node ended."""
     check(args)
     if own := KIND_NODES.get(kind_of(args.robot)):
         own.load(args.robot)
@@ -145,6 +150,7 @@ def launch_options(args: argparse.Namespace) -> LaunchOptions:
         joint_limits=args.joint_limits,
         dynamic=args.dynamic,
         params_files=tuple(args.params_file),
+        auto_execute=args.auto_execute,
         servo=not args.no_servo,
         calibration=args.calibration,
         view=args.view,
@@ -284,8 +290,15 @@ def _supervise(commands: dict[str, list[str]]) -> int:
         group.interrupt_wait()
 
     _on_signals(stop)
-    first = None if told_to_stop.is_set() else group.wait_for_first()
-    codes = group.stop()
+    first, ended = None, set[str]()
+    while not told_to_stop.is_set() and (first := group.wait_for_end()) is not None:
+        name, code = first
+        if name not in OPTIONAL_NODES or code == EXIT_CANNOT_START:
+            break
+        ended.add(name)
+        text = f"{name} ended with exit code {code}; the other nodes go on"
+        print(f"robomech bringup: {text}", file=sys.stderr, flush=True)
+    codes = {name: code for name, code in group.stop().items() if name not in ended}
     if first is not None and not told_to_stop.is_set():
         name, code = first
         print(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
 from robomech_interfaces.srv import (
+    Execute,
     ListSamples,
     PlanJoint,
     SaveCalibration,
@@ -24,7 +25,7 @@ from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
 from robomech_ros.nodes.demonstration.camera import Scene, SimulatedCamera
-from robomech_ros.nodes.demonstration.client import DemoClient
+from robomech_ros.nodes.demonstration.client import EXECUTE, DemoClient
 from robomech_ros.nodes.demonstration.failure import DemoFailedError
 from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.robots import SerialChain
@@ -42,6 +43,7 @@ Array = NDArray[np.float64]
 SERVICES: dict[str, Any] = {
     "kinematics/solve_ik_batch": SolveIKBatch,
     "trajectory_planner/plan_joint": PlanJoint,
+    EXECUTE: Execute,
     "calibration/take_sample": TakeSample,
     "calibration/solve": SolveCalibration,
     "calibration/list_samples": ListSamples,
@@ -184,7 +186,8 @@ class CalibrationTask:
             )
             planned = client.call("trajectory_planner/plan_joint", request)
             seconds = seconds_from_duration(planned.duration, "duration")
-            client.wait_until_at(goal, _ARRIVED, seconds + _GRACE_SECONDS, lambda: None)
+            patience = seconds + _GRACE_SECONDS
+            client.wait_until_at(goal, _ARRIVED, patience, by=planned.trajectory)
         client.call("calibration/take_sample", TakeSample.Request())
 
     def _solve(self, candidates: Array) -> Any:

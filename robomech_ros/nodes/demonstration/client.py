@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory
 
+from robomech_interfaces.srv import Execute
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.demonstration.failure import DemoFailedError
 from robomech_ros.nodes.demonstration.suite import Suite, running_suite
@@ -21,13 +23,14 @@ from robomech_ros.nodes.middleware.questions import Question
 from robomech_ros.nodes.process.run import Spinner
 from robomech_ros.outcomes import name_of
 
-__all__ = ["DemoClient", "running_client"]
+__all__ = ["EXECUTE", "DemoClient", "running_client"]
 
 Array = NDArray[np.float64]
 
 _START_SECONDS = 60.0
 _CALL_SECONDS = 20.0
 _LOOK = 0.02
+EXECUTE = "trajectory_publisher/execute"
 
 
 class Joints(Protocol):
@@ -131,9 +134,7 @@ class DemoClient:
             It did not answer, or answered with an error.
         """
         response = self.ask(service, request)
-        if response.error_code:
-            code = f"{response.error_code} {name_of(response.error_code)}"
-            raise DemoFailedError(f"{service} answers {code}: {response.error_msg}")
+        _refuse_error(service, response)
         return response
 
     def ask(self, service: str, request: Any) -> Any:
@@ -151,7 +152,12 @@ class DemoClient:
         raise DemoFailedError(f"{service} did not answer within {_CALL_SECONDS:g} s")
 
     def wait_until_at(
-        self, goal: Array, tolerance: float, seconds: float, look: Callable[[], None]
+        self,
+        goal: Array,
+        tolerance: float,
+        seconds: float,
+        look: Callable[[], None] = lambda: None,
+        by: JointTrajectory | None = None,
     ) -> None:
         """Wait until the joints rest at a position.
 
@@ -163,16 +169,23 @@ class DemoClient:
             Of each joint's position, and of its velocity.
         seconds : float
             How long to wait.
-        look : callable
+        look : callable, optional
             Called again and again meanwhile.
+        by : JointTrajectory, optional
+            Executed to get there.
 
         Raises
         ------
         DemoFailedError
-            They do not arrive in time; the worst joint is named.
+            They do not arrive in time, and the worst joint is named; or the motion fails.
         """
+        execution = None
+        if by is not None:
+            execution = Question(self._clients[EXECUTE], Execute, Execute.Request(trajectory=by))
 
         def arrived() -> bool:
+            if execution is not None and execution.answered.done():
+                _refuse_error(EXECUTE, execution.answer())
             _, q, qd = self._rows[-1]
             return bool(np.abs(q - goal).max() <= tolerance and np.abs(qd).max() <= tolerance)
 
@@ -213,6 +226,12 @@ class DemoClient:
                 return False
             time.sleep(_LOOK)
         return True
+
+
+def _refuse_error(service: str, response: Any) -> None:
+    if response.error_code:
+        code = f"{response.error_code} {name_of(response.error_code)}"
+        raise DemoFailedError(f"{service} answers {code}: {response.error_msg}")
 
 
 @contextmanager

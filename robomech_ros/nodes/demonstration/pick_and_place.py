@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import PlanCartesian, PlanJoint, SolveFK, SolveIK
 from robomech_ros.nodes.common.joint_messages import joint_state
@@ -94,7 +95,7 @@ class PickAndPlace:
     def stands_at_home(self) -> None:
         """Check that the robot begins where the named posture home is."""
         home = self._robot.home()
-        self._client.wait_until_at(home, self._joints_arrived, _GRACE_SECONDS, lambda: None)
+        self._client.wait_until_at(home, self._joints_arrived, _GRACE_SECONDS)
         self._reporter.say(f"stands at {HOME}: {_listed(home)} rad or m")
 
     def go_home(self) -> None:
@@ -102,8 +103,7 @@ class PickAndPlace:
         home = self._robot.home()
         self._reporter.heading(f"{HOME}, by its name")
         self.marks.append((self._client.now(), f"{HOME} (RUCKIG)"))
-        leg = self._plan(HOME, "RUCKIG", JointState(name=[HOME]))
-        self._watch(leg, home)
+        leg = self._move(HOME, "RUCKIG", JointState(name=[HOME]), home)
         self._check(leg, self._robot.pose(home))
         self.legs.append(leg)
 
@@ -111,8 +111,8 @@ class PickAndPlace:
         self._reporter.heading(f"{name} at x y z = {_listed(T[:3, 3])} m")
         goal = self._solve(name, T)
         self.marks.append((self._client.now(), f"{name} ({profile})"))
-        leg = self._plan(name, profile, joint_state(self._robot.joint_names, goal))
-        self._watch(leg, goal)
+        named = joint_state(self._robot.joint_names, goal)
+        leg = self._move(name, profile, named, goal)
         self._check(leg, T)
         self.legs.append(leg)
 
@@ -137,7 +137,7 @@ class PickAndPlace:
             f"planned {way.path}: {duration:.2f} s, {len(points)} points, all of the path within "
             "the limits of every joint"
         )
-        self._watch(leg, goal)
+        self._execute(leg, response.trajectory, goal)
         self._check(leg, T)
         self.legs.append(leg)
 
@@ -176,11 +176,11 @@ class PickAndPlace:
         others = tuple(postures[1:MOST_OTHERS])
         self.choices.append(Choice(self._client.now(), name, postures[0].name, others))
 
-    def _plan(self, name: str, profile: str, goal: JointState) -> Leg:
-        """Ask for a plan, which its publication sets in motion."""
+    def _move(self, name: str, profile: str, named: JointState, goal: Array) -> Leg:
+        """Plan a motion to a goal, shape (n,), as it is named, and execute it."""
         request = PlanJoint.Request(
             start=self._present_state(),
-            goal=goal,
+            goal=named,
             profile=_PROFILES[profile],
             keep_turns=True,  # arrival is judged by the goal itself
         )
@@ -192,10 +192,11 @@ class PickAndPlace:
             f"peak velocity {leg.peak:.0%} of its limit, peak acceleration "
             f"{max(response.peak_acceleration_ratio):.0%}"
         )
+        self._execute(leg, response.trajectory, goal)
         return leg
 
-    def _watch(self, leg: Leg, goal: Array) -> None:
-        """Show which part of its duration a motion has lasted, until the joints are at the goal."""
+    def _execute(self, leg: Leg, trajectory: JointTrajectory, goal: Array) -> None:
+        """Execute a motion, and show which part of its duration it has lasted."""
         shown, begun = list(self._robot.shown), self._client.now()
         with self._reporter.progress(leg.name) as show:
 
@@ -204,7 +205,8 @@ class PickAndPlace:
                 show(min(lasted / leg.duration, 1.0) if leg.duration else 1.0, self._at(shown))
 
             patience = leg.duration + _GRACE_SECONDS
-            self._client.wait_until_at(goal, self._joints_arrived, patience, look)
+            arrived = self._joints_arrived
+            self._client.wait_until_at(goal, arrived, patience, look, trajectory)
             show(1.0, self._at(shown))
 
     def _at(self, shown: list[int]) -> Array:

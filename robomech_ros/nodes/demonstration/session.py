@@ -7,7 +7,7 @@ import numpy as np
 
 from robomech_interfaces.srv import Execute, PlanCartesian, PlanJoint, SolveFK, SolveIK
 from robomech_ros.dynamics import mass_matrix
-from robomech_ros.nodes.demonstration.client import DemoClient, running_client
+from robomech_ros.nodes.demonstration.client import EXECUTE, DemoClient, running_client
 from robomech_ros.nodes.demonstration.demo_robots import ArmToShow, RobotToShow
 from robomech_ros.nodes.demonstration.limits import Which, robot_with_limits
 from robomech_ros.nodes.demonstration.load import CARRYING, TRACKED, Load
@@ -28,7 +28,7 @@ _SERVICES = {
     "kinematics/solve_fk": SolveFK,
     "trajectory_planner/plan_joint": PlanJoint,
     "trajectory_planner/plan_cartesian": PlanCartesian,
-    "trajectory_publisher/execute": Execute,
+    EXECUTE: Execute,
 }
 
 

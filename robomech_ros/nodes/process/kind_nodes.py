@@ -52,7 +52,7 @@ class KindNodes:
 
 
 # What only arms have.
-_OF_ARMS = ("joint_limits", "srdf", "group", "base_link", "tip_link", "calibration")
+_OF_ARMS = ("joint_limits", "srdf", "group", "base_link", "tip_link", "calibration", "auto_execute")
 
 
 def _drive(robot: str) -> str:

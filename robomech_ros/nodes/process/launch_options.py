@@ -16,7 +16,10 @@ from robomech_ros.nodes.process.process_group import node_command
 from robomech_ros.nodes.process.start import NODE_MODULES
 from robomech_ros.robots import robot_folders
 
-__all__ = ["LaunchOptions", "config_file"]
+__all__ = ["OPTIONAL_NODES", "LaunchOptions", "config_file"]
+
+# Options choose these nodes; a robot runs on when one of them ends.
+OPTIONAL_NODES = ("servo", "calibration", "rvs")
 
 # What the words that give a parameter begin with.
 _PARAMETER = ("-p", "--param")
@@ -50,6 +53,8 @@ class LaunchOptions:
         Whether drives move the simulated robot.
     params_files : tuple of str, optional
         Paths of YAML files with parameters.
+    auto_execute : bool, optional
+        Whether plans are executed as they are made.
     servo : bool, optional
         Whether the servo is one of the nodes.
     calibration : bool, optional
@@ -77,6 +82,7 @@ class LaunchOptions:
     joint_limits: str = ""
     dynamic: bool = False
     params_files: tuple[str, ...] = ()
+    auto_execute: bool = False
     servo: bool = True
     calibration: bool = False
     view: bool = False
@@ -91,7 +97,9 @@ class LaunchOptions:
         own = KIND_NODES.get(self.kind)
         if own is not None:
             return (*own.nodes, "rvs") if self.view else own.nodes
-        optional = {"servo": self.servo, "calibration": self.calibration, "rvs": self.view}
+        optional = dict(
+            zip(OPTIONAL_NODES, (self.servo, self.calibration, self.view), strict=True)
+        )
         others = {node for kind in KIND_NODES.values() for node in kind.nodes} - {_SIMULATOR}
         return tuple(node for node in NODE_MODULES if optional.get(node, node not in others))
 
@@ -146,6 +154,8 @@ class LaunchOptions:
             result += ["-p", f"{simulated}:publish_rate:={float(self.rate)}"]
         if self.dynamic:
             result += ["-p", f"{simulated}:simulation:=dynamic"]
+        if self.auto_execute:
+            result += ["-p", "trajectory_publisher:auto_execute:=true"]
         if self.view and self.view_port is not None:
             result += ["-p", f"rvs:port:={self.view_port}"]
         if self.view and self.view_host is not None:

@@ -26,7 +26,7 @@ def node_command(node: str, ros_args: Sequence[str] = ()) -> list[str]:
 
 
 class ProcessGroup:
-    """Child processes that end when one of them does, or when this process dies.
+    """Child processes that end together, also when this process dies.
 
     They start with :data:`STOP_SIGNALS` blocked, and unblock them as soon as they can answer them:
     what comes before is not lost and does no harm.
@@ -67,11 +67,11 @@ class ProcessGroup:
         self._ended.put((name, process.wait()))
 
     def interrupt_wait(self) -> None:
-        """Make `wait_for_first` return None; may be called in a signal handler."""
+        """Make `wait_for_end` return None; may be called in a signal handler."""
         self._ended.put(("", 0))
 
-    def wait_for_first(self) -> tuple[str, int] | None:
-        """Wait until one process ends; gives its name and exit code."""
+    def wait_for_end(self) -> tuple[str, int] | None:
+        """Wait until the next process ends; gives its name and exit code."""
         name, code = self._ended.get()
         return (name, code) if name else None
 

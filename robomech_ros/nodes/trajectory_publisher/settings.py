@@ -33,8 +33,8 @@ class PublisherSettings(RobotSettings):
         "Latched topic of the planner, taken beside planned_trajectory. Empty = none",
     )
     auto_execute: bool = parameter(
-        True,
-        "Whether every new plan is executed; otherwise only on request through ~/execute",
+        False,
+        "Execute every new plan at once; otherwise only on request through ~/execute",
         read_only=False,
     )
     program: str = parameter(

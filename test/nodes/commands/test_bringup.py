@@ -39,6 +39,40 @@ def test_every_node_gets_the_robot_and_its_own_file():
         assert command[command.index("--params-file") + 1] == str(CONFIG / f"{node}.yaml")
 
 
+@pytest.mark.parametrize(
+    ("ends", "code", "last"),
+    [
+        ([("rvs", 7), ("servo", -9), None], 0, "servo ended with exit code -9; the other nodes go"),
+        ([("rvs", 0), ("kinematics", 0)], 1, "kinematics ended with exit code 0"),
+        ([("rvs", 2)], 1, "rvs ended with exit code 2 (its last words"),
+    ],
+)
+def test_a_robot_runs_on_without_the_nodes_that_options_choose(
+    monkeypatch, capsys, ends, code, last
+):
+    class Group:
+        def __init__(self, commands):
+            self.ends = list(ends)
+
+        def wait_for_end(self):
+            return self.ends.pop(0)
+
+        def stop(self):
+            return dict(end for end in ends if end) | {"dynamics": 0}
+
+    monkeypatch.setattr(bringup, "ProcessGroup", Group)
+    monkeypatch.setattr(bringup, "_on_signals", lambda handler: None)
+    assert bringup._supervise({}) == code
+    assert last in capsys.readouterr().err.splitlines()[-1]
+
+
+def test_plans_move_the_robot_only_where_that_is_asked_for():
+    given = "auto_execute:=true"
+    assert not any(given in command for command in commands("--robot", "scara").values())
+    asked = commands("--robot", "scara", "--auto-execute")
+    assert [node for node, command in asked.items() if given in command] == ["trajectory_publisher"]
+
+
 def test_the_servo_may_be_left_out():
     every, without = set(commands("--robot", "scara")), set(commands("--no-servo"))
     assert every - without == {"servo"} and every == OF_ARMS - {"calibration", "rvs"}

@@ -205,6 +205,7 @@ class Suite(Watcher):
             20,
             event_callbacks=PublisherEventCallbacks(matched=lambda info: heard.set()),
         )
+        parameters.setdefault("auto_execute", True)
         start = start or graph.start
         self.node = start(TrajectoryPublisherNode, namespace=namespace, **parameters)
         if with_controller:

@@ -25,7 +25,7 @@ DEAF = [
 
 def test_the_first_to_end_is_named_and_the_others_are_stopped():
     group = ProcessGroup({"patient": WAITS, "hasty": FAILS})
-    assert group.wait_for_first() == ("hasty", 7)
+    assert group.wait_for_end() == ("hasty", 7)
     assert group.dead() == {"hasty": 7}
     group.stop()
     assert set(group.dead()) == {"patient", "hasty"}
@@ -34,7 +34,7 @@ def test_the_first_to_end_is_named_and_the_others_are_stopped():
 def test_waiting_can_be_interrupted():
     group = ProcessGroup({"patient": WAITS})
     group.interrupt_wait()
-    assert group.wait_for_first() is None
+    assert group.wait_for_end() is None
     group.stop()
 
 

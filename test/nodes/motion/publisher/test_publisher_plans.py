@@ -8,6 +8,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.msg import ErrorCode
+from robomech_ros.nodes.common.parameters import table_rows
+from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
 
 MOVE = np.array([0.05, -0.05, 0.05, 0.0, 0.05, -0.05])
 LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -136,10 +138,12 @@ def test_who_gives_the_plan_that_is_executed_anyway_joins_it(suite):
     assert arm.value("sent", idle) == "4"
 
 
-def test_the_latest_plan_is_executed_on_request(suite):
-    arm = suite(auto_execute=False)
+def test_a_plan_moves_nothing_until_it_is_to_be_executed(suite):
+    default = table_rows(PublisherSettings)
+    arm = suite(auto_execute={row.name: row.default for row in default}["auto_execute"])
     arm.plan(0.0, MOVE)
-    assert arm.value("sent") == "0"
+    arm.until(lambda: len(arm.states) > 30)
+    assert arm.value("sent") == "0" and not arm.velocity.any()
     assert arm.execute().error_code == ErrorCode.NONE
     assert arm.execute(arm.trajectory(MOVE, 0.0)).error_code == ErrorCode.NONE
     # The robot is at its start again: so it can be executed again.

@@ -64,7 +64,7 @@ def test_states_that_fail_to_come_are_told(graph, browse):
 def suite(graph, shown):
     """The nodes that plan and execute."""
     graph.start(TrajectoryPlannerNode, robot_description=ROBOT)
-    graph.start(TrajectoryPublisherNode, robot_description=ROBOT)
+    graph.start(TrajectoryPublisherNode, robot_description=ROBOT, auto_execute=True)
     motions = shown.node._robot._motions
     wanted = [motions._planner, motions._executor, motions._reader, *stoppers(motions)]
     wait_until(lambda: all(client.service_is_ready() for client in wanted))
