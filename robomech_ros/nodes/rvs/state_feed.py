@@ -13,6 +13,7 @@ from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.rvs.feed import Feed
 from robomech_ros.nodes.rvs.messages import servo_news
 from robomech_ros.nodes.rvs.settings import RvsSettings
+from robomech_ros.nodes.servo.status import status_topic
 from robomech_ros.rvs.model.live_robot import LiveView, ServoNews
 
 __all__ = ["StateFeed"]
@@ -48,7 +49,8 @@ class StateFeed(Feed):
         self._chain, self._joints = moved.joint_names, model.joint_names
         self._monitor = JointStateMonitor(node)
         self._topic = node.resolve_topic_name("joint_states")
-        self._inbox = Inbox(node, ServoStatus, f"{settings.servo}/status", _DEPTH, lambda: None)
+        topic = status_topic(node, settings.servo)
+        self._inbox = Inbox(node, ServoStatus, topic, _DEPTH, lambda: None)
         self._inbox.attend(False)
         self._heard, self._heard_at = 0, -math.inf
         self._servo: ServoNews | None = None

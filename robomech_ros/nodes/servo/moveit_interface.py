@@ -9,6 +9,7 @@ from rclpy.node import Node
 
 from robomech_interfaces.msg import ServoStatus
 from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.servo.status import MOVEIT_STATUS
 from robomech_ros.servo.commands import Command, JointCommand, PoseCommand, TwistCommand
 
 __all__ = ["MoveItInterface"]
@@ -18,8 +19,6 @@ _KINDS: dict[int, type[Command]] = {
     ServoCommandType.Request.TWIST: TwistCommand,
     ServoCommandType.Request.POSE: PoseCommand,
 }
-# Where MoveIt's servo, whose node has that name, says how it is.
-_TOPIC = "servo_node/status"
 
 
 class MoveItInterface:
@@ -35,7 +34,7 @@ class MoveItInterface:
 
     def __init__(self, node: Node, choose: Callable[[type[Command]], None]) -> None:
         self._logger, self._choose = node.get_logger(), choose
-        self._publisher = node.create_publisher(MoveItStatus, _TOPIC, 10)
+        self._publisher = node.create_publisher(MoveItStatus, MOVEIT_STATUS, 10)
         serve(node, ServoCommandType, "~/switch_command_type", self._switch)
 
     def publish(self, status: ServoStatus) -> None:

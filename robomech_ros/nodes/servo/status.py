@@ -8,10 +8,23 @@ from robomech_interfaces.msg import ServoStatus
 from robomech_ros.nodes.servo.messages import status_message
 from robomech_ros.servo.report import ServoReport
 
-__all__ = ["REPEATED", "StatusPublisher"]
+__all__ = ["MOVEIT_STATUS", "REPEATED", "StatusPublisher", "status_topic"]
+
+# MoveIt's servo, a node of this name, publishes its status here.
+MOVEIT_STATUS = "servo_node/status"
 
 # How often a status is repeated while nothing moves (s).
 REPEATED = 1.0
+
+
+def status_topic(node: Node, servo: str = "~") -> str:
+    """Return the topic of our status of a servo, as a node knows its name.
+
+    A topic has one type, and the one that MoveIt's servo has is left to MoveIt's type.
+    """
+    topic = f"{servo}/status"
+    taken = node.resolve_topic_name(topic) == node.resolve_topic_name(MOVEIT_STATUS)
+    return f"{servo}/servo_status" if taken else topic
 
 
 class StatusPublisher:
@@ -32,7 +45,7 @@ class StatusPublisher:
 
     def __init__(self, node: Node, refusal: Callable[[float], str]) -> None:
         self._clock, self._refusal = node.get_clock(), refusal
-        self._publisher = node.create_publisher(ServoStatus, "~/status", 10)
+        self._publisher = node.create_publisher(ServoStatus, status_topic(node), 10)
         self.also: Callable[[ServoStatus], None] = lambda status: None
         self._told: tuple[tuple[object, ...], float] = ((), -REPEATED)
 

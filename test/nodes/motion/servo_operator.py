@@ -2,6 +2,7 @@
 
 import threading
 import time
+from functools import partial
 
 from geometry_msgs.msg import TwistStamped
 from rclpy.qos import QoSProfile
@@ -21,20 +22,25 @@ START = [0.3, 0.6, -0.7, 0.4, 0.8, 0.2]
 class Operator:
     """Somebody with a joystick, and eyes on what the servo publishes."""
 
-    def __init__(self, arm, graph, start=None, **parameters):
+    def __init__(self, arm, graph, start=None, name="servo", **parameters):
         self.arm, self.graph, client = arm, graph, graph.client
-        self._twists = client.create_publisher(TwistStamped, "servo/delta_twist_cmds", 10)
-        self._speeds = client.create_publisher(JointState, "servo/joint_velocity_cmds", 10)
+        self._twists = client.create_publisher(TwistStamped, f"{name}/delta_twist_cmds", 10)
+        self._speeds = client.create_publisher(JointState, f"{name}/joint_velocity_cmds", 10)
         self.streamed, self.statuses = [], []
         self._news = threading.Condition()
         topic = "joint_trajectory_controller/joint_trajectory"
         client.create_subscription(JointTrajectory, topic, self._take(self.streamed), QOS)
-        client.create_subscription(ServoStatus, "servo/status", self._take(self.statuses), QOS)
+        # The name of MoveIt's node is left to MoveIt's type.
+        ours = f"{name}/status" if name != "servo_node" else f"{name}/servo_status"
+        client.create_subscription(ServoStatus, ours, self._take(self.statuses), QOS)
         parameters.setdefault("robot_description", "puma560")
         parameters.setdefault("characteristic_length", 0.283)
         # The machine may be busy, and all nodes of a test share one process.
         parameters.setdefault("publish_rate", 50.0)
-        self.node = (start or graph.start)(ServoNode, **parameters)
+        factory = ServoNode
+        if name != "servo":
+            factory = partial(ServoNode, cli_args=["--ros-args", "-r", f"__node:={name}"])
+        self.node = (start or graph.start)(factory, **parameters)
         self.wait_for(lambda: self._twists.get_subscription_count())
         self.wait_for(lambda: self._speeds.get_subscription_count())
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
+from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.joint_trajectory_controller.commands import TrajectoryTopic
 from robomech_ros.nodes.joint_trajectory_controller.goal_server import GoalServer
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper
@@ -33,8 +34,16 @@ def serve_gripper(
     -------
     list of ServedAction
         The servers of the actions.
+
+    Raises
+    ------
+    ParameterError
+        The gripper has the name of the node.
     """
-    parallel = settings.parallel_gripper_controller
+    parallel, own = settings.parallel_gripper_controller, node.resolve_topic_name("~/gripper_cmd")
+    if node.resolve_topic_name(f"{gripper.place}/gripper_cmd") == own:
+        allowed = "another name than that of the node, below which the arm has its trajectories"
+        raise ParameterError("gripper_controller", gripper.place, allowed)
     TrajectoryTopic(node, gripper, on_refused)
     try:
         from control_msgs import action

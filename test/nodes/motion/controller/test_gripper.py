@@ -338,6 +338,7 @@ def test_reset_and_names(hand):
     [
         ({"gripper_controller": ""}, "'gripper_controller' is ''; allowed is words"),
         ({"gripper_controller": "a b"}, "allowed is words"),
+        ({"gripper_controller": NAME}, "another name than that of the node"),
         ({"parallel_gripper_controller": "gripper_controller"}, "an action has one type"),
         ({"gripper_joints": FINGERS[1]}, "'panda_finger_joint2'"),
         ({"gripper_joint": "thumb"}, "one of panda_finger_joint1, or empty"),

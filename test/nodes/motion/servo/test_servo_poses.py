@@ -6,14 +6,15 @@ from geometry_msgs.msg import PoseStamped
 
 from robomech_interfaces.msg import ServoStatus
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.nodes.servo.status import status_topic
 
 
 class Poser:
     """Somebody who sends target poses."""
 
-    def __init__(self, hand):
-        self._hand = hand
-        self._poses = hand.graph.client.create_publisher(PoseStamped, "servo/pose_target_cmds", 10)
+    def __init__(self, hand, name="servo"):
+        self._hand, topic = hand, f"{name}/pose_target_cmds"
+        self._poses = hand.graph.client.create_publisher(PoseStamped, topic, 10)
         hand.wait_for(self._poses.get_subscription_count)
 
     def sender(self, target, frame=""):
@@ -70,17 +71,18 @@ def test_a_pose_in_the_frame_of_a_link_and_poses_that_are_none(operator):
     assert way[2] > 0.02 and np.abs(way[:2]).max() < 0.05 * way[2]
 
 
-def test_the_kind_of_commands_is_chosen_as_for_moveit_and_the_status_is_there(operator):
+@pytest.mark.parametrize("name", ["servo", "servo_node"])
+def test_the_kind_of_commands_is_chosen_as_for_moveit_and_the_status_is_there(operator, name):
     messages = pytest.importorskip("moveit_msgs.msg")
     services = pytest.importorskip("moveit_msgs.srv")
-    hand = operator()
+    hand = operator(name=name)
     kind, seen = services.ServoCommandType, []
     client = hand.graph.client
     client.create_subscription(messages.ServoStatus, "servo_node/status", seen.append, 1000)
 
     def choose(number):
         request = kind.Request(command_type=number)
-        return hand.graph.call(kind, "servo/switch_command_type", request).success
+        return hand.graph.call(kind, f"{name}/switch_command_type", request).success
 
     assert not choose(7)
     assert choose(kind.Request.JOINT_JOG)
@@ -100,5 +102,7 @@ def test_the_kind_of_commands_is_chosen_as_for_moveit_and_the_status_is_there(op
     hand.repeat(twist, lambda: not hand.arm.velocity.any())
     target = hand.tip()
     target[1, 3] += 0.03
-    poser = Poser(hand)
+    poser = Poser(hand, name)
     hand.repeat(poser.sender(target), lambda: np.abs(hand.tip() - target).max() < 1e-4)
+    # Whoever shows the servo finds ours.
+    assert hand.graph.client.count_publishers(status_topic(client, name)) == 1
