@@ -54,7 +54,7 @@ INTERPRETED := test/kinematics/test_forward.py test/robots/test_dh_recovery.py \
     test/kinetostatics/test_jacobian.py test/kinetostatics/test_accelerations.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compat compat-other notice demo view test test-fast test-long fuzz faults load plans soak moving answering installed other beside computing lint colcon bench pictures docs clean
+.PHONY: help setup compat setup-bare setup-other notice demo view test test-fast test-long fuzz faults load plans soak moving answering installed other beside computing lint colcon bench pictures docs clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -65,28 +65,32 @@ help: ## this list
 notice:
 	@$(if $(SOURCED),echo "setup: a ROS distribution is sourced here and kept out of this; to build on it: colcon build",:)
 
-setup: notice ## make .venv: ROS 2 from wheels, interfaces, package, kernels
+setup: notice ## make .venv: ROS 2 from wheels, interfaces, package, message types of MoveIt and ros2_control, kernels
 	@$(call set_up,$(VENV),--distribution $(ROS_DISTRO))
 	@$(if $(MAKECMDGOALS:setup=),:,echo "next: make demo ROBOT=ur5e shows all of it at work; make test checks it (make help lists more)")
 	@$(if $(MAKECMDGOALS:setup=),:,echo "      or: . $(VENV)/bin/activate && robomech bringup --robot ur5e, then robomech call in another shell")
 
-compat: notice ## add the message types of compat/ to .venv: those of moveit_msgs, control_msgs and tf2_msgs
-	@$(call set_up,$(VENV),--distribution $(ROS_DISTRO) --compat)
+# As it was called before `make setup` did it.
+compat: setup
 
-compat-other: notice
-	@$(call set_up,$(VENV_$(OTHER)),--distribution $(OTHER) --compat)
+setup-other: notice
+	@$(call set_up,$(VENV_$(OTHER)),--distribution $(OTHER))
 
-demo: setup ## bring everything up, solve, plan, execute and check a pick and place
+# What needs no message types of others does not wait until they are built.
+setup-bare: notice
+	@$(call set_up,$(VENV),--distribution $(ROS_DISTRO) --bare)
+
+demo: setup-bare ## bring everything up, solve, plan, execute and check a pick and place
 	@$(BIN)/robomech demo --robot "$(ROBOT)"
 
-view: setup ## see and move a robot in the browser, without ROS
+view: setup-bare ## see and move a robot in the browser, without ROS
 	@$(BIN)/robomech view --robot "$(ROBOT)"
 
-test: compat ## everything: lint, all tests, colcon, the other distribution
+test: setup ## everything: lint, all tests, colcon, the other distribution
 	@echo "test: robots move and nodes answer while lint, the other distribution and what computes take the rest"
 	@$(AT_ONCE) installed beside
 
-test-fast: compat ## what a developer runs again and again: no long and no installed tests
+test-fast: setup ## what a developer runs again and again: no long and no installed tests
 	@$(AT_ONCE) CHOSEN='-q -m "not slow and not long"' answering computing
 
 # Two rows: one after the other what has the processor first, and what takes the rest.
@@ -100,7 +104,7 @@ installed: answering other
 	$(PYTEST) $(CHOSEN) $(INSTALLED)
 
 other:
-	@$(LEFT) $(MAKE) --no-print-directory lint compat-other
+	@$(LEFT) $(MAKE) --no-print-directory lint setup-other
 
 beside: other
 	$(RUN) NUMBA_DISABLE_JIT=1 $(LEFT) $(VENV)/bin/python -m pytest -q $(PARALLEL) $(PATIENT) $(INTERPRETED)
@@ -109,26 +113,26 @@ beside: other
 computing:
 	$(RUN) $(LEFT) $(VENV)/bin/python -m pytest $(CHOSEN) $(COMPUTING)
 
-test-long: compat ## what takes minutes a test, and large counts: random cases by the thousand
+test-long: setup ## what takes minutes a test, and large counts: random cases by the thousand
 	$(PYTEST) -m long $(COMPUTING)
 	$(PYTEST) -m long test/installed
 
-fuzz: compat ## attack the suite: random requests, goals, messages and bytes; COUNT=100000 SEED=0 ROBOT=puma560
+fuzz: setup ## attack the suite: random requests, goals, messages and bytes; COUNT=100000 SEED=0 ROBOT=puma560
 	$(BIN)/python test/fuzz --count "$(or $(COUNT),100000)" --seed "$(or $(SEED),0)" --robot "$(ROBOT)"
 
 plans: setup ## random plans of every profile, measured; COUNT=1000000 SEED=0 PROFILE=double_s
 	$(BIN)/python test/many_plans --count "$(or $(COUNT),1000000)" --seed "$(or $(SEED),0)" \
 	    --profile "$(PROFILE)"
 
-soak: compat ## use the suite for half an hour, and see what its nodes hold; MINUTES=30 SEED=0 WILD=1
+soak: setup ## use the suite for half an hour, and see what its nodes hold; MINUTES=30 SEED=0 WILD=1
 	$(BIN)/python test/soak --minutes "$(or $(MINUTES),30)" --seed "$(or $(SEED),0)" --robot "$(ROBOT)" \
 	    $(if $(WILD),--wild)
 
-load: compat ## 1,000 calls at once of every service, floods of every topic; COUNT=1000 SECONDS=10 ROBOT=puma560
+load: setup ## 1,000 calls at once of every service, floods of every topic; COUNT=1000 SECONDS=10 ROBOT=puma560
 	$(BIN)/python test/load --count "$(or $(COUNT),1000)" --seconds "$(or $(SECONDS),10)" \
 	    --rate "$(or $(RATE),1000)" --only "$(ONLY)" --robot "$(ROBOT)"
 
-faults: compat ## kill, end and hold up every node in mid motion, step its clock; ONLY='servo.*kill' chooses, ROBOT=puma560
+faults: setup ## kill, end and hold up every node in mid motion, step its clock; ONLY='servo.*kill' chooses, ROBOT=puma560
 	$(BIN)/python test/faults --only "$(ONLY)" --robot "$(ROBOT)"
 
 lint: setup ## ruff, mypy and import-linter

@@ -2,7 +2,7 @@
 
 It knows nothing of robomech_ros, so it drives any controller of ros2_control as well.
 
-Start the suite first:  robomech bringup --robot puma560     (after `make compat`)
+Start the suite first:  robomech bringup --robot puma560
 Then run:               python examples/follow_joint_trajectory_client.py
 """
 

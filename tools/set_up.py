@@ -6,7 +6,7 @@ Steps, each skipped while the digest of its inputs is unchanged:
 2. byte-code: that of what nodes load, since they start in half the time with it;
 3. package: robomech_ros installed so that edits of the source take effect at once;
 4. interfaces: robomech_interfaces built by its own CMakeLists.txt into a wheel and installed;
-5. with --compat: the message types of compat/, one package after another;
+5. the message types of compat/, one package after another; --bare leaves them out;
 6. kernels: all numba kernels compiled into their cache, at the same time as 3 to 5.
 
 A step writes its digest when it is done and takes it away before it starts, so one that was
@@ -33,6 +33,7 @@ import wire_types
 from environment import REQUIREMENTS, ROOT, Environment, SetUpError, SetUpStoppedError, say
 
 PEERS = "bench.txt"
+ROOT_PACKAGE = "robomech_ros"
 
 
 def digest(paths: Iterable[Path], *more: str) -> str:
@@ -94,17 +95,28 @@ def install_compat(env: Environment, source: Path, key: str) -> None:
 
 
 def install_package(env: Environment) -> None:
-    """Install robomech_ros as a link to the source, and its nodes where `ros2 run` looks."""
+    """Install robomech_ros as a link to the source, and all that `ros2 run` looks for."""
     say("robomech_ros: installed as a link to the source, edits take effect at once")
     options = ("--no-deps", "--no-index", "--no-build-isolation")
     env.install(*options, "--editable", str(ROOT))
-    nodes = env.folder / "lib" / "robomech_ros"
-    nodes.mkdir(parents=True, exist_ok=True)
+    nodes = env.folder / "lib" / ROOT_PACKAGE
     for script in (env.folder / "bin").iterdir():
         if script.name == "robomech" or script.name.endswith("_node"):
-            link = nodes / script.name
-            link.unlink(missing_ok=True)
-            link.symlink_to(Path("..", "..", "bin", script.name))
+            link_to(Path("..", "..", "bin", script.name), nodes / script.name)
+    share = env.folder / "share"
+    link_to(
+        ROOT / "resource" / ROOT_PACKAGE,
+        share / "ament_index" / "resource_index" / "packages" / ROOT_PACKAGE,
+    )
+    for name in ("package.xml", "config"):
+        link_to(ROOT / name, share / ROOT_PACKAGE / name)
+
+
+def link_to(target: Path, link: Path) -> None:
+    """Make a link, in place of one that is there."""
+    link.parent.mkdir(parents=True, exist_ok=True)
+    link.unlink(missing_ok=True)
+    link.symlink_to(target)
 
 
 def compile_kernels(env: Environment) -> None:
@@ -172,6 +184,7 @@ def add_packages(env: Environment, with_compat: bool) -> None:
     """Install our own packages."""
     packaging = [ROOT / name for name in ("setup.py", "setup.cfg", "package.xml")]
     packaging += [ROOT / "robomech_ros" / "__init__.py", REQUIREMENTS / "core.in"]
+    packaging.append(Path(__file__).resolve())
     # The build works in the folder of the sources.
     with alone(env, "sources", "another environment is being set up from these sources"):
         env.step("package", digest(packaging, str(ROOT)), lambda: install_package(env))
@@ -222,11 +235,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Make a virtual environment of this project.")
     parser.add_argument("folder", help="environment to make, below the root of the project")
     parser.add_argument("--distribution", default="", choices=("", "kilted", "jazzy"))
-    parser.add_argument("--compat", action="store_true", help="add the message types of compat/")
+    parser.add_argument("--bare", action="store_true", help="without the messages of compat/")
     parser.add_argument("--extra", default="", help="a further file of requirements/")
     options = parser.parse_args()
-    if options.compat and not options.distribution:
-        parser.error("--compat needs --distribution")
     began = time.monotonic()
     problems = machine.missing()
     for problem in problems:
@@ -236,7 +247,7 @@ def main() -> int:
     try:
         env = Environment(ROOT / options.folder, options.distribution, options.extra)
         with alone(env, options.folder, "another set-up of this environment is under way"):
-            set_up(env, options.compat)
+            set_up(env, with_compat=bool(env.distribution) and not options.bare)
     except (SetUpError, subprocess.CalledProcessError) as error:
         say(f"failed: {error}; mended, `make setup` goes on from here")
         return 1

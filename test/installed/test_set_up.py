@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import subprocess
 import sys
 import sysconfig
 import threading
 from collections.abc import Callable
+from importlib.metadata import entry_points
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+from ament_index_python import get_package_prefix, get_package_share_directory
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCED = {
@@ -168,10 +171,29 @@ def test_a_package_that_is_there_is_not_replaced(package, real, shell_environmen
     assert (done.returncode == 0) == real
 
 
-@pytest.mark.parametrize("target", ["compat", "test", "test-fast"])
-def test_wire_types_are_made_for_the_tests(target, shell_environment):
+@pytest.mark.parametrize(
+    ("target", "bare"), [("setup", False), ("test", False), ("test-fast", False), ("demo", True)]
+)
+def test_only_what_does_without_leaves_the_wire_types_out(target, bare, shell_environment):
     done = make("--dry-run", target, env=shell_environment())
-    assert "tools/set_up.py .venv --distribution kilted --compat" in done.stdout
+    assert ("--distribution kilted --bare" in done.stdout) == bare
+    assert ("--distribution kilted\n" in done.stdout) == (not bare)
+
+
+def test_ros2_run_finds_the_executables(monkeypatch):
+    """By the index that `ros2 run` asks, and in the folder where it looks then."""
+    monkeypatch.setenv("AMENT_PREFIX_PATH", sys.prefix)
+    prefix = Path(get_package_prefix("robomech_ros"))
+    assert prefix == Path(sys.prefix)
+    started = {path.name for path in (prefix / "lib" / "robomech_ros").iterdir() if is_run(path)}
+    named = entry_points(group="console_scripts").select(module="robomech_ros.nodes.process.start")
+    assert started == {"robomech", *(script.name for script in named)}
+    share = Path(get_package_share_directory("robomech_ros"))
+    assert (share / "package.xml").is_file() and (share / "config" / "servo.yaml").is_file()
+
+
+def is_run(path: Path) -> bool:
+    return path.is_file() and os.access(path, os.X_OK)
 
 
 def test_a_peer_that_cannot_be_installed_is_left_out(monkeypatch, capsys, tmp_path):

@@ -8,6 +8,8 @@ from rclpy.clock import Clock, ClockType, JumpThreshold, TimeJump
 from rclpy.duration import Duration
 from rclpy.node import Node
 
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
+
 __all__ = ["MotionClock"]
 
 _NANO = 1e-9
@@ -49,7 +51,7 @@ class MotionClock:
 
     def __init__(self, node: Node) -> None:
         self._ros = node.get_clock()
-        self._logger = node.get_logger()
+        self._log = SparingLog(node.get_logger())
         self.simulated = bool(node.get_parameter("use_sim_time").value)
         self.clock = self._ros if self.simulated else Clock(clock_type=ClockType.STEADY_TIME)
         self._listeners: list[Callable[[float], None]] = []
@@ -92,7 +94,7 @@ class MotionClock:
             self._usual = LONGEST_STEP
         elif abs(by) * _NANO > _SAID:
             how = "forward" if by > 0 else "back"
-            self._logger.warning(
+            self._log.warning(
                 f"the clock jumped {how} by {abs(by) * _NANO:.4g} s; motions go on as if it had not"
             )
         for listener in self._listeners:

@@ -1,13 +1,37 @@
-"""Where the frame of a robot that moves is published."""
+"""Odometry of robots that move over the ground: where its frame is published, its covariances."""
 
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from rclpy.node import Node
 
-__all__ = ["odometry_frame"]
+__all__ = ["LEAST", "POSE", "TWIST", "UNMEASURED", "full_covariance", "odometry_frame"]
+
+Array = NDArray[np.float64]
 
 # As tf2_ros has it.
 _DEPTH = 100
+# Filters such as those of robot_localization invert covariances, so no variance is 0. That of z,
+# roll and pitch, which wheels and feet do not measure, and what is added to the others.
+UNMEASURED, LEAST = 1e6, 1e-6
+# Places of x, y and heading in the six of a message, and those of heading, x, y.
+POSE, TWIST = (0, 1, 5), (5, 0, 1)
+
+
+def full_covariance(planar: Array, places: tuple[int, ...]) -> Array:
+    """Return the 36 numbers of a message, with positive variances, from three of the plane.
+
+    Parameters
+    ----------
+    planar : ndarray, shape (3, 3)
+        Covariance (m^2, m rad, rad^2, or each per s^2).
+    places : tuple of int
+        Places of its rows in the six of a message: `POSE` or `TWIST`.
+    """
+    full = np.diag(np.full(6, UNMEASURED))
+    full[np.ix_(places, places)] = planar + LEAST * np.eye(3)
+    return full.ravel()
 
 
 def odometry_frame(node: Node, topic: str) -> Any:

@@ -16,7 +16,7 @@ A name with dots, such as ``linear.x.max_velocity``, is a field ``linear__x__max
 import dataclasses
 import math
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Any, Generic, TypeVar, get_args, get_type_hints
@@ -252,6 +252,17 @@ class NodeParameters(Generic[Settings]):
         Called with the new settings after a parameter changed at run time.
     check : callable, optional
         Called with the new settings before; it raises ParameterError to refuse them.
+    former : mapping, optional
+        For names that others give a parameter the name that it has here.
+    later : str, optional
+        What names of parameters begin with, before a dot, that `declare` adds.
+
+    Attributes
+    ----------
+    settings : object
+        The present values, an instance of the table.
+    further : dict
+        Those of the parameters that `declare` has added, by name.
 
     Raises
     ------
@@ -265,42 +276,76 @@ class NodeParameters(Generic[Settings]):
         table: type[Settings],
         on_change: Callable[[Settings], None] | None = None,
         check: Callable[[Settings], None] = lambda settings: None,
+        former: Mapping[str, str] | None = None,
+        later: str = "",
     ) -> None:
+        self._node, self._former, self._later = node, former or {}, later
+        self.further: dict[str, Any] = {}
         self._rows = {row.name: row for row in table_rows(table)}
         self._on_change = on_change
         self._check_settings = check
         self.settings: Settings = table(
             **{r.field: _declared(node, r) for r in self._rows.values()}
         )
-        for name, hint in _unknown_overrides(node, self._rows):
-            node.get_logger().warning(f"unknown parameter '{name}' is ignored{hint}")
+        self._warn_of_unknown(later=False)
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._store)
 
+    def declare(self, rows: Iterable[ParameterRow]) -> None:
+        """Add parameters that are known only now, such as those of joints.
+
+        Raises
+        ------
+        ParameterError
+            A value given at start is of the wrong type or out of range.
+        """
+        for row in rows:
+            self.further[row.name] = _declared(self._node, row)
+            self._rows[row.name] = row
+        self._warn_of_unknown(later=True)
+
+    def _warn_of_unknown(self, *, later: bool) -> None:
+        """Name given parameters that the node does not have, each with a hint."""
+        for name in getattr(self._node, "_parameter_overrides", {}):
+            head = name.split(".")[0]
+            if name in self._rows or head in _FOREIGN or (head == self._later) is not later:
+                continue
+            close = get_close_matches(name, self._rows, n=1)
+            hint = f" (did you mean '{close[0]}'?)" if close else ""
+            if name in self._former:
+                hint = f": its name here is {self._former[name]}"
+            self._node.get_logger().warning(f"unknown parameter '{name}' is ignored{hint}")
+
     def _check(self, changes: list[Parameter]) -> SetParametersResult:
         try:
-            self._check_settings(self._changed(changes))
+            self._check_settings(self._changed(changes)[0])
         except ParameterError as error:
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
     def _store(self, changes: list[Parameter]) -> None:
-        settings = self._changed(changes)
-        if settings is not self.settings:
+        settings, further = self._changed(changes)
+        if settings is not self.settings or further:
             self.settings = settings
+            self.further |= further
             if self._on_change is not None:
                 self._on_change(settings)
 
-    def _changed(self, changes: list[Parameter]) -> Settings:
-        """Give the settings with these changes; the same object if none concerns them."""
+    def _changed(self, changes: list[Parameter]) -> tuple[Settings, dict[str, Any]]:
+        """Return the settings with these changes, and the changes of further parameters.
+
+        The settings are the same object if no change concerns them.
+        """
         values = {
-            self._rows[change.name].field: self._rows[change.name].checked(change.value)
+            change.name: self._rows[change.name].checked(change.value)
             for change in changes
             if change.name in self._rows
         }
+        further = {name: values.pop(name) for name in self.further.keys() & values.keys()}
         if not values:
-            return self.settings
-        return dataclasses.replace(self.settings, **values)  # type: ignore[type-var]
+            return self.settings, further
+        fields = {self._rows[name].field: value for name, value in values.items()}
+        return dataclasses.replace(self.settings, **fields), further  # type: ignore[type-var]
 
 
 def _declared(node: Node, row: ParameterRow) -> Any:
@@ -334,12 +379,3 @@ def _declare_empty(node: Node, row: ParameterRow, kind: Parameter.Type) -> None:
 
 def _plain(value: Any) -> Any:
     return list(value) if isinstance(value, tuple) else value
-
-
-def _unknown_overrides(node: Node, known: dict[str, ParameterRow]) -> Iterator[tuple[str, str]]:
-    """List given parameters that the node does not have, each with a hint."""
-    for name in getattr(node, "_parameter_overrides", {}):
-        if name in known or name.split(".")[0] in _FOREIGN:
-            continue
-        close = get_close_matches(name, known, n=1)
-        yield name, f" (did you mean '{close[0]}'?)" if close else ""

@@ -24,6 +24,7 @@ __all__ = [
     "matrix_from_pose",
     "point_vector",
     "pose_from_matrix",
+    "require_finite",
     "stamped_pose",
     "stamped_twist",
     "twist_vector",
@@ -58,10 +59,12 @@ def matrix_from_pose(pose: Pose, what: str = "pose") -> Array:
     p, o = pose.position, pose.orientation
     x, y, z, w = o.x, o.y, o.z, o.w
     if not math.isfinite(p.x + p.y + p.z):
-        _refuse_non_finite(f"{what}.position", p, "xyz")
+        require_finite(f"{what}.position", p)
+        # Finite numbers whose sum overflows are as useless as infinite ones.
+        raise NonFiniteError(f"{what}.position", math.inf)
     norm = math.sqrt(x * x + y * y + z * z + w * w)
     if not abs(norm - 1.0) <= UNIT_NORM:
-        _refuse_non_finite(f"{what}.orientation", o, "xyzw")
+        require_finite(f"{what}.orientation", o, "xyzw")
         reason = "all zero" if norm == 0.0 else f"its norm is {norm:.9g}"
         expected = f"expected norm 1 within {UNIT_NORM:g}"
         raise BadQuaternionError([x, y, z, w], f"{what}.orientation: {reason}, {expected}")
@@ -74,14 +77,17 @@ def matrix_from_pose(pose: Pose, what: str = "pose") -> Array:
     ))  # fmt: skip
 
 
-def _refuse_non_finite(what: str, vector: object, fields: str) -> None:
+def require_finite(what: str, vector: object, fields: Sequence[str] = "xyz") -> None:
+    """Refuse a vector of a message by the name of the field that is NaN or infinite.
+
+    Raises
+    ------
+    NonFiniteError
+    """
     for name in fields:
         value = getattr(vector, name)
         if not math.isfinite(value):
             raise NonFiniteError(f"{what}.{name}", value)
-    # Finite numbers whose sum or norm overflows are as useless as infinite ones.
-    if fields == "xyz":
-        raise NonFiniteError(what, math.inf)
 
 
 def pose_from_matrix(T: Array) -> Pose:
@@ -143,10 +149,8 @@ def matrices_from_pose_rows(rows: Sequence[float], what: str = "poses") -> Array
 
 def point_vector(point: Point, what: str) -> Array:
     """Convert a point message (m) to an array of shape (3,); it must be finite."""
-    vector = np.array((point.x, point.y, point.z))
-    if not np.isfinite(vector).all():
-        raise NonFiniteError(what, vector)
-    return vector
+    require_finite(what, point)
+    return np.array((point.x, point.y, point.z))
 
 
 def twist_vector(twist: Twist) -> Array:

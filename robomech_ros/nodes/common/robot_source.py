@@ -9,7 +9,7 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.robot_description import LATCHED, TOPIC, RobotModel, RobotSettings
 from robomech_ros.nodes.common.semantic_source import SEMANTIC_TOPIC, SemanticSource
-from robomech_ros.nodes.common.sparing_log import PERIOD, SparingLog
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.parallel.described import load_described
 from robomech_ros.robots import RobotDescription
 from robomech_ros.robots.kinds import ARM, check_name, kind_of
@@ -150,7 +150,7 @@ class _WaitingNode:
     def _receive(self, message: String) -> None:
         if self._done:
             text = "a new robot description is ignored; restart the node to change its robot"
-            self._node.get_logger().warning(text, throttle_duration_sec=PERIOD)
+            self._complaints.warning(text)
             return
         self._robot = message.data
         self._try()

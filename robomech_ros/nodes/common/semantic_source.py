@@ -9,7 +9,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.common.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.robots import RobotDescription, SemanticDescription, semantics_of
 from robomech_ros.robots.documents.guarded_xml import is_xml
 
@@ -91,7 +91,7 @@ class SemanticSource:
         known = self._read(model.description)
         model.learn(known)
         for note in known.notes[:_MOST_NOTES]:
-            self._log.warning(note[:_LONGEST_NOTE])
+            self._complaints.warning(note[:_LONGEST_NOTE])
         if len(known.notes) > _MOST_NOTES:
             more = len(known.notes) - _MOST_NOTES
             self._log.warning(f"{more} more such lines: `robomech groups` shows all")

@@ -12,14 +12,13 @@ from rclpy.node import Node
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.hold_up_watch import HoldUpWatch
 from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.common.pose_messages import require_finite
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
 __all__ = ["TwistIntake"]
 
 _DEPTH = 10
-# What is said again and again is logged this often at the most (s).
-_SELDOM = 5.0
 
 
 class TwistIntake:
@@ -55,6 +54,7 @@ class TwistIntake:
         clock: MotionClock,
     ) -> None:
         self._logger, self._follow, self._clock = node.get_logger(), follow, clock
+        self._log = SparingLog(self._logger)
         self._hold_ups = HoldUpWatch()
         self.refusal, self.refused = "", 0
         readers: list[tuple[type, str, Callable[[Any], tuple[Twist, Time | None]]]] = [
@@ -78,7 +78,7 @@ class TwistIntake:
         if self._hold_ups.look(now):
             held_up = f"held up for {self._hold_ups.age(now):.3g} s"
             text = f"{held_up}: commands without a stamp count as that old"
-            self._logger.warning(text, throttle_duration_sec=_SELDOM)
+            self._log.warning(text)
         for inbox, read in self._readers:
             for message in inbox.take():
                 twist, stamp = read(message)
@@ -87,7 +87,7 @@ class TwistIntake:
                 except RobomechError as error:
                     self.refusal = f"command on '{inbox.topic}' ignored: {error}"
                     self.refused += 1
-                    self._logger.warning(self.refusal, throttle_duration_sec=_SELDOM)
+                    self._log.warning(self.refusal)
                 else:
                     self.refusal = ""
 
@@ -102,5 +102,6 @@ class TwistIntake:
     def _offer(self, twist: Twist, age: float) -> None:
         linear, angular = twist.linear, twist.angular
         # A message with one number that is none is spoilt, whichever it is.
-        as_finite("command", [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z], (6,))
+        require_finite("linear", linear)
+        require_finite("angular", angular)
         self._follow([angular.z, linear.x, linear.y], age)

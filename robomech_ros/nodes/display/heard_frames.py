@@ -8,11 +8,11 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from robomech_ros.nodes.common.sparing_log import PERIOD
 from robomech_ros.nodes.display.frame_publisher import FramePublisher
 from robomech_ros.nodes.display.other_publishers import OtherPublishers
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
 __all__ = ["FixedFrames", "MovingFrames"]
 
@@ -109,6 +109,7 @@ class FixedFrames:
         self._frames = frozenset(publisher.fixed)
         self.others = OtherPublishers(node, publisher.fixed_topic)
         self._heard: set[str] = set()
+        self._log = SparingLog(node.get_logger())
         self._subscription: Any = None
 
     def look(self) -> frozenset[str] | None:
@@ -133,10 +134,7 @@ class FixedFrames:
         try:
             message = unpack(data, self._publisher.kind)
         except UnreadableMessageError as error:
-            self._node.get_logger().warning(
-                f"passed over on '{self._publisher.fixed_topic}': {error}",
-                throttle_duration_sec=PERIOD,
-            )
+            self._log.warning(f"passed over on '{self._publisher.fixed_topic}': {error}")
             return
         if message != self._publisher.at_rest:
             self._heard.update(self._frames & _children(message))

@@ -14,6 +14,7 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.execution.received_trajectory import joint_order
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
+from robomech_ros.nodes.common.pose_messages import point_vector
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.dynamics.drives import Drives
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
@@ -210,9 +211,7 @@ def payload_body(inertia: Inertia, frame: str, chain: SerialChain) -> Body | Non
 
 
 def _vector(given: Vector3, what: str) -> Array:
-    vector = np.array((given.x, given.y, given.z))
-    if not np.isfinite(vector).all():
-        raise NonFiniteError(what, vector)
+    vector = point_vector(given, what)
     if np.abs(vector).max() > _LARGEST:
         raise BadValueError(what, vector.tolist(), f"magnitudes of at most {_LARGEST:g}")
     return vector

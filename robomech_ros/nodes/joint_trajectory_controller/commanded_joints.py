@@ -25,12 +25,12 @@ from robomech_ros.nodes.common.error_codes import OutcomeError, code_of
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.received_trajectory import received_trajectory
 from robomech_ros.nodes.common.refusals import trajectory_label
+from robomech_ros.nodes.joint_trajectory_controller.constraints import default_tolerances
 from robomech_ros.nodes.joint_trajectory_controller.motion_counts import MotionCounts
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
     DYNAMIC,
     SPLINES,
     ControllerSettings,
-    default_tolerances,
     follower_settings,
 )
 from robomech_ros.outcomes import Code
@@ -79,6 +79,8 @@ class CommandedJoints:
         What has become of trajectories so far.
     follower : Follower
         What moves them.
+    tolerances : Tolerances
+        Of trajectories that bring none.
     refuse_all : str
         Why no trajectory is accepted any more; empty while trajectories are accepted.
     fault : str
@@ -103,7 +105,7 @@ class CommandedJoints:
         self.simulated_joints = simulated_joints
         self._settings = settings
         self._clock = clock
-        self._tolerances = default_tolerances(settings, len(self.joint_names))
+        self.tolerances = default_tolerances(settings, self.joint_names, {})
         self.follower = Follower(joints, simulated_joints, follower_settings(settings), clock.now())
         clock.on_jump(self.follower.clock_jumped)
         self._start = simulated_joints.position if start is None else start
@@ -224,7 +226,7 @@ class CommandedJoints:
         """
         try:
             waypoints = self._read(trajectory)
-            held_to = tolerances(self._tolerances)
+            held_to = tolerances(self.tolerances)
 
             def end(result: GoalResult) -> None:
                 self.counts.end(result)

@@ -11,19 +11,18 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult
 from robomech_ros.nodes.common.error_codes import code_of
-from robomech_ros.nodes.common.sparing_log import SparingLog
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.middleware.reliable_topics import subscribe_reliably
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.outcomes import Code, name_of
 
-__all__ = ["Commands", "TrajectoryTopic"]
+__all__ = ["Commands", "TrajectoryTopic", "log_end"]
 
 _TOPIC = "joint_trajectory"
+_BY = f"a trajectory on the topic {_TOPIC}"
 # A stream goes on after a process was held up for a second.
 _DEPTH = 100
-# A strain of a stream, which comes a hundred times a second, is said this often at the most, s.
-_SELDOM = 5.0
 # Messages of a stream follow one another within this time (s).
 _STREAM = 0.2
 # Positions (rad or m) that differ by less are the same.
@@ -44,8 +43,7 @@ class TrajectoryTopic:
     """
 
     def __init__(self, node: Node, joints: CommandedJoints, on_refused: Callable[[], None]) -> None:
-        self._logger = node.get_logger()
-        self._ended = SparingLog(self._logger)
+        self._log = SparingLog(node.get_logger())
         self._joints = joints
         self._on_refused = on_refused
         # Where the last message of the topic ended, and when it came (s).
@@ -58,13 +56,12 @@ class TrajectoryTopic:
         try:
             if self._adds_nothing(trajectory):
                 return
-            by = "a trajectory on the topic joint_trajectory"
-            goal = self._joints.execute(trajectory, by, self._log_end, streamed=True)
+            goal = self._joints.execute(trajectory, _BY, self._log_end, streamed=True)
             if goal.strain:
-                self._logger.warning(goal.strain, throttle_duration_sec=_SELDOM)
+                self._log.warning(goal.strain)
         except RobomechError as error:
             code = code_of(error)
-            self._logger.error(f"trajectory refused ({code} {name_of(code)}): {error}")
+            self._log.error(f"trajectory refused ({code} {name_of(code)}): {error}")
             self._on_refused()
 
     def _adds_nothing(self, trajectory: JointTrajectory) -> bool:
@@ -85,9 +82,15 @@ class TrajectoryTopic:
         return same and all(abs(x - y) <= _SAME for x, y in zip(end[1], known[1], strict=True))
 
     def _log_end(self, result: GoalResult) -> None:
-        # Each message of a stream replaces the one before: that must not hide what else ends one.
-        if result.code:
-            self._ended.warning(f"trajectory ended early: {result.text}")
+        # Each message of a stream replaces the one before.
+        if result.code and not result.text.startswith(f"preempted by {_BY}"):
+            log_end(self._log, "trajectory", result)
+
+
+def log_end(log: SparingLog, what: str, result: GoalResult) -> None:
+    """Log a motion that ended early: what somebody asked for is no warning."""
+    text = f"{what} ended early: {result.text}"
+    (log.info if result.code == Code.PREEMPTED else log.warning)(text)
 
 
 class Commands:

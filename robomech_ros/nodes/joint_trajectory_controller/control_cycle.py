@@ -13,12 +13,10 @@ from robomech_ros.nodes.joint_trajectory_controller.control_interfaces import Co
 from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 from robomech_ros.nodes.joint_trajectory_controller.state_publisher import StatePublisher
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.outcomes import Code
 
 __all__ = ["ControlCycle"]
-
-# What a motion says again and again is logged this often at the most, s.
-_SELDOM = 5.0
 
 
 class ControlCycle:
@@ -57,7 +55,7 @@ class ControlCycle:
         servers: Sequence[ServedAction],
         on_moved: Callable[[], None],
     ) -> None:
-        self._logger = node.get_logger()
+        self._log = SparingLog(node.get_logger())
         self._robot, self._commanded = commanded[0], commanded
         self.states = StatePublisher(node, model, commanded)
         given = bool(settings.robot_description_semantic)
@@ -100,9 +98,9 @@ class ControlCycle:
         try:
             joints.advance_to(time)
             if joints.fault:
-                self._logger.error(joints.fault, throttle_duration_sec=_SELDOM)
+                self._log.error(joints.fault)
         except Exception:
-            self._logger.error(f"motion failed, please report:\n{traceback.format_exc()}")
+            self._log.error(f"motion failed, please report:\n{traceback.format_exc()}")
             text = "internal error of the controller, see its log"
             joints.follower.halt(Code.INTERNAL, text)
 
@@ -113,7 +111,7 @@ class ControlCycle:
             robot = self._robot
             saturation = saturation_text(robot.simulated_joints.at_limit, robot.joint_names)
             text = f"the robot may not follow: {saturation} so far"
-            self._logger.warning(text, throttle_duration_sec=_SELDOM)
+            self._log.warning(text)
         self._limited = limited
 
     def _publish_what_is_due(self) -> None:

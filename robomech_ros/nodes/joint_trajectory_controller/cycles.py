@@ -8,12 +8,11 @@ from collections.abc import Callable
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
 __all__ = ["Cycles"]
 
 _NANO = 1_000_000_000
-# A cycle that goes on failing is reported so often, s.
-_REPORT = 1.0
 _STOP_SECONDS = 3.0
 
 
@@ -40,7 +39,7 @@ class Cycles:
     def __init__(
         self, node: Node, clock: MotionClock, rate: float, work: Callable[[], None]
     ) -> None:
-        self._node = node
+        self._node, self._log = node, SparingLog(node.get_logger())
         self._work = work
         self._period = round(_NANO / rate)
         self._over = threading.Event()
@@ -76,4 +75,4 @@ class Cycles:
             # The context may have ended in the meantime.
             if self._node.context.ok() and not self._over.is_set():
                 text = f"a cycle failed, please report this:\n{traceback.format_exc()}"
-                self._node.get_logger().error(text, throttle_duration_sec=_REPORT)
+                self._log.error(text)

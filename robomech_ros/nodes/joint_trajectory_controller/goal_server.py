@@ -19,7 +19,9 @@ from robomech_ros.execution.joints import State
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.nodes.common.pauses import wake
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
+from robomech_ros.nodes.joint_trajectory_controller.commands import log_end
 from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.outcomes import Code
 
 __all__ = ["ActionMessages", "GoalServer"]
@@ -70,6 +72,7 @@ class GoalServer(ServedAction[TrajectoryGoal]):
     def __init__(self, node: Node, robot: CommandedJoints, messages: ActionMessages) -> None:
         self._robot = robot
         self._messages = messages
+        self._log = SparingLog(node.get_logger())
         name = f"{robot.place}/{messages.name}"
         super().__init__(node, robot, messages.kind, name)
 
@@ -103,16 +106,15 @@ class GoalServer(ServedAction[TrajectoryGoal]):
         goal = self._robot.execute(message.trajectory, by, end, tolerances)
         for text in (notes[0], goal.strain):
             if text:
-                self._node.get_logger().warning(text)
+                self._log.warning(text)
         return goal, notes[0]
 
     def _log_refusal(self, error: Exception) -> None:
         """Log why a goal is not executed; to be called while the error is handled."""
         if isinstance(error, RobomechError):
-            self._node.get_logger().warning(f"goal refused: {error}")
+            self._log.warning(f"goal refused: {error}")
         else:
-            text = f"goal failed, please report:\n{traceback.format_exc()}"
-            self._node.get_logger().error(text)
+            self._log.error(f"goal failed, please report:\n{traceback.format_exc()}")
 
     def _conclude(self, handle: ServerGoalHandle, result: GoalResult) -> None:
         if result.end is End.REACHED:
@@ -122,7 +124,7 @@ class GoalServer(ServedAction[TrajectoryGoal]):
         else:
             handle.abort()
         if result.code:
-            self._node.get_logger().warning(f"goal ended early: {result.text}")
+            log_end(self._log, "goal", result)
 
     def _stop(self, motion: TrajectoryGoal) -> bool:
         if motion.result is not None:

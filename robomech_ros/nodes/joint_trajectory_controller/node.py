@@ -13,6 +13,11 @@ from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.common.status_report import StatusReport
 from robomech_ros.nodes.joint_trajectory_controller.commands import Commands, TrajectoryTopic
+from robomech_ros.nodes.joint_trajectory_controller.constraints import (
+    CONSTRAINTS,
+    constraint_rows,
+    default_tolerances,
+)
 from robomech_ros.nodes.joint_trajectory_controller.control_cycle import ControlCycle
 from robomech_ros.nodes.joint_trajectory_controller.control_interfaces import ControlInterfaces
 from robomech_ros.nodes.joint_trajectory_controller.cycles import Cycles
@@ -52,9 +57,10 @@ class JointTrajectoryControllerNode(Node):
         self._cycles: Cycles | None = None
         self._place: KeptPlace | None = None
         super().__init__("joint_trajectory_controller", **options)
-        self._settings = NodeParameters(
-            self, ControllerSettings, self._change, self._check
-        ).settings
+        self._table = NodeParameters(
+            self, ControllerSettings, self._change, self._check, later=CONSTRAINTS
+        )
+        self._settings = self._table.settings
         when_robot_known(self, self._settings, self._serve, parallel=True, legged=True)
 
     def _serve(self, model: RobotModel) -> None:
@@ -62,6 +68,9 @@ class JointTrajectoryControllerNode(Node):
         robot = _robot(model, settings, clock)
         gripper = gripper_of(model, settings, clock, robot.lock)
         self._robot, self._gripper = robot, gripper
+        names = [*robot.joint_names, *(() if gripper is None else gripper.joint_names)]
+        self._table.declare(constraint_rows(names))
+        self._hold_to(settings)
         self._check(settings)
         robot.simulated_joints.inject(self._faults(settings))
         control = ControlInterfaces(self, robot, clock)
@@ -105,15 +114,23 @@ class JointTrajectoryControllerNode(Node):
             self.get_logger().warning(text)
 
     def _change(self, settings: ControllerSettings) -> None:
-        """Give the simulated joints what was asked for at run time: faults, payload, object."""
+        """Take what was asked for at run time: faults, payload, object, tolerances."""
         self._settings = settings
         if self._robot is None:
             return
+        self._hold_to(settings)
         with self._robot.lock:
             self._robot.simulated_joints.inject(self._faults(settings))
             self._robot.carry(settings)
             if self._gripper is not None:
                 self._gripper.change(settings)
+
+    def _hold_to(self, settings: ControllerSettings) -> None:
+        """Hold the motions that begin from now on to the tolerances of the parameters."""
+        for joints in (self._robot, self._gripper):
+            if joints is not None:
+                given = self._table.further
+                joints.tolerances = default_tolerances(settings, joints.joint_names, given)
 
     def _check(self, settings: ControllerSettings) -> None:
         """Refuse faults, payloads and objects that the robot cannot have."""

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.execution.controller.follower_settings import FollowerSettings
-from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
 from robomech_ros.nodes.joint_trajectory_controller.gripper_settings import GripperSettings
@@ -18,7 +17,6 @@ __all__ = [
     "SPLINES",
     "ControllerSettings",
     "check_simulation",
-    "default_tolerances",
     "follower_settings",
     "initial_position",
 ]
@@ -66,15 +64,21 @@ class ControllerSettings(GripperSettings):
         "How far a joint may be from its path while moving, rad or m; 0 = any distance",
         0.0,
         10.0,
+        read_only=False,
     )
     goal_tolerance: float = parameter(
         0.01,
         "How far a joint may be from the last point at the end, rad or m; 0 = any distance",
         0.0,
         10.0,
+        read_only=False,
     )
     stopped_velocity_tolerance: float = parameter(
-        0.01, "How fast a joint may be at the end, rad/s or m/s; 0 = any speed", 0.0, 10.0
+        0.01,
+        "How fast a joint may be at the end, rad/s or m/s; 0 = any speed",
+        0.0,
+        10.0,
+        read_only=False,
     )
     goal_time: float = parameter(
         1.0,
@@ -82,6 +86,7 @@ class ControllerSettings(GripperSettings):
         0.0,
         3600.0,
         "s",
+        read_only=False,
     )
     cmd_timeout: float = parameter(
         0.0,
@@ -269,17 +274,6 @@ def follower_settings(settings: ControllerSettings) -> FollowerSettings:
         wait_for_stamp=settings.allow_trajectory_replacement,
         max_acceleration_ratio=settings.max_acceleration_ratio,
     )
-
-
-def default_tolerances(settings: ControllerSettings, joints: int) -> Tolerances:
-    """Make the tolerances that hold where a goal brings none."""
-    values = (
-        settings.path_tolerance,
-        settings.goal_tolerance,
-        settings.stopped_velocity_tolerance,
-    )
-    path, goal, velocity = (np.full(joints, value or np.inf) for value in values)
-    return Tolerances(path, goal, velocity, settings.goal_time or np.inf)
 
 
 def initial_position(

@@ -16,6 +16,7 @@ from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.messages import point_from_state
 from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
 __all__ = ["ControllerState", "SpeedScaling", "StateQuery"]
 
@@ -78,13 +79,13 @@ class SpeedScaling:
 
     def __init__(self, node: Node, robot: CommandedJoints) -> None:
         self._robot = robot
-        self._logger = node.get_logger()
+        self._log = SparingLog(node.get_logger())
         node.create_subscription(SpeedScalingFactor, "~/speed_scaling_input", self._take, _DEPTH)
 
     def _take(self, message: SpeedScalingFactor) -> None:
         if not 0.0 <= message.factor <= 1.0:
             text = f"speed scaling factor is {message.factor}, expected from 0 (pause) to 1"
-            self._logger.error(text)
+            self._log.error(text)
             return
         with self._robot.lock:
             self._robot.advance()

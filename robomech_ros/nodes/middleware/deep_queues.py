@@ -23,6 +23,7 @@ from robomech_ros.nodes.middleware.bounded_requests import (
     bounded_answers,
     bounded_service,
 )
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.outcomes import Code
 
 __all__ = ["DEPTH", "ask", "ask_action", "serve", "serve_action"]
@@ -47,6 +48,7 @@ def serve(
     Where the callback, plain or async, fails, the traceback is logged, and the answer is an empty
     one: INTERNAL with a text, or the text as its `message`, if it has such fields.
     """
+    log = SparingLog(node.get_logger())
 
     async def answered(request: Any, response: Any) -> Any:
         try:
@@ -54,7 +56,7 @@ def serve(
             return await answer if inspect.isawaitable(answer) else answer
         except Exception as error:
             text = f"{name} failed, please report this:\n{traceback.format_exc()}"
-            node.get_logger().error(text)
+            log.error(text)
             return _internal(type(response)(), error)
 
     return node.create_service(

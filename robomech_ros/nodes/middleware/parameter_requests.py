@@ -11,11 +11,9 @@ from rclpy.service import Service
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.middleware.bounded_requests import bounded_service
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
 __all__ = ["guard_parameter_services"]
-
-# How often such requests are logged at most, s.
-_LOG_PERIOD = 10.0
 
 
 def guard_parameter_services(node: Node) -> None:
@@ -36,6 +34,8 @@ def guard_parameter_services(node: Node) -> None:
 
 
 def _guarded(node: Node, service: Service, callback: Callable[[Any, Any], Any]) -> Any:
+    log = SparingLog(node.get_logger())
+
     def guarded(request: Any, response: Any) -> Any:
         try:
             given = getattr(request, "parameters", ())
@@ -45,9 +45,8 @@ def _guarded(node: Node, service: Service, callback: Callable[[Any, Any], Any]) 
         except RobomechError as error:
             given, faults = (), [str(error)]
         reason = next(fault for fault in faults if fault)
-        node.get_logger().warning(
-            f"passed over on '{service.srv_name}': its sender made the request wrong: {reason}",
-            throttle_duration_sec=_LOG_PERIOD,
+        log.warning(
+            f"passed over on '{service.srv_name}': its sender made the request wrong: {reason}"
         )
         result = SetParametersResult(reason=reason)
         if isinstance(response, SetParametersAtomically.Response):

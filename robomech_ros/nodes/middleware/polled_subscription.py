@@ -8,11 +8,9 @@ from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
 __all__ = ["Inbox", "Unattended"]
-
-# How often bytes that cannot be read are logged at most, s.
-_LOG_PERIOD = 10.0
 
 
 class Unattended(CallbackGroup):
@@ -63,7 +61,8 @@ class Inbox:
     def __init__(
         self, node: Node, kind: type, topic: str, depth: int, wake: Callable[[], None]
     ) -> None:
-        self._node, self._kind, self._depth, self._wake = node, kind, depth, wake
+        self._log = SparingLog(node.get_logger())
+        self._kind, self._depth, self._wake = kind, depth, wake
         self._group = Unattended(attended=True)
         self._early: list[bytes] = []
         qos = QoSProfile(
@@ -97,9 +96,7 @@ class Inbox:
             try:
                 message = unpack(data, self._kind)
             except UnreadableMessageError as error:
-                self._node.get_logger().warning(
-                    f"passed over on '{self.topic}': {error}", throttle_duration_sec=_LOG_PERIOD
-                )
+                self._log.warning(f"passed over on '{self.topic}': {error}")
             else:
                 yield message
 

@@ -8,6 +8,8 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
+
 __all__ = ["subscribe_reliably"]
 
 
@@ -28,6 +30,7 @@ def subscribe_reliably(
     qos : QoSProfile or int
         Reliable; a depth alone is that.
     """
+    sparing = SparingLog(node.get_logger())
 
     def log(event: Any) -> None:
         name = node.resolve_topic_name(topic)
@@ -44,7 +47,7 @@ def subscribe_reliably(
             "where a latched topic is needed; publish them reliably, as the default of ROS is "
             "(ros2 topic pub --qos-reliability reliable)"
         )
-        node.get_logger().error(text)
+        sparing.error(text)
 
     events = SubscriptionEventCallbacks(incompatible_qos=log)
     return node.create_subscription(kind, topic, callback, qos, event_callbacks=events)

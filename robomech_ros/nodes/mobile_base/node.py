@@ -2,13 +2,16 @@
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 from rclpy.node import Node
 from std_srvs.srv import Empty
 
+from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
+from robomech_ros.nodes.common.pose_messages import require_finite
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.status_report import NodeCondition, StatusReport
 from robomech_ros.nodes.common.twist_intake import TwistIntake
@@ -18,6 +21,7 @@ from robomech_ros.nodes.mobile_base.mobile_base import BaseOptions, MobileBase
 from robomech_ros.nodes.mobile_base.publication import BasePublication
 from robomech_ros.nodes.mobile_base.settings import (
     DYNAMIC,
+    FORMER_NAMES,
     MobileBaseSettings,
     check_settings,
 )
@@ -38,7 +42,9 @@ class MobileBaseNode(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("mobile_base", **options)
-        settings = NodeParameters(self, MobileBaseSettings, check=check_settings).settings
+        settings = NodeParameters(
+            self, MobileBaseSettings, check=check_settings, former=FORMER_NAMES
+        ).settings
         check_settings(settings)
         robot, joints = chosen_robot(settings)
         interface = INTERFACES[robot.drive]
@@ -66,6 +72,11 @@ class MobileBaseNode(Node):
         self._updates = 0
         Readiness(self)
         serve(self, Empty, "~/reset_odometry", self._reset_odometry)
+        # Not in every release of control_msgs.
+        with suppress(ImportError):
+            from control_msgs.srv import SetOdometry
+
+            serve(self, SetOdometry, "~/set_odometry", self._set_odometry)
         StatusReport(self, "motion", robot.base.name, self._condition)
         if timeout == 0.0 and interface.at_zero == "never":
             text = f"{interface.timeout_name} is 0: every command is too old, nothing will move"
@@ -96,6 +107,19 @@ class MobileBaseNode(Node):
 
     def _reset_odometry(self, request: Any, response: Any) -> Any:
         self._base.place([0.0, 0.0, 0.0])
+        return response
+
+    def _set_odometry(self, request: Any, response: Any) -> Any:
+        try:
+            require_finite("odometry", request, ("x", "y", "yaw"))
+            self._base.place([request.x, request.y, request.yaw])
+        except RobomechError as error:
+            response.message = str(error)
+            return response
+        beside = any((request.z, request.roll, request.pitch))
+        ignored = "; z, roll and pitch are not those of a base on the ground" if beside else ""
+        response.message = f"odometry goes on at x, y and yaw{ignored}"
+        response.success = True
         return response
 
     def _condition(self) -> NodeCondition:

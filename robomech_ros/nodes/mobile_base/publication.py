@@ -14,7 +14,12 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 from robomech_ros.nodes.common.message_fields import fill_header, floats
-from robomech_ros.nodes.common.odometry_frame import odometry_frame
+from robomech_ros.nodes.common.odometry_frame import (
+    POSE,
+    TWIST,
+    full_covariance,
+    odometry_frame,
+)
 from robomech_ros.nodes.mobile_base.mobile_base import MobileBase
 from robomech_ros.nodes.mobile_base.settings import MobileBaseSettings
 from robomech_ros.nodes.mobile_base.shown_base import ShownBase
@@ -25,8 +30,6 @@ __all__ = ["BasePublication", "frame_prefix"]
 Array = NDArray[np.float64]
 
 _DEPTH = 10
-# Places of x, y and heading in the six of a message's covariance.
-_PLACES = (0, 1, 5)
 
 
 def frame_prefix(settings: MobileBaseSettings, namespace: str) -> str:
@@ -101,10 +104,11 @@ class BasePublication:
         odometry = base.odometry
         _put_pose(message.pose.pose.position, message.pose.pose.orientation, odometry.pose)
         _put_twist(message.twist.twist, base.mean_twist)
-        message.pose.covariance = _full(self._of_pose, odometry.covariance)
-        # Of the twist heading comes first.
-        turned = np.roll(odometry.twist_covariance, -1, axis=(0, 1))
-        message.twist.covariance = _full(self._of_twist, turned)
+        for part, constant, known, places in (
+            (message.pose, self._of_pose, odometry.covariance, POSE),
+            (message.twist, self._of_twist, odometry.twist_covariance, TWIST),
+        ):
+            part.covariance = full_covariance(known, places) if constant is None else constant
         self._odometry.publish(message)
         if self._frames is not None:
             self._publish_frame(stamp)
@@ -130,15 +134,6 @@ def _constant_covariances(
     twist = (omni and settings.diagonal_covariance__twist) or settings.twist_covariance_diagonal
     made = [np.diag(given).ravel() if given else None for given in (pose, twist)]
     return made[0], made[1]
-
-
-def _full(constant: Array | None, planar: Array) -> Array:
-    """Give the 36 numbers of a message, of x, y and heading (3, 3)."""
-    if constant is not None:
-        return constant
-    full = np.zeros((6, 6))
-    full[np.ix_(_PLACES, _PLACES)] = planar
-    return full.ravel()
 
 
 def _put_twist(message: Any, twist: Array) -> None:

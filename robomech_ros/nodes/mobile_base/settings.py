@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
 
-__all__ = ["DYNAMIC", "KINEMATIC", "MobileBaseSettings", "check_settings"]
+__all__ = ["DYNAMIC", "FORMER_NAMES", "KINEMATIC", "MobileBaseSettings", "check_settings"]
 
 KINEMATIC, DYNAMIC = "kinematic", "dynamic"
 _DRIVES = ("", "diff", "omni", "mecanum", "bicycle", "tricycle", "ackermann", "swerve")
@@ -17,6 +17,21 @@ _OFF = math.nan
 _NEGATIVE = ("min_velocity", "max_deceleration", "max_acceleration_reverse", "min_jerk")
 _POSITIVE = ("max_velocity", "max_acceleration", "max_deceleration_reverse", "max_jerk")
 _AXES = ("linear__x", "linear__y", "angular__z")
+# Of the steering controllers of Humble, whose driven wheels are those that are not steered.
+_DRIVEN, _STEERED = "'traction_joints_names'", "'steering_joints_names'"
+FORMER_NAMES = {
+    "rear_wheels_names": f"{_DRIVEN}, or {_STEERED} where the rear wheels are steered",
+    "front_wheels_names": f"{_STEERED}, or {_DRIVEN} where the rear wheels are steered",
+    "rear_wheels_state_names": f"{_DRIVEN}, which also names the states",
+    "front_wheels_state_names": f"{_STEERED}, which also names the states",
+    "front_steering": f"{_STEERED}, the names of the wheels that are steered",
+    "rear_wheel_track": "'traction_track_width'",
+    "front_wheel_track": "'steering_track_width'",
+    "rear_wheels_radius": "'traction_wheels_radius'",
+    "rear_wheel_radius": "'traction_wheels_radius'",
+    "front_wheels_radius": "'traction_wheels_radius', that of the driven wheels alone",
+    "front_wheel_radius": "'traction_wheels_radius', that of the driven wheels alone",
+}
 
 
 def _bound(axis: str, what: str) -> float:

@@ -9,6 +9,7 @@ from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.nodes.moveit.refusals import RefusedError, fill_code, refused_as
 from robomech_ros.robots import SerialChain
 
@@ -22,7 +23,7 @@ def answering(node: Node, callback: _Callback) -> _Callback:
 
     The callback fills the response and returns one of MoveItErrorCodes and a text.
     """
-    source = node.get_fully_qualified_name()
+    source, log = node.get_fully_qualified_name(), SparingLog(node.get_logger())
 
     async def call(request: Any, response: Any) -> Any:
         try:
@@ -32,8 +33,7 @@ def answering(node: Node, callback: _Callback) -> _Callback:
             code, text = getattr(error, "code", MoveItErrorCodes.FAILURE), str(error)
         except Exception as error:
             response = type(response)()
-            log = f"{callback.__name__} failed, please report this:\n{traceback.format_exc()}"
-            node.get_logger().error(log)
+            log.error(f"{callback.__name__} failed, please report this:\n{traceback.format_exc()}")
             code = MoveItErrorCodes.FAILURE
             text = f"internal error, please report it: {type(error).__name__}: {error}"
         fill_code(response.error_code, code, text, source)

@@ -97,9 +97,7 @@ class LaunchOptions:
         own = KIND_NODES.get(self.kind)
         if own is not None:
             return (*own.nodes, "rvs") if self.view else own.nodes
-        optional = dict(
-            zip(OPTIONAL_NODES, (self.servo, self.calibration, self.view), strict=True)
-        )
+        optional = dict(zip(OPTIONAL_NODES, (self.servo, self.calibration, self.view), strict=True))
         others = {node for kind in KIND_NODES.values() for node in kind.nodes} - {_SIMULATOR}
         return tuple(node for node in NODE_MODULES if optional.get(node, node not in others))
 

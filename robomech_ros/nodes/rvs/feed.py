@@ -5,12 +5,12 @@ import time
 from abc import ABC, abstractmethod
 from typing import Any, Protocol
 
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
+
 __all__ = ["Feed"]
 
 # How often it is looked whether somebody looks (s).
 _IDLE = 0.2
-# How often a failure is logged at most (s).
-_LOG_PERIOD = 10.0
 
 
 class _View(Protocol):
@@ -36,7 +36,7 @@ class Feed(ABC):
     """
 
     def __init__(self, view: _View, rate: float, logger: Any) -> None:
-        self._seen, self._period, self._logger = view, 1.0 / rate, logger
+        self._seen, self._period, self._log = view, 1.0 / rate, SparingLog(logger)
         self.condition = ""
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="states", daemon=True)
@@ -66,7 +66,7 @@ class Feed(ABC):
             except Exception as error:
                 # The thread goes on: it also says that states are old.
                 self.condition = f"The robot cannot be shown: {error!r}."
-                self._logger.error(self.condition, throttle_duration_sec=_LOG_PERIOD)
+                self._log.error(self.condition)
             # What was missed is not made up for.
             due = max(due + self._period, now)
             self._closing.wait(max(due - time.monotonic(), 0.0))

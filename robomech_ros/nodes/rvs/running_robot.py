@@ -12,7 +12,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
-from robomech_ros.nodes.common.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.nodes.rvs.jogging import Jogger
 from robomech_ros.nodes.rvs.messages import motion_from_trajectory, seen_marker
 from robomech_ros.nodes.rvs.motions import Motions

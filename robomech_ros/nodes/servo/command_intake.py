@@ -10,6 +10,7 @@ from sensor_msgs.msg import JointState
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.nodes.servo.command_reader import CommandReader
 from robomech_ros.nodes.servo.settings import ServoNodeSettings
 from robomech_ros.servo.commands import Command
@@ -47,6 +48,7 @@ class CommandIntake:
         on_message: Callable[[], None],
     ) -> None:
         self._servo, self._settings = servo, settings
+        self._log = SparingLog(node.get_logger())
         self._refusal, self._refused_until = "", -math.inf
         # The kind of commands that was chosen; None as long as none was.
         self._chosen: type[Command] | None = None
@@ -110,6 +112,7 @@ class CommandIntake:
 
     def _refuse(self, text: str, now: float) -> None:
         self._refusal = text
+        self._log.warning(text)
         self._refused_until = now + self._settings().command_timeout
 
 

@@ -22,6 +22,7 @@ from robomech_ros.servo.servo import Servo
 
 if TYPE_CHECKING:
     from robomech_ros.nodes.servo.moveit_interface import MoveItInterface
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
 __all__ = ["Driver"]
 
@@ -60,7 +61,7 @@ class Driver:
         settings: Callable[[], ServoNodeSettings],
     ) -> None:
         self._servo, self._clock, self._settings = servo, clock, settings
-        self._logger = node.get_logger()
+        self._log = SparingLog(node.get_logger())
         self._repeats = 0
         self._fault: Fault | None = None
         # Until when at least the robot is left alone, and it is looked for commands (s).
@@ -197,7 +198,7 @@ class Driver:
         self._servo.forget()
         self._fault = fault._replace(why=f"{fault.why}; the stream has stopped")
         self._left_alone_until = now + _LEFT_ALONE
-        self._logger.warning(self._fault.why)
+        self._log.warning(self._fault.why)
         self._tell_fault(now)
 
     def _tell_fault(self, now: float) -> None:

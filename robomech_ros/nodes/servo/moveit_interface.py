@@ -9,6 +9,7 @@ from rclpy.node import Node
 
 from robomech_interfaces.msg import ServoStatus
 from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.nodes.servo.status import MOVEIT_STATUS
 from robomech_ros.servo.commands import Command, JointCommand, PoseCommand, TwistCommand
 
@@ -33,7 +34,7 @@ class MoveItInterface:
     """
 
     def __init__(self, node: Node, choose: Callable[[type[Command]], None]) -> None:
-        self._logger, self._choose = node.get_logger(), choose
+        self._log, self._choose = SparingLog(node.get_logger()), choose
         self._publisher = node.create_publisher(MoveItStatus, MOVEIT_STATUS, 10)
         serve(node, ServoCommandType, "~/switch_command_type", self._switch)
 
@@ -50,7 +51,7 @@ class MoveItInterface:
         response.success = kind is not None
         if kind is None:
             text = f"no command type {request.command_type}: 0 is JOINT_JOG, 1 TWIST, 2 POSE"
-            self._logger.error(text)
+            self._log.error(text)
         else:
             self._choose(kind)
         return response

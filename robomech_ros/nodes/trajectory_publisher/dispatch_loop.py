@@ -6,11 +6,12 @@ from rclpy.node import Node
 from robomech_ros.execution.client.delivery import Delivery
 from robomech_ros.execution.client.dispatcher import Dispatcher
 from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.nodes.process.simulated_clock import missing_time
 from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
 from robomech_ros.nodes.trajectory_publisher.motion_left import MotionLeft
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings, dispatch_settings
-from robomech_ros.outcomes import name_of
+from robomech_ros.outcomes import Code, name_of
 
 __all__ = ["DispatchLoop"]
 
@@ -42,7 +43,7 @@ class DispatchLoop:
     def __init__(
         self, node: Node, clock: MotionClock, link: ControllerLink, settings: PublisherSettings
     ) -> None:
-        self._node, self._logger = node, node.get_logger()
+        self._node, self._log = node, SparingLog(node.get_logger())
         self.clock = clock
         given = dispatch_settings(settings)
         self.dispatcher = Dispatcher(link, given, self._log_end, self._log_stall)
@@ -101,12 +102,13 @@ class DispatchLoop:
         report = delivery.report
         assert report is not None
         if report.code:
-            named = f"{report.code} {name_of(report.code)}"
-            self._logger.error(f"trajectory failed ({named}): {report.text}")
+            text = f"trajectory failed ({report.code} {name_of(report.code)}): {report.text}"
+            # What somebody asked for is no error.
+            (self._log.info if report.code == Code.PREEMPTED else self._log.error)(text)
         elif report.text:
-            self._logger.warning(report.text)
+            self._log.warning(report.text)
         else:
-            self._logger.info(f"arrived after {report.duration:.2f} s")
+            self._log.info(f"arrived after {report.duration:.2f} s")
 
     def _log_stall(self, text: str) -> None:
-        self._logger.warning(f"{len(self.dispatcher.queue)} trajectories wait: {text}")
+        self._log.warning(f"{len(self.dispatcher.queue)} trajectories wait: {text}")

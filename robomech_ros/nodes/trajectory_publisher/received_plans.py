@@ -14,6 +14,7 @@ from robomech_ros.nodes.common.error_codes import code_of
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.pauses import ended_within
 from robomech_ros.nodes.middleware.reliable_topics import subscribe_reliably
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
@@ -62,7 +63,7 @@ class ReceivedPlans:
         reader: DeliveryReader,
         loop: DispatchLoop,
     ) -> None:
-        self._node = node
+        self._node, self._log = node, SparingLog(node.get_logger())
         self._started = time.time_ns()
         self._table = table
         self._reader = reader
@@ -121,7 +122,7 @@ class ReceivedPlans:
         if made and made < self._started:
             age = (self._started - made) * 1e-9
             text = f"a plan made {age:.1f} s before this node started is ignored"
-            self._node.get_logger().info(text)
+            self._log.info(text)
             return
         self._take(plan)
 
@@ -143,4 +144,4 @@ class ReceivedPlans:
         except RobomechError as error:
             self.refusal = str(error)
             code = code_of(error)
-            self._node.get_logger().error(f"plan refused ({code} {name_of(code)}): {error}")
+            self._log.error(f"plan refused ({code} {name_of(code)}): {error}")

@@ -12,9 +12,9 @@ from std_msgs.msg import String
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
-from robomech_ros.nodes.common.sparing_log import SparingLog
 from robomech_ros.nodes.common.twist_intake import TwistIntake
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.outcomes import Code, name_of
 from robomech_ros.spatial import euler_angles_from_matrix
 from robomech_ros.walking import Walker

@@ -15,6 +15,7 @@ from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.joint_watch import JointWatch
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.status_report import NodeCondition
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.nodes.walker.command_intake import CommandIntake
 from robomech_ros.nodes.walker.publication import WalkPublication
 from robomech_ros.nodes.walker.settings import WalkerSettings
@@ -53,7 +54,7 @@ class Driver:
         self, node: Node, walker: Walker, clock: MotionClock, settings: WalkerSettings
     ) -> None:
         self._walker, self._clock, self._settings = walker, clock, settings
-        self._logger, robot = node.get_logger(), walker.robot
+        self._log, robot = SparingLog(node.get_logger()), walker.robot
         self._names = robot.joint_names
         self._intake = CommandIntake(node, walker, clock, settings.body_pose_duration)
         monitor = JointStateMonitor(node)
@@ -123,7 +124,7 @@ class Driver:
             way = rising(self._walker, position, self._settings.rising_speed)
             self._send(way, now)
             self._rises_until = now + float(way.times[-1]) + _PATIENCE
-            self._logger.info(f"rises in {way.times[-1]:.3g} s")
+            self._log.info(f"rises in {way.times[-1]:.3g} s")
         return False
 
     def _elsewhere(self) -> str:
@@ -141,7 +142,7 @@ class Driver:
         """Send nothing more: the joints brake by the last message, unless others move them."""
         self._stands = False
         self._fault = f"{why}; the robot is let go until its joints stand"
-        self._logger.warning(self._fault)
+        self._log.warning(self._fault)
 
     def _send(self, samples: Samples, begin: float) -> None:
         """Send joints that move from a time (s) on."""

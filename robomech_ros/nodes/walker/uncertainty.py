@@ -7,14 +7,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros.nodes.common.odometry_frame import POSE, TWIST, full_covariance
 from robomech_ros.walking import WalkUpdate
 
 __all__ = ["Uncertainty"]
 
 Array = NDArray[np.float64]
-
-# Places of x, y and heading in the six of a message, and those of heading, x, y.
-_POSE, _TWIST = [0, 1, 5], [5, 0, 1]
 
 
 class Uncertainty:
@@ -37,12 +35,12 @@ class Uncertainty:
     @property
     def pose(self) -> Array:
         """Of the pose, as a message has it: 36 numbers (m^2, m rad, rad^2)."""
-        return _of_message(self._pose, _POSE)
+        return full_covariance(self._pose, POSE)
 
     @property
     def twist(self) -> Array:
         """Of the twist since the last moment, in the trunk, as a message has it: 36 numbers."""
-        return _of_message(self._twist, _TWIST)
+        return full_covariance(self._twist, TWIST)
 
     def forget(self) -> None:
         """Forget where the trunk was; what is uncertain so far remains."""
@@ -72,9 +70,3 @@ class Uncertainty:
         grown = onward @ self._pose @ onward.T + turned @ spread @ turned.T
         self._pose = 0.5 * (grown + grown.T)
         self._twist = spread / seconds**2
-
-
-def _of_message(covariance: Array, places: list[int]) -> Array:
-    full = np.zeros((6, 6))
-    full[np.ix_(places, places)] = covariance
-    return full.ravel()

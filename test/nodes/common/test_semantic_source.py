@@ -69,7 +69,7 @@ def test_an_unusable_srdf_that_is_repeated_is_said_once(graph, capfd):
         if not posture(graph, "there").error_code:
             break
     assert posture(graph, "there").error_code == 0
-    # Each once in ten seconds, however long this takes; without that there are 42.
+    # Each once a second; without that there are 42.
     assert capfd.readouterr().err.count("unusable SRDF") < 21
 
 

@@ -7,6 +7,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from nav_msgs.msg import Odometry
 
+from robomech_ros.nodes.common.odometry_frame import LEAST, UNMEASURED
 from robomech_ros.nodes.mobile_base.node import MobileBaseNode
 from robomech_ros.rolling import OdometryNoise, load_rolling
 from robomech_ros.rolling.simulated import SimulatedBase
@@ -69,15 +70,17 @@ def test_covariance_grows_with_slip(graph, slipping):
     # What a velocity (m/s) that one wheel says adds to v_x, squared.
     share = np.linalg.pinv(base.told_rows())[1] ** 2
     still = graph.receive(Odometry, "mobile_base/odometry", 10, lambda m: True)
-    assert not still.pose.covariance.any() and not still.twist.covariance.any()
-    before = 0.0
+    for covariance in (still.pose.covariance, still.twist.covariance):
+        expected = [LEAST, LEAST, *[UNMEASURED] * 3, LEAST]
+        np.testing.assert_array_equal(np.reshape(covariance, (6, 6)), np.diag(expected))
+    before = LEAST
     for spin in (0.4, 0.8):
         slipping.spin = spin
         speed = spin * base.driven_radii[0]
         rolled, slipped = noise.travel * speed * share[0], noise.slip * 0.5 * speed * share.sum()
         assert slipped > 1000.0 * rolled
         # Variances grow with the way: that of the mean velocity over a period T goes with 1/T.
-        known = RATE * (rolled + slipped)
+        known = RATE * (rolled + slipped) + LEAST
         now = graph.receive(
             Odometry,
             "mobile_base/odometry",

@@ -1,6 +1,7 @@
 """What a mobile base is given that is wrong: each is refused, or left out as its page says."""
 
 import math
+import re
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
@@ -9,9 +10,10 @@ from nav_msgs.msg import Odometry
 from twist_driver import Driver
 
 from robomech_ros.errors import RobotDescriptionError
-from robomech_ros.nodes.common.parameters import ParameterError
+from robomech_ros.nodes.common.parameters import ParameterError, table_rows
 from robomech_ros.nodes.mobile_base.drives import INTERFACES
 from robomech_ros.nodes.mobile_base.node import MobileBaseNode
+from robomech_ros.nodes.mobile_base.settings import FORMER_NAMES, MobileBaseSettings
 from robomech_ros.rolling import list_rolling, rolling_robot
 
 ODOMETRY = "mobile_base/odom"
@@ -54,17 +56,40 @@ def test_a_number_that_is_none_spoils_a_command_whichever_it_is(graph, robot):
         TwistStamped, interface.command.replace("~", "mobile_base"), 10
     )
     fields = [(part, axis) for part in ("linear", "angular") for axis in "xyz"]
-    for number, (part, axis) in enumerate(fields):
+    for part, axis in fields:
         spoilt = TwistStamped()
         spoilt.twist.linear.x = 0.3
         setattr(getattr(spoilt.twist, part), axis, math.nan)
 
-        def refused(_, spoilt=spoilt, number=number):
+        def refused(_, spoilt=spoilt, name=f"{part}.{axis}"):
             publisher.publish(spoilt)
-            return f"command[{number}] is nan" in node._intake.refusal
+            return f"ignored: {name} is nan" in node._intake.refusal
 
         seen = graph.receive(Odometry, odometry, 10, refused)
         assert seen.twist.twist.linear.x == 0.0 and seen.pose.pose.position.x == 0.0
+
+
+def test_names_of_humble_are_answered_with_those_of_today(graph, capfd):
+    given = {
+        "rear_wheels_names": ["right", "left"],
+        "front_wheels_names": ["front_right", "front_left"],
+        "rear_wheel_track": 0.6,
+        "rear_wheels_radius": 0.1,
+        "wheelbase": 1.0,
+    }
+    with pytest.raises(ParameterError, match="'traction_joints_names' is "):
+        graph.start(MobileBaseNode, drive="ackermann", **given)
+    said = capfd.readouterr().err
+    for old, new in (
+        ("rear_wheels_names", "traction_joints_names"),
+        ("front_wheels_names", "steering_joints_names"),
+        ("rear_wheel_track", "traction_track_width"),
+        ("rear_wheels_radius", "traction_wheels_radius"),
+    ):
+        assert f"parameter '{old}' is ignored: its name here is '{new}'" in said
+    known = {row.name for row in table_rows(MobileBaseSettings)}
+    assert not known & set(FORMER_NAMES)
+    assert all(set(re.findall(r"'(\w+)'", text)) <= known for text in FORMER_NAMES.values())
 
 
 @pytest.mark.parametrize("robot", ["differential", "tricycle", "ackermann"])

@@ -16,6 +16,7 @@ from robomech_ros.nodes.common.pauses import wake
 from robomech_ros.nodes.joint_trajectory_controller.gripper.command_messages import CommandMessages
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper
 from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
+from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.outcomes import name_of
 
 __all__ = ["CommandServer"]
@@ -45,6 +46,7 @@ class CommandServer(ServedAction[FingerMotion]):
     def __init__(self, node: Node, gripper: Gripper, place: str, messages: CommandMessages) -> None:
         self._gripper = gripper
         self._messages = messages
+        self._log = SparingLog(node.get_logger())
         name = f"{place}/{_NAME}"
         super().__init__(node, gripper, messages.kind, name, goal_callback=self._accept)
 
@@ -65,8 +67,7 @@ class CommandServer(ServedAction[FingerMotion]):
         code = code_of(error)
         with self._lock:
             self._gripper.counts.refuse(code, str(error), "a command to the gripper")
-        text = f"gripper command refused ({code} {name_of(code)}): {error}"
-        self._node.get_logger().error(text)
+        self._log.error(f"gripper command refused ({code} {name_of(code)}): {error}")
 
     async def _execute(self, handle: ServerGoalHandle) -> Any:
         ended: Future = Future()
@@ -77,8 +78,7 @@ class CommandServer(ServedAction[FingerMotion]):
             if isinstance(error, RobomechError):
                 self._refuse(error)
             else:
-                text = f"gripper command failed, please report:\n{traceback.format_exc()}"
-                self._node.get_logger().error(text)
+                self._log.error(f"gripper command failed, please report:\n{traceback.format_exc()}")
             return self._messages.kind.Result()
         end, result = await self._until_ended(handle, motion, ended)
         self._conclude(handle, end)
@@ -94,7 +94,8 @@ class CommandServer(ServedAction[FingerMotion]):
             said = f": {text}" if text else ""
             gripper.counts.end_with(how is FingerEnd.REACHED, f"command {how.value}{said}")
             if text:
-                self._node.get_logger().warning(f"gripper command {how.value}: {text}")
+                # Fingers that hold an object have stalled; the others were asked to end.
+                self._log.info(f"gripper command {how.value}: {text}")
             state = gripper.state_of(command)
             ended.set_result((how, self._messages.result(how, state)))
             wake(self._node)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from drivers import seconds
+from drivers import NAME, seconds
 from follow_cases import (
     ABORTED,
     CANCELED,
@@ -19,6 +19,8 @@ from follow_cases import (
     lagging,
     tolerance,
 )
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 
@@ -53,6 +55,38 @@ def test_time_from_start_populated(follower):
         if hasattr(feedback, "index"):
             assert feedback.index == (0 if elapsed < 1.0 else 1)
         np.testing.assert_array_equal(feedback.error.positions, ZERO)
+
+
+def test_constraints_change_at_run_time(follower, capfd):
+    """Those of ros2_control, by joint: the next goal is held to them, the one that runs is not."""
+    given = {"constraints.joint2.goal": 0.5, "constraints.joint9.goal": 0.5}
+    arm = follower(tracking_lag=0.2, goal_time=0.1, goal_tolerance=1e-4, **given)
+    assert "unknown parameter 'constraints.joint9.goal' is ignored" in capfd.readouterr().err
+    trajectory = arm.points((0.5, FAR, ZERO, ZERO))
+    status, code, text = arm.follow(trajectory)
+    assert (status, code) == (ABORTED, CODES.GOAL_TOLERANCE_VIOLATED)
+    assert "joint 'joint1' is" in text and "tolerance is 0.0001 rad" in text
+
+    def change(**values):
+        changed = [
+            Parameter(f"constraints.{name.replace('__', '.')}", value=value).to_parameter_msg()
+            for name, value in values.items()
+        ]
+        request = SetParameters.Request(parameters=changed)
+        results = arm.graph.call(SetParameters, f"{NAME}/set_parameters", request).results
+        return [(result.successful, result.reason) for result in results]
+
+    assert change(joint1__goal=1.0, joint3__goal=0.0) == [(True, "")] * 2
+    assert not change(joint1__goal=-1.0)[0][0]
+    arm.until_still()
+    assert arm.follow(arm.points((0.5, START, ZERO, ZERO)))[:2] == (ABORTED, -5)
+    assert change(stopped_velocity_tolerance=0.0) == [(True, "")]
+    arm.until_still()
+    assert arm.follow(arm.points((0.5, FAR, ZERO, ZERO)))[:2] == (SUCCEEDED, 0)
+    assert change(goal_time=0.0, joint1__goal=1e-4) == [(True, "")] * 2
+    arm.until_still()
+    # Any time: it arrives at last.
+    assert arm.follow(arm.points((0.5, START, ZERO, ZERO)))[:2] == (SUCCEEDED, 0)
 
 
 def test_tolerances_via_actions(follower):

@@ -1,16 +1,19 @@
 """Every refusal has its code and text, and the robot is as ready as before."""
 
 import math
+from time import monotonic
 
 import numpy as np
 import pytest
 from action_msgs.msg import GoalStatus
+from drivers import ended
 from std_srvs.srv import Trigger
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.joint_trajectory_controller import commanded_joints
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
+from robomech_ros.nodes.middleware.sparing_log import PERIOD
 
 MOVE = np.full(6, 0.05)
 
@@ -184,9 +187,6 @@ def test_every_reason_why_a_stream_ends_early_is_logged(drive, capfd):
 
     arm.publish(arm.trajectory((9.0, MOVE)))
     arm.until_moving()
-    # The first one ends here, and another one goes on.
-    arm.publish(arm.trajectory((9.0, MOVE)))
-    arm.until(lambda: logged("ended early: preempted by a trajectory on the topic"))
     arm.graph.call(Trigger, "joint_trajectory_controller/hold", Trigger.Request())
     arm.until(lambda: logged("ended early: stopped by the service hold"))
     arm.until(lambda: not arm.velocity.any())
@@ -194,6 +194,41 @@ def test_every_reason_why_a_stream_ends_early_is_logged(drive, capfd):
     arm.until_moving()
     assert arm.graph.call(Trigger, "joint_trajectory_controller/reset", Trigger.Request()).success
     arm.until(lambda: logged("ended early: ended by the service reset"))
+
+
+def test_what_is_asked_for_is_no_warning(drive, capfd):
+    """Streams that replace one another, a goal that replaces them, a goal that is cancelled."""
+    arm = drive()
+    goal = arm.position + MOVE
+    for _ in range(50):
+        arm.publish(arm.trajectory((3.0, MOVE)))
+    arm.until_moving()
+    first = arm.send(arm.trajectory((3.0, goal - arm.position)))
+    second = arm.send(arm.trajectory((3.0, goal - arm.position)))
+    assert arm.result(first)[1].error_code == ErrorCode.PREEMPTED
+    arm.until_moving()
+    ended(arm.ask(second.cancel_goal_async))
+    assert arm.result(second)[0] == GoalStatus.STATUS_CANCELED
+    said = capfd.readouterr().err
+    assert "cancelled by the client" in said
+    assert not [line for line in said.splitlines() if line.startswith(("[WARN]", "[ERROR]"))]
+
+
+def test_a_flood_of_refusals_is_one_line_a_second(drive, capfd):
+    arm, count = drive(), 300
+    trajectory, began = arm.trajectory((0.3, MOVE)), monotonic()
+    for step in range(count):
+        # Each is late by another time.
+        trajectory.header.stamp.sec = 1 + step
+        arm.publish(trajectory)
+
+    def refused(status):
+        values = {entry.key: entry.value for entry in status.values}
+        return int(values["refused"]) == count
+
+    arm.diagnosis(refused)
+    lines = [line for line in capfd.readouterr().err.splitlines() if "trajectory refused" in line]
+    assert 1 <= len(lines) <= 2 + (monotonic() - began) / PERIOD
 
 
 @pytest.mark.slow
