@@ -22,7 +22,7 @@ def status_topic(node: Node, servo: str = "~") -> str:
 
     A topic has one type, and the one that MoveIt's servo has is left to MoveIt's type.
     """
-    topic = f"{servo}/status"
+    topic = "~/status".replace("~", servo)
     taken = node.resolve_topic_name(topic) == node.resolve_topic_name(MOVEIT_STATUS)
     return f"{servo}/servo_status" if taken else topic
 
