@@ -15,12 +15,18 @@ from robomech_ros.rvs.serving.server import AddressError, PortTakenError
 
 def test_the_address_brings_the_token_and_moves_on_without_it(page, client):
     status, headers, text = client.get(f"/?token={client.token}&fixedDpr=1")
-    assert status == 200 and "location.replace('/?fixedDpr=1')" in text
     cookie = headers["Set-Cookie"]
+    path = cookie.partition("; Path=")[2]
+    assert status == 200 and f"location.replace('{path}/?fixedDpr=1')" in text
     assert "HttpOnly" in cookie and "SameSite=Strict" in cookie and client.token in cookie
-    status, headers, text = client.get("/", Cookie=client.cookie)
+    # Browsers send a cookie to every port of a host, but to no path that nobody can guess.
+    assert len(path) >= 22 and path.count("/") == 1 and client.token not in path
+    status, headers, text = client.get(f"{path}/", Cookie=client.cookie)
     assert status == 200 and "viser" in text.lower()
     assert headers["X-Frame-Options"] == "DENY" and headers["Referrer-Policy"] == "no-referrer"
+    assert client.get(f"{path}/")[0] == 403
+    for wrong in (f"{path}x/", f"{path}/x", "/x/"):
+        assert client.get(wrong, Cookie=client.cookie)[0] == 404
 
 
 @pytest.mark.parametrize(

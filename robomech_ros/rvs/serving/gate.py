@@ -3,6 +3,10 @@
 Any page in any browser on this machine can send requests to a port on it.  A request is answered if
 its Host is a name that this server is known by, so that no foreign name can be made to point here;
 if its Origin, where a browser gives one, is this server; and if it has the token.
+
+Browsers send cookies to every port of a host, so to servers of other users of this machine, too.
+They do not send them to other paths.  So the page has a path that nobody can guess, and the cookie
+is bound to it.  Unlike a random name below localhost, this works with every browser and address.
 """
 
 from __future__ import annotations
@@ -14,6 +18,7 @@ import ipaddress
 import secrets
 import socket
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 from urllib.parse import parse_qsl, urlencode, urlsplit
 
@@ -25,7 +30,8 @@ __all__ = ["Gate"]
 LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
 ANY_ADDRESS = ("0.0.0.0", "::")
 TOKEN = "token"
-TOKEN_BYTES = 24
+# Random bytes of the token, and of the path of the page.
+TOKEN_BYTES = PATH_BYTES = 24
 
 _OF_EVERY_ANSWER = {
     "Cache-Control": "no-store",
@@ -36,7 +42,7 @@ _OF_EVERY_ANSWER = {
 }
 # Kept in the browser and not here: the page moves on to itself without the token, so that the
 # token stands in no history, and the cookie counts as that of the same site.
-_WELCOME = '<!doctype html><meta charset="utf-8"><script>location.replace({place!r})</script>'
+_WELCOME = '<!doctype html><meta charset="utf-8"><script>location.replace({address!r})</script>'
 
 Answer = Callable[[Any, Request], "Response | None"]
 
@@ -55,6 +61,7 @@ class Gate:
         self.token = secrets.token_urlsafe(TOKEN_BYTES)
         self.host, self.port = host, port
         self._cookie = f"robomech_view_{port}"
+        self._path = f"/{secrets.token_urlsafe(PATH_BYTES)}"
         self._any = host in ANY_ADDRESS
         self._names = {host.lower()}
         if self._any or _is_loopback(host):
@@ -76,7 +83,7 @@ class Gate:
             refusal = self.check(request)
             if refusal is not None:
                 return refusal
-            response = answer(connection, request)
+            response = answer(connection, self._without_path(request))
             if response is not None:
                 for name, value in _OF_EVERY_ANSWER.items():
                     response.headers[name] = value
@@ -98,7 +105,7 @@ class Gate:
         tokens = [value for key, value in query if key == TOKEN]
         if any(self._is_token(value) for value in tokens):
             rest = urlencode([(key, value) for key, value in query if key != TOKEN])
-            return self._welcome(f"/?{rest}" if rest else "/")
+            return self._welcome(f"{self._path}/?{rest}" if rest else f"{self._path}/")
         if any(self._is_token(value) for value in self._cookies(request)):
             return None
         text = "Open the address that `robomech view` printed: it contains the token of this page."
@@ -112,6 +119,13 @@ class Gate:
         # Numbers cannot be made to point elsewhere, as names can.
         return name in self._names or (self._any and _is_number(name))
 
+    def _without_path(self, request: Request) -> Request:
+        """Return a request below the path of the page as viser expects it, and others as is."""
+        rest = request.path.removeprefix(self._path)
+        if rest == request.path or rest[:1] not in ("", "/", "?"):
+            return request
+        return replace(request, path=rest if rest.startswith("/") else f"/{rest}")
+
     def _cookies(self, request: Request) -> list[str]:
         pairs = [
             part.strip().partition("=")
@@ -123,9 +137,9 @@ class Gate:
     def _is_token(self, value: str) -> bool:
         return hmac.compare_digest(value.encode(), self.token.encode())
 
-    def _welcome(self, place: str) -> Response:
-        response = _respond(http.HTTPStatus.OK, _WELCOME.format(place=place))
-        cookie = f"{self._cookie}={self.token}; HttpOnly; SameSite=Strict; Path=/"
+    def _welcome(self, address: str) -> Response:
+        response = _respond(http.HTTPStatus.OK, _WELCOME.format(address=address))
+        cookie = f"{self._cookie}={self.token}; HttpOnly; SameSite=Strict; Path={self._path}"
         response.headers["Set-Cookie"] = cookie
         return response
 

@@ -19,6 +19,7 @@ _PICTURE = """__viserMutable.canvas.toBlob(function (blob) {
 }, 'image/png');"""
 _KEEP = """var query = new URLSearchParams(location.search);
 query.delete('view');
+query.delete('websocket');
 var rest = query.toString();
 history.replaceState(history.state, '', '?' + (rest ? rest + '&' : '') + 'view=' + %s);"""
 # The page is a React page: a field takes a value only by its native setter, and an event.
