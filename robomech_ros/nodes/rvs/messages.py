@@ -1,6 +1,6 @@
 """Messages that the view reads, as what is shown, and those that it sends."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from geometry_msgs.msg import TwistStamped
@@ -45,8 +45,18 @@ _LINEAR_THEN_ANGULAR = ("linear", "angular")
 _SILENT = (ServoStatus.NO_WARNING, ServoStatus.STALE_COMMAND)
 
 
-def motion_from_trajectory(chain: SerialChain, trajectory: JointTrajectory) -> Motion:
+def motion_from_trajectory(
+    model: RobotModel, trajectory: JointTrajectory, start: Mapping[str, float]
+) -> Motion:
     """Read a planned trajectory.
+
+    Parameters
+    ----------
+    model : RobotModel
+    trajectory : JointTrajectory
+    start : mapping of str to float
+        Known joints of the robot (rad or m), from which those of a parallel one follow its
+        drives; the others begin at home.
 
     Raises
     ------
@@ -54,13 +64,20 @@ def motion_from_trajectory(chain: SerialChain, trajectory: JointTrajectory) -> M
         It is no trajectory of these joints.
     """
     given = read_waypoints(
-        received_trajectory(trajectory), chain.joint_names, _MOST_POINTS, _LONGEST
+        received_trajectory(trajectory), model.commanded.joint_names, _MOST_POINTS, _LONGEST
     )
-    rates = [
+    qd, qdd = (
         None if rows is None or not np.isfinite(rows).all() else rows
         for rows in (given.velocities, given.accelerations)
-    ]
-    return Motion(chain, given.times, given.positions, qd=rates[0], qdd=rates[1])
+    )
+    mechanism = model.mechanism
+    if mechanism is None:
+        return Motion(model.chain, given.times, given.positions, qd=qd, qdd=qdd)
+    from robomech_ros.rvs.model.platforms.planning import followed_motion
+
+    home = zip(mechanism.joint_names, mechanism.home().tolist(), strict=True)
+    q = np.array([start.get(name, at) for name, at in home])
+    return followed_motion(mechanism, given.times, given.positions, qd, qdd, q)
 
 
 def servo_news(status: ServoStatus) -> ServoNews:

@@ -11,6 +11,7 @@ from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.client import Client
 from rclpy.node import Node
 from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import Execute, PlanJoint
 from robomech_ros.errors import RobomechError
@@ -28,15 +29,6 @@ __all__ = ["Motions"]
 Array = NDArray[np.float64]
 
 _AUTOMATIC = "auto_execute"
-_WOULD_MOVE = (
-    "Not planned: '{publisher}' executes every plan at once (its parameter auto_execute), so a "
-    "plan would move the robot. Execute does both; with 'plans wait', under ROS, plans are "
-    "only shown."
-)
-_UNKNOWN = (
-    "Not planned: '{publisher}' does not say whether it executes every plan at once (its parameter "
-    "auto_execute), and plans are read by {readers}, so a plan might move the robot."
-)
 # How long answers may take (s): about parameters, of the planner, and of who executes a motion.
 _BRIEFLY, _PLANNING, _MOVING = 5.0, 120.0, float("inf")
 
@@ -53,13 +45,19 @@ class Motions:
     settings : RvsSettings
         Whom to call.
     view : LiveView
+    show_plan : callable
+        Shows a planned trajectory.
     """
 
     def __init__(
-        self, node: Node, names: Sequence[str], settings: RvsSettings, view: LiveView
+        self,
+        node: Node,
+        names: Sequence[str],
+        settings: RvsSettings,
+        view: LiveView,
+        show_plan: Callable[[JointTrajectory], None],
     ) -> None:
-        self._node, self._view, self._publisher = node, view, settings.publisher
-        self._plans = f"{settings.planner}/planned_trajectory"
+        self._view, self._show_plan = view, show_plan
         self._names = tuple(names)
         planner, publisher, controller = settings.planner, settings.publisher, settings.controller
         self._planner = ask(node, PlanJoint, f"{planner}/plan_joint")
@@ -72,64 +70,53 @@ class Motions:
         self._stopping = Stopping(self._requests, cancel, hold, view)
         # Held while something is decided and sent, so that nothing is sent after a stop.
         self._lock = threading.RLock()
-        # Which request is the latest, which was the latest to stop; whether a look is under way.
-        self._number, self._stopped_from, self._looking = 0, 0, False
+        # Number of the latest request; whether the parameter is being asked for.
+        self._number, self._looking = 0, False
 
     def plan(self, q: Array) -> None:
-        """Plan from where the robot is to a posture (n,) (rad or m), unless that would move it."""
+        """Plan from the robot's state to a posture (n,) (rad or m), and show the plan."""
+
+        def planned(answer: Any) -> None:
+            seconds = seconds_from_duration(answer.duration, "duration")
+            self._show_plan(answer.trajectory)
+            self._view.show_result(f"Planned: the motion takes {seconds:.2f} s.")
+
+        self._plan(q, "No plan", lambda _, answer: planned(answer))
+
+    def execute(self, q: Array) -> None:
+        """Plan such a motion, and execute it."""
+
+        def planned(number: int, answer: Any) -> None:
+            seconds = seconds_from_duration(answer.duration, "duration")
+            self._show_plan(answer.trajectory)
+            self._view.show_result(f"Executing a motion of {seconds:.2f} s ...")
+            asked = Execute.Request(trajectory=answer.trajectory)
+            self._call(number, self._executor, asked, executed, _MOVING)
+
+        def executed(answer: Any) -> None:
+            if self._said_no("The motion ended early", answer):
+                return
+            seconds = seconds_from_duration(answer.duration, "duration")
+            self._view.show_result(f"Executed: the robot arrived after {seconds:.2f} s.")
+
+        self._plan(q, "Not executed, no plan", planned)
+
+    def _plan(self, q: Array, refusal: str, take: Callable[[int, Any], None]) -> None:
+        """Ask for a plan that nobody else receives, so that the robot stays."""
+        request = PlanJoint.Request(goal=joint_state(self._names, q), answer_only=True)
         with self._lock:
             number = self._begin("Planning ...")
 
             def planned(answer: Any) -> None:
-                if self._said_no("No plan", answer):
-                    return
-                seconds = seconds_from_duration(answer.duration, "duration")
-                self._view.show_result(f"Planned: the motion takes {seconds:.2f} s.")
+                if not self._said_no(refusal, answer):
+                    take(number, answer)
 
-            def allowed(automatic: bool) -> None:
-                if automatic:
-                    text = _WOULD_MOVE.format(publisher=self._publisher)
-                    self._view.show_result(text, failed=True)
-                    return
-                self._call(number, self._planner, self._request(q), planned, _PLANNING)
-
-            self._ask_whether_automatic(number, allowed)
-
-    def execute(self, q: Array) -> None:
-        """Plan such a motion, and execute it."""
-        with self._lock:
-            number = self._begin("Planning ...")
-
-            def planned(answer: Any, automatic: bool) -> None:
-                if self._said_no("Not executed, no plan", answer):
-                    return
-                seconds = seconds_from_duration(answer.duration, "duration")
-                self._view.show_result(f"Executing a motion of {seconds:.2f} s ...")
-                # Without a trajectory it is the latest plan, which may be under way already.
-                asked = Execute.Request()
-                if not automatic:
-                    asked.trajectory = answer.trajectory
-                self._call(number, self._executor, asked, executed, _MOVING)
-
-            def executed(answer: Any) -> None:
-                if self._said_no("The motion ended early", answer):
-                    return
-                seconds = seconds_from_duration(answer.duration, "duration")
-                self._view.show_result(f"Executed: the robot arrived after {seconds:.2f} s.")
-
-            def allowed(automatic: bool) -> None:
-                request = self._request(q)
-                self._call(
-                    number, self._planner, request, lambda plan: planned(plan, automatic), _PLANNING
-                )
-
-            self._ask_whether_automatic(number, allowed)
+            self._call(number, self._planner, request, planned, _PLANNING)
 
     def stop(self) -> None:
         """Stop whatever moves the robot."""
         with self._lock:
             self._number += 1
-            self._stopped_from = self._number
             self._stopping.stop()
 
     def let_plans_wait(self, waiting: bool) -> None:
@@ -172,47 +159,6 @@ class Motions:
         request = GetParameters.Request(names=[_AUTOMATIC])
         self._requests.send(self._reader, request, take, give_up, _BRIEFLY)
 
-    def _ask_whether_automatic(self, number: int, go_on: Callable[[bool], None]) -> None:
-        """Go on with whether each plan is executed; refuse where nobody tells and one may be."""
-
-        def decide(automatic: bool | None) -> None:
-            readers = self._readers_of_plans() if automatic is None else []
-            if readers:
-                text = _UNKNOWN.format(publisher=self._publisher, readers=" and ".join(readers))
-                self._view.show_result(text, failed=True)
-                return
-            go_on(bool(automatic))
-
-        def silent(_: str) -> None:
-            if number == self._number:
-                decide(None)
-
-        if not self._reader.service_is_ready():
-            decide(None)
-            return
-        request = GetParameters.Request(names=[_AUTOMATIC])
-        self._call(
-            number,
-            self._reader,
-            request,
-            lambda answer: decide(_automatic(answer)),
-            _BRIEFLY,
-            silent,
-        )
-
-    def _readers_of_plans(self) -> list[str]:
-        """Name the other nodes that read what the planner plans, quoted."""
-        own = (self._node.get_namespace(), self._node.get_name())
-        topic = self._node.resolve_topic_name(self._plans)
-        readers = {
-            (one.node_namespace, one.node_name)
-            for one in self._node.get_subscriptions_info_by_topic(topic)
-        }
-        return sorted(f"'{space.rstrip('/')}/{name}'" for space, name in readers - {own})
-
-    def _request(self, q: Array) -> PlanJoint.Request:
-        return PlanJoint.Request(goal=joint_state(self._names, q))
-
     def _begin(self, text: str) -> int:
         self._number += 1
         self._stopping.hide()
@@ -226,7 +172,6 @@ class Motions:
         request: Any,
         take: Callable[[Any], None],
         patience: float,
-        silent: Callable[[str], None] | None = None,
     ) -> None:
         """Call a service, and take its answer unless another request has come meanwhile."""
         name = self._requests.name(client)
@@ -236,11 +181,7 @@ class Motions:
 
         def answered(answer: Any) -> None:
             with self._lock:
-                if number < self._stopped_from:
-                    # What was planned before the stop must not begin after it.
-                    if client is self._planner:
-                        self._stopping.stop()
-                elif number == self._number:
+                if number == self._number:
                     try:
                         take(answer)
                     except (RobomechError, LookupError) as error:
@@ -253,11 +194,7 @@ class Motions:
                     self._number += 1
                     self._view.show_result(f"No answer: {why}.", failed=True)
 
-        def ended(why: str) -> None:
-            with self._lock:
-                (silent or give_up)(why)
-
-        self._requests.send(client, request, answered, ended, patience)
+        self._requests.send(client, request, answered, give_up, patience)
 
     def _said_no(self, what: str, answer: Any) -> bool:
         if answer.error_code:

@@ -52,12 +52,12 @@ class RunningRobot:
         """Tell this page, from now on."""
         node, model, settings = self._node, self._model, self._settings
         self._view = view
-        self._motions = Motions(node, model.commanded.joint_names, settings, view)
+        names = model.commanded.joint_names
+        self._motions = Motions(node, names, settings, view, self._take_plan)
         self._feed = feed = StateFeed(node, model, settings, view)
         self._jogger = Jogger(node, model, settings, lambda: feed.servo_is_silent, view.show_jog)
-        if model.mechanism is None:
-            topic = f"{settings.planner}/planned_trajectory"
-            node.create_subscription(JointTrajectory, topic, self._take_plan, _PLANS)
+        topic = f"{settings.planner}/planned_trajectory"
+        node.create_subscription(JointTrajectory, topic, self._take_plan, _PLANS)
 
     @property
     def condition(self) -> str:
@@ -116,7 +116,8 @@ class RunningRobot:
 
     def _take_plan(self, trajectory: JointTrajectory) -> None:
         try:
-            self._view.show_plan(motion_from_trajectory(self._model.chain, trajectory))
+            motion = motion_from_trajectory(self._model, trajectory, self._feed.positions)
+            self._view.show_plan(motion)
         except RobomechError as error:
             self._log.error(f"a planned trajectory cannot be shown: {error}")
 

@@ -37,6 +37,11 @@ class StateFeed(Feed):
         The robot.
     settings : RvsSettings
     view : LiveView
+
+    Attributes
+    ----------
+    positions : dict of str to float
+        Latest known joints (rad or m), while somebody looks.
     """
 
     def __init__(
@@ -52,6 +57,7 @@ class StateFeed(Feed):
         topic = status_topic(node, settings.servo)
         self._inbox = Inbox(node, ServoStatus, topic, _DEPTH, lambda: None)
         self._inbox.attend(False)
+        self.positions: dict[str, float] = {}
         self._heard, self._heard_at = 0, -math.inf
         self._servo: ServoNews | None = None
         self._servo_at, self._looked_at = -math.inf, -math.inf
@@ -68,11 +74,11 @@ class StateFeed(Feed):
 
     def look(self, now: float) -> None:
         """Show what has come, and say what is wrong with it."""
-        known = self._monitor.known_positions(self._joints)
+        self.positions = self._monitor.known_positions(self._joints)
         heard = self._monitor.heard(self._chain)
         if heard > self._heard:
             self._heard, self._heard_at = heard, now
-            self._view.show_joints(known)
+            self._view.show_joints(self.positions)
         if now - self._looked_at >= _SELDOM:
             self._looked_at = now
             self.condition = self._fault(now)

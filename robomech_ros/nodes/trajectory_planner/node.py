@@ -131,7 +131,8 @@ class TrajectoryPlannerNode(Node):
         self._plans.publish_waiting()
         response.turns = turns[-1].tolist()
         encode_plan(found.sampled, self._limits, wanted.options, self._points, response)
-        self._plans.publish_soon(response.trajectory, found.poses)
+        if not request.answer_only:
+            self._plans.publish_soon(response.trajectory, found.poses)
         return answer(response)
 
     @guarded

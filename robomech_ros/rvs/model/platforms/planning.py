@@ -14,7 +14,7 @@ from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 
-__all__ = ["plan_platform_between"]
+__all__ = ["followed_motion", "plan_platform_between"]
 
 Array = NDArray[np.float64]
 
@@ -85,13 +85,44 @@ def _made(
     goal: Array | None,
     sentence: str,
 ) -> MadePlan:
-    """Let all joints follow a motion of the drives; the goal is None where it ends before."""
+    """Let all joints follow a motion of the drives; the goal is None if it ends before."""
     times = sample_times(trajectory)
-    drives, rates, accelerations, _ = trajectory.sample(times)
-    way = follow_drives(mechanism, drives, start)
-    k = len(way.q)
-    qd, _ = mechanism.rates(way.q, rates[:k])
-    qdd, _ = mechanism.accelerations(way.q, qd, accelerations[:k])
-    if goal is not None and np.abs(way.q[-1] - goal).max() > SAME:
+    motion = followed_motion(mechanism, times, *trajectory.sample(times)[:3], start)
+    if goal is not None and np.abs(motion.q[-1] - goal).max() > SAME:
         sentence += "; it ends in another assembly mode, or with other limbs, than the goal"
-    return MadePlan(Motion(mechanism, times[:k], way.q, (), qd, qdd), sentence, goal is not None)
+    return MadePlan(motion, sentence, goal is not None)
+
+
+def followed_motion(
+    mechanism: Mechanism,
+    times: Array,
+    drives: Array,
+    rates: Array | None,
+    accelerations: Array | None,
+    start: Array,
+) -> Motion:
+    """Return the motion of all joints that a motion of the drives causes.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Of n joints and d drives.
+    times : ndarray, shape (m,)
+        s.
+    drives, rates, accelerations : ndarray, shape (m, d)
+        rad or m, and over s and s^2; the latter two None if they are not known.
+    start : ndarray, shape (n,)
+        Posture from which the joints follow, rad or m.
+
+    Returns
+    -------
+    Motion
+        As far as the robot can follow.
+    """
+    q = follow_drives(mechanism, drives, start).q
+    k, qd, qdd = len(q), None, None
+    if rates is not None:
+        qd, _ = mechanism.rates(q, rates[:k])
+        if accelerations is not None:
+            qdd, _ = mechanism.accelerations(q, qd, accelerations[:k])
+    return Motion(mechanism, times[:k], q, (), qd, qdd)

@@ -15,7 +15,6 @@ from diagnostic_msgs.msg import DiagnosticArray
 from drivers import Driver
 from geometry_msgs.msg import Point, Vector3
 from raw_client import wait_until
-from rcl_interfaces.msg import ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
@@ -61,10 +60,15 @@ def test_states_that_fail_to_come_are_told(graph, browse):
 
 
 @pytest.fixture
-def suite(graph, shown):
+def publisher(graph):
+    """The node that executes."""
+    return graph.start(TrajectoryPublisherNode, robot_description=ROBOT)
+
+
+@pytest.fixture
+def suite(graph, shown, publisher):
     """The nodes that plan and execute."""
     graph.start(TrajectoryPlannerNode, robot_description=ROBOT)
-    graph.start(TrajectoryPublisherNode, robot_description=ROBOT, auto_execute=True)
     motions = shown.node._robot._motions
     wanted = [motions._planner, motions._executor, motions._reader, *stoppers(motions)]
     wait_until(lambda: all(client.service_is_ready() for client in wanted))
@@ -90,20 +94,24 @@ def test_executes_to_the_goal(suite, arm):
     np.testing.assert_allclose(plan.q[-1], goal, atol=1e-9)
 
 
-def test_a_plan_alone_moves_nothing(suite, arm):
+@pytest.mark.parametrize("waiting", [False, True])
+def test_a_plan_is_shown_and_moves_nothing(suite, publisher, arm, waiting):
     goal_beside(suite, arm, 0.25)
+    suite.node._robot.let_plans_wait(waiting)
+    said = "Plans wait for Execute" if waiting else "Plans are executed at once"
+    wait_until(lambda: said in suite.said())
     start = arm.position
-    suite.click("Plan")
-    wait_until(lambda: "executes every plan at once" in suite.said())
-    suite.set(suite.layer._controls._waiting, True)
-    wait_until(lambda: "Plans wait for Execute" in suite.said())
     suite.click("Plan")
     wait_until(lambda: "the motion takes" in suite.said())
     wait_until(lambda: suite.page._plan.motion is not None)
+    planned = suite.page._plan.motion
+    np.testing.assert_allclose(planned.q[-1], start + [0.25, 0, 0, 0, 0, 0], atol=1e-9)
+    # The publisher, which executes each plan that it receives, has received none.
+    assert publisher._plans.latest is None
     np.testing.assert_array_equal(arm.position, start)
     suite.click("Execute")
     wait_until(lambda: "arrived after" in suite.said())
-    np.testing.assert_allclose(arm.position, start + [0.25, 0, 0, 0, 0, 0], atol=2e-3)
+    np.testing.assert_allclose(arm.position, planned.q[-1], atol=2e-3)
 
 
 def test_stop_stops_and_says_why_the_motion_ended(suite, arm):
@@ -117,7 +125,7 @@ def test_stop_stops_and_says_why_the_motion_ended(suite, arm):
     assert abs(rest[0] - suite.page._arm.q[0]) > 0.1
     # Nothing that was planned before moves it after.
     suite.click("Plan")
-    wait_until(lambda: "executes every plan at once" in suite.said())
+    wait_until(lambda: "the motion takes" in suite.said())
     np.testing.assert_array_equal(arm.position, rest)
 
 
@@ -271,27 +279,6 @@ def test_stop_does_not_wait_for_the_thread_of_the_node(graph, shown, arm):
     wait_until(lambda: "Stopped." in shown.said())
 
 
-def test_nothing_is_planned_where_nobody_tells_whether_plans_are_executed(graph, shown, arm):
-    graph.start(TrajectoryPlannerNode, robot_description=ROBOT)
-    motions = shown.node._robot._motions
-    ready(motions._planner)
-    received = []
-    topic = "trajectory_planner/planned_trajectory"
-    graph.client.create_subscription(JointTrajectory, topic, received.append, LATCHED)
-    wait_until(lambda: motions._readers_of_plans())
-    goal_beside(shown, arm, 0.25)
-    for what in ("Plan", "Execute"):
-        shown.click(what)
-        wait_until(lambda: "plans are read by '/test_client'" in shown.said())
-        shown.layer.show_result("")
-    # The parameter is served, but is no truth value.
-    serve(graph, GetParameters, "trajectory_publisher/get_parameters", lambda _, answer: answer)
-    ready(motions._reader)
-    shown.click("Plan")
-    wait_until(lambda: "plans are read by '/test_client'" in shown.said())
-    assert not received
-
-
 def test_looks_that_nobody_answers_do_not_pile_up(graph, shown, arm):
     free, asked = threading.Event(), []
 
@@ -316,36 +303,29 @@ def test_looks_that_nobody_answers_do_not_pile_up(graph, shown, arm):
         free.set()
 
 
-@pytest.mark.parametrize("automatic", [False, True])
-def test_executes_its_own_plan_where_plans_wait(graph, shown, arm, automatic):
+def test_executes_its_own_plan(graph, shown, arm):
     """Not the trajectory planned last, which may be somebody else's."""
-    asked = []
-
-    def read(_request, response):
-        kind = ParameterType.PARAMETER_BOOL
-        response.values = [ParameterValue(type=kind, bool_value=automatic)]
-        return response
+    asked, received = [], []
 
     def execute(request, response):
         asked.append(request.trajectory)
         return response
 
-    serve(graph, GetParameters, "trajectory_publisher/get_parameters", read)
     serve(graph, Execute, "trajectory_publisher/execute", execute)
     graph.start(TrajectoryPlannerNode, robot_description=ROBOT)
+    topic = "trajectory_planner/planned_trajectory"
+    graph.client.create_subscription(JointTrajectory, topic, received.append, LATCHED)
     motions = shown.node._robot._motions
-    ready(motions._planner, motions._reader, motions._executor)
+    ready(motions._planner, motions._executor)
     goal_beside(shown, arm, 0.25)
     goal = shown.page._arm.q.copy()
     shown.click("Execute")
     wait_until(lambda: "arrived after" in shown.said())
     (sent,) = asked
-    if automatic:
-        # It is under way; sent again it would be executed twice.
-        assert not sent.points
-    else:
-        assert tuple(sent.joint_names) == tuple(arm.names)
-        np.testing.assert_allclose(sent.points[-1].positions, goal, atol=1e-9)
+    assert tuple(sent.joint_names) == tuple(arm.names)
+    np.testing.assert_allclose(sent.points[-1].positions, goal, atol=1e-9)
+    # Nobody else may execute it a second time.
+    assert not received
 
 
 def lines(number, points):

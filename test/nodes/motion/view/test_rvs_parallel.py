@@ -34,7 +34,14 @@ def test_the_platform_is_drawn_where_it_is_and_goes_where_it_is_sent(graph, brow
     shown.page.drag(lambda: target)
     wait_until(lambda: layer._goal.is_apart)
     wait_until(lambda: np.allclose(platform.tip, target, atol=1e-6))
-    goal = platform.q.copy()
+    goal, start = platform.q.copy(), layer._goal._robot
+    shown.click("Plan")
+    wait_until(lambda: "the motion takes" in shown.said() or "o plan" in shown.said())
+    wait_until(lambda: shown.page._plan.motion is not None)
+    planned = shown.page._plan.motion
+    np.testing.assert_allclose(planned.q[[0, -1]], [start, goal], atol=1e-6)
+    assert mechanism.loop_errors(planned.q).max() < 1e-9
+    np.testing.assert_allclose(layer._goal._robot, start, atol=1e-9)
     shown.click("Execute")
     wait_until(lambda: "the robot arrived" in shown.said() or "o plan" in shown.said())
     assert "the robot arrived" in shown.said()
