@@ -26,6 +26,7 @@ from robomech_ros.robots.semantic import (
     EndEffector,
     Group,
     SemanticDescription,
+    VirtualJoint,
 )
 from robomech_ros.robots.srdf.document import load_srdf
 from robomech_ros.robots.urdf.writer import urdf_from_description
@@ -45,6 +46,7 @@ __all__ = [
     "RobotDescription",
     "SemanticDescription",
     "SerialChain",
+    "VirtualJoint",
     "chain_from_dh",
     "combined",
     "dh_from_chain",

@@ -22,8 +22,9 @@ from robomech_ros.robots.chain_layout import MOST_JOINTS, PRISMATIC, REVOLUTE
 from robomech_ros.robots.dh_recovery import recover_dh
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.drives import Drive
-from robomech_ros.robots.entry_checks import check_name, check_names, checked_entries
+from robomech_ros.robots.entry_checks import bare_link, check_name, check_names, checked_entries
 from robomech_ros.robots.limit_arrays import KEYS, LARGEST_ANGLE, check_limits, position_limits
+from robomech_ros.robots.regular_posture import regular_posture
 
 __all__ = ["LimitKind", "LinkFrame", "SerialChain"]
 
@@ -198,6 +199,7 @@ class SerialChain:
             There is none of this name; the error lists those there are.
         """
         check_name("link", link)
+        link = bare_link(link)
         for frame in self.frames:
             if frame.name == link:
                 return frame
@@ -222,6 +224,7 @@ class SerialChain:
             There is no such link.
         """
         check_name("link", link)
+        link = bare_link(link)
         if link == self.tip:
             return self
         if link not in self._with_tip:
@@ -256,7 +259,7 @@ class SerialChain:
             frames=tuple(frame for frame in self.frames if frame.joints <= k),
             bodies=bodies_carried(self.bodies, self.packed, rest, k),
             drives=self.drives[:k],
-            home_given=None if self.home_given is None else self.home_given[:k],
+            home_given=self.home()[:k],
         )
 
     @cached_property
@@ -280,17 +283,20 @@ class SerialChain:
         return names or [f"what joint {self.joint_names[i]} moves"]
 
     def home(self) -> Array:
-        """Posture to begin with (rad or m), shape (n,): the one given, else :meth:`midrange`.
+        """Posture to begin with (rad or m), shape (n,): the one given, else a regular one.
 
-        Where limits are narrower than the posture given, it is moved inside them.
-
-        That of a robot of the library is far from singular, which the middle of its limits, an
-        arm stretched out or straight up, mostly is not.
+        Where limits are narrower than the posture given, it is moved inside them.  A regular
+        posture is far from singular and from the limits, which :meth:`midrange`, an arm stretched
+        out or straight up, mostly is not.
         """
         if self.home_given is None:
-            return self.midrange()
+            return self._regular.copy()
         inside: Array = np.clip(self.home_given, self.lower, self.upper)
         return inside
+
+    @cached_property
+    def _regular(self) -> Array:
+        return regular_posture(self.packed, self.lower, self.upper)
 
     def midrange(self) -> Array:
         """Middle of the position limits (rad or m), shape (n,).

@@ -21,6 +21,7 @@ from robomech_ros.robots.bodies import Body, combined
 from robomech_ros.robots.chain import LinkFrame, SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
 from robomech_ros.robots.dh_table import DHTable
+from robomech_ros.robots.entry_checks import bare_link
 from robomech_ros.robots.joint import Joint, turn_of_z
 from robomech_ros.robots.link_tree import LinkTree
 from robomech_ros.robots.mimic import Follower, followers
@@ -54,6 +55,8 @@ class RobotDescription:
         Where joints stand to begin with (rad or m), of those that have a posture of their own.
     document : str
         The text of the URDF that it was read from, empty where there was none.
+    notes : tuple of str
+        Entries of the document that were passed over, and numbers that are hardly meant.
     """
 
     name: str
@@ -65,6 +68,12 @@ class RobotDescription:
     bodies: Mapping[str, Body] = field(default_factory=dict)
     home: Mapping[str, float] = field(default_factory=dict)
     document: str = ""
+    notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return (
+            f"RobotDescription({self.name!r}, {len(self.links)} links, {len(self.joints)} joints)"
+        )
 
     @cached_property
     def root(self) -> str:
@@ -183,6 +192,7 @@ class RobotDescription:
         UnknownLinkError
             No such link.
         """
+        first, second = bare_link(first), bare_link(second)
         for link in (first, second):
             if link not in self._tree.to_children:
                 raise UnknownLinkError(link, self.links)
@@ -219,9 +229,9 @@ class RobotDescription:
         for what, link in (("base", base), ("tip", tip)):
             if link is not None and not isinstance(link, str):
                 raise BadValueError(what, link, "the name of a link")
-            if link and link not in self._tree.to_children:
+            if link and bare_link(link) not in self._tree.to_children:
                 raise UnknownLinkError(link, self.links)
-        base = base or self.root
+        base, tip = bare_link(base or self.root), bare_link(tip or "")
         above, pose = self._tree.branch(base, tip)
         path = self._tree.path(above, tip or self._tree.default_tip(above), base)
         return self._folded(base, above, pose, path)

@@ -25,7 +25,8 @@ class Joint:
     The child link's pose in the parent link is ``origin J(q) after``, J a rotation about or a
     translation along the axis.  Limits are in rad, m, s, N m and N; lower and upper are infinite
     and the others NaN where there is none.  A joint that mimics another stands at ``multiplier``
-    times its position plus ``offset`` (rad or m).
+    times its position plus ``offset`` (rad or m).  A joint with a ``fault``, which is a place in
+    the document and what is wrong there, is on no chain.
     """
 
     name: str
@@ -45,6 +46,7 @@ class Joint:
     drive: Drive = field(default_factory=Drive)
     multiplier: float = 1.0
     offset: float = 0.0
+    fault: tuple[str, str] | None = None
 
     @property
     def moves(self) -> bool:

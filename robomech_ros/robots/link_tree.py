@@ -123,6 +123,8 @@ class LinkTree:
         return path
 
     def _check_on_chain(self, joint: Joint, base: str, tip: str) -> None:
+        if joint.fault is not None:
+            raise RobotDescriptionError(*joint.fault)
         where = f"{self.where}: joint '{joint.name}'"
         between = f"on the chain from '{base}' to '{tip}'"
         if joint.mimic is not None:

@@ -3,10 +3,9 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.joint import Joint
 
-__all__ = ["Follower", "check_mimics", "followers"]
+__all__ = ["Follower", "followers", "mimic_faults"]
 
 _MOST_NAMES = 20
 
@@ -33,7 +32,7 @@ def followers(joints: Iterable[Joint]) -> dict[str, Follower]:
     Parameters
     ----------
     joints : iterable of Joint
-        Those that mimic others form no circle (:func:`check_mimics`).
+        Those that mimic others have one to follow (:func:`mimic_faults`).
     """
     by_name = {joint.name: joint for joint in joints}
     found: dict[str, Follower] = {}
@@ -53,38 +52,40 @@ def followers(joints: Iterable[Joint]) -> dict[str, Follower]:
     return found
 
 
-def check_mimics(joints: Iterable[Joint], where: str) -> None:
-    """Check that every joint that mimics another has one to follow in the end.
+def mimic_faults(joints: Iterable[Joint]) -> dict[str, str]:
+    """Find joints that mimic one that does not exist or does not move, or in the end themselves.
 
     Parameters
     ----------
     joints : iterable of Joint
         All of a robot.
-    where : str
-        What the document is called in messages.
 
-    Raises
-    ------
-    RobotDescriptionError
-        A joint mimics one that does not exist or does not move, or itself.
+    Returns
+    -------
+    dict of str to str
+        What is wrong, by joint.
     """
     by_name = {joint.name: joint for joint in joints}
-    right: set[str] = set()
+    faults: dict[str, str] = {}
+    seen: set[str] = set()
     for joint in by_name.values():
         path: dict[str, None] = {}
-        while joint.mimic is not None and joint.name not in right:
+        while joint.mimic is not None and joint.name not in seen:
             path[joint.name] = None
-            place = f"{where}: joint '{joint.name}'"
             if joint.mimic not in by_name or not by_name[joint.mimic].moves:
                 names = _listed([one.name for one in by_name.values() if one.moves])
                 why = f"<mimic> names joint '{joint.mimic[:80]}', expected one that moves: {names}"
-                raise RobotDescriptionError(place, why)
+                faults[joint.name] = why
+                break
             if joint.mimic in path:
-                names = _listed([*path, joint.mimic])
+                circle = [*path][[*path].index(joint.mimic) :]
+                names = _listed([*circle, joint.mimic])
                 why = f"<mimic> goes in a circle: {names}; expected a joint that mimics none"
-                raise RobotDescriptionError(place, why)
+                faults |= dict.fromkeys(circle, why)
+                break
             joint = by_name[joint.mimic]
-        right.update(path)
+        seen.update(path)
+    return faults
 
 
 def _listed(names: list[str]) -> str:

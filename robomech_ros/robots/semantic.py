@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from robomech_ros.errors import BadValueError, RobotDescriptionError
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["HOME", "DisabledCollision", "EndEffector", "Group", "SemanticDescription"]
+__all__ = ["HOME", "DisabledCollision", "EndEffector", "Group", "SemanticDescription", "VirtualJoint"]
 
 # The posture that every robot has, whatever its description says.
 HOME = "home"
@@ -62,6 +62,24 @@ class DisabledCollision:
 
 
 @dataclass(frozen=True)
+class VirtualJoint:
+    """A joint that holds a link in a frame outside the robot, such as ``world``.
+
+    Parameters
+    ----------
+    name : str
+    type : str
+        ``fixed``: frame and link are one; else tf says where the link is.
+    parent_frame, child_link : str
+    """
+
+    name: str
+    type: str
+    parent_frame: str
+    child_link: str
+
+
+@dataclass(frozen=True)
 class SemanticDescription:
     """An SRDF, its names checked against the robot's.
 
@@ -81,6 +99,9 @@ class SemanticDescription:
         What is no error, and yet not what the author of the document may believe.
     document : str
         The text of the document, empty where there is none.
+    left_out : mapping of str to str
+        Why a group of the document is none: the robot has none of its members.
+    virtual_joints : tuple of VirtualJoint
     """
 
     name: str
@@ -91,6 +112,8 @@ class SemanticDescription:
     unusable: Mapping[tuple[str, str], str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     document: str = ""
+    left_out: Mapping[str, str] = field(default_factory=dict)
+    virtual_joints: tuple[VirtualJoint, ...] = ()
 
     def group(self, name: str) -> Group:
         """Find a group.
@@ -99,7 +122,11 @@ class SemanticDescription:
         ------
         BadValueError
             There is none of this name; the error lists those there are.
+        RobotDescriptionError
+            The robot lacks the members of this group; the error says which.
         """
+        if name in self.left_out:
+            raise RobotDescriptionError(f"group '{name}'", self.left_out[name])
         if name not in self.groups:
             raise BadValueError("group", name, _one_of(self.groups))
         return self.groups[name]
@@ -224,7 +251,8 @@ class SemanticDescription:
 
     def with_groups(self, groups: Mapping[str, Group]) -> SemanticDescription:
         """Add groups; they go before others of the same name, whose states they get."""
-        return replace(self, groups={**self.groups, **groups})
+        left_out = {name: why for name, why in self.left_out.items() if name not in groups}
+        return replace(self, groups={**self.groups, **groups}, left_out=left_out)
 
     def _groups_of(self, chain: SerialChain) -> list[str]:
         """Name the groups with states that have all joints of a chain, the smallest first."""

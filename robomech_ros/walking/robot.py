@@ -102,7 +102,7 @@ class LeggedRobot:
         self.lower = np.concatenate([leg.lower for leg in self.legs])
         self.upper = np.concatenate([leg.upper for leg in self.legs])
         self.velocity = np.concatenate([leg.velocity for leg in self.legs])
-        own = np.concatenate([leg.home() for leg in self.legs])
+        own = np.concatenate([_standing(leg) for leg in self.legs])
         self.home = own if home is None else self._checked("home", home, (self.n,)).copy()
         for joint, value, lower, upper in zip(
             self.joint_names, self.home, self.lower, self.upper, strict=True
@@ -405,3 +405,8 @@ class LeggedRobot:
             self.joints(q)[list(standing)],
             self.name,
         )
+
+
+def _standing(leg: SerialChain) -> Array:
+    """Return where a leg stands to begin with: alike for all legs where nothing is given."""
+    return leg.midrange() if leg.home_given is None else leg.home()

@@ -6,7 +6,8 @@ Two forms are read.  MoveIt's ``joint_limits.yaml``::
       elbow: {has_velocity_limits: true, max_velocity: 2.0, has_acceleration_limits: true,
               max_acceleration: 5.0, has_jerk_limits: true, max_jerk: 50.0}
 
-and that of a file beside a URDF, with ``source`` and ``joints``.
+and that of a file beside a URDF, with ``joints``.  MoveIt's may be in a file of parameters, below
+the name of a node, ``ros__parameters`` and ``robot_description_planning``.
 """
 
 import dataclasses
@@ -16,18 +17,35 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import yaml
+
 from robomech_ros.errors import MissingLimitsError, RobomechError, RobotDescriptionError
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.regular_files import read_regular
 from robomech_ros.robots.description import RobotDescription
-from robomech_ros.robots.documents.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
+from robomech_ros.robots.documents.guarded_yaml import (
+    LARGEST_YAML,
+    check_keys,
+    parse_yaml,
+    read_flag,
+    shown,
+)
+from robomech_ros.robots.documents.yaml_rows import read_number, read_positive
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.robot_yaml import with_yaml_limits
 
-__all__ = ["JointLimitsFile", "NoLimitsForPlanError", "read_joint_limits"]
+__all__ = ["JointLimitsFile", "NoLimitsForPlanError", "read_joint_limits", "with_assumed_rates"]
 
 _SECTION = "joint_limits"
+# A joint comes to full speed, and to full acceleration, in this many seconds.
+_TO_SPEED = 0.25
+_TO_ACCELERATION = 0.1
+_WRAPPERS = ("ros__parameters", "robot_description_planning")
+# Namespace, node and the wrappers.
+_DEEPEST = 5
+_OTHER_SECTIONS = ("cartesian_limits",)
 _SCALES = ("default_velocity_scaling_factor", "default_acceleration_scaling_factor")
+_TOP_KEYS = {_SECTION, "source", "joints"}
 # Of each kind whether there is a limit, and the numbers.
 _NUMBERS = {
     "has_position_limits": ("min_position", "max_position"),
@@ -41,6 +59,7 @@ _UNUSED = (
     *("has_effort_limits", "max_effort", "min_velocity", "angle_wraparound", "has_soft_limits"),
     *("k_position", "k_velocity", "soft_lower_limit", "soft_upper_limit"),
 )
+_POSITIONS = _NUMBERS["has_position_limits"]
 _KEYS = (*_NUMBERS, *(key for keys in _NUMBERS.values() for key in keys), *_UNUSED)
 
 
@@ -81,27 +100,91 @@ class JointLimitsFile:
         Raises
         ------
         RobotDescriptionError
-            The file names what the robot does not have, or a number that is no limit.
+            A number is no limit; or the file beside a URDF names a joint that there is not.  In
+            MoveIt's form such joints, of a gripper perhaps, are noted and passed over.
         """
-        if _SECTION not in self.document:
+        document = _planning_section(self.document)
+        if _SECTION not in document:
             return with_yaml_limits(description, self.text, self.where)
-        check_keys(self.document, self.where, (_SECTION,), _SCALES)
-        section = self.document[_SECTION]
+        check_keys(document, self.where, (_SECTION,), (*_SCALES, *_OTHER_SECTIONS))
+        section = document[_SECTION]
         place = f"{self.where}: {_SECTION}"
         moving = {joint.name: joint for joint in description.joints if joint.moves}
         if not isinstance(section, dict):
             raise RobotDescriptionError(place, "expected joint names, each with its limits")
-        for name in section:
-            if name not in moving:
-                why = f"no joint '{str(name)[:80]}' in {description.where}, which has: "
-                raise RobotDescriptionError(place, why + ", ".join([*moving][:40]))
+        notes = [
+            f"{place}: no joint {shown(name)} in {description.where}, which has: "
+            f"{', '.join([*moving][:40])}; it is left out"
+            for name in section
+            if name not in moving
+        ]
         joints = tuple(
             _limited(joint, section[joint.name], f"{place}: joint '{joint.name}'")
             if joint.name in section
             else joint
             for joint in description.joints
         )
-        return dataclasses.replace(description, joints=joints)
+        notes = [*description.notes, *notes]
+        return dataclasses.replace(description, joints=joints, notes=tuple(notes))
+
+
+def _planning_section(document: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Unpack a file of parameters: node, its namespaces, ``ros__parameters`` and their prefix."""
+    for _ in range(_DEEPEST):
+        within = [document[key] for key in _WRAPPERS if isinstance(document.get(key), dict)]
+        if not within and len(document) == 1 and not _TOP_KEYS & document.keys():
+            within = [value for value in document.values() if isinstance(value, dict)]
+        if not within:
+            break
+        document = within[0]
+    return document
+
+
+def with_assumed_rates(description: RobotDescription) -> tuple[RobotDescription, str, str]:
+    """Assume limits of acceleration and jerk that nobody gave, by the limits of velocity.
+
+    Returns
+    -------
+    description : RobotDescription
+    notice : str
+        What was assumed; empty if nothing was.
+    file : str
+        The same limits in MoveIt's form, to copy.
+    """
+    limits = {}
+    for joint in description.joints:
+        acceleration = _or(joint.acceleration, joint.velocity / _TO_SPEED)
+        jerk = _or(joint.jerk, acceleration / _TO_ACCELERATION)
+        lacks = math.isnan(joint.acceleration) or math.isnan(joint.jerk)
+        if joint.moves and joint.mimic is None and lacks and math.isfinite(acceleration):
+            limits[joint.name] = {"acceleration": acceleration, "jerk": jerk}
+    if not limits:
+        return description, "", ""
+    joints = tuple(
+        dataclasses.replace(joint, **limits.get(joint.name, {})) for joint in description.joints
+    )
+    notice = (
+        "nobody gives limits of acceleration and jerk of some joints (URDF cannot); assumed: full "
+        f"speed in {_TO_SPEED:g} s, full acceleration in {_TO_ACCELERATION:g} s"
+    )
+    return dataclasses.replace(description, joints=joints), notice, _as_file(limits)
+
+
+def _or(given: float, assumed: float) -> float:
+    return assumed if math.isnan(given) else given
+
+
+def _as_file(limits: Mapping[str, Mapping[str, float]]) -> str:
+    rows = {
+        name: {
+            "has_acceleration_limits": True,
+            "max_acceleration": float(f"{one['acceleration']:.6g}"),
+            "has_jerk_limits": True,
+            "max_jerk": float(f"{one['jerk']:.6g}"),
+        }
+        for name, one in limits.items()
+    }
+    return yaml.safe_dump({_SECTION: rows}, default_flow_style=None, sort_keys=False, width=120)
 
 
 def read_joint_limits(path: str) -> JointLimitsFile:
@@ -156,19 +239,11 @@ def _values(entry: Mapping[str, Any], place: str) -> dict[str, float]:
     values: dict[str, float] = {}
     for has, keys in _NUMBERS.items():
         present = entry.get(has, any(key in entry for key in keys))
-        if not isinstance(present, bool):
-            raise RobotDescriptionError(place, f"{has} is {str(present)[:80]!r}, expected a bool")
-        if not present:
+        if not read_flag(present, has, place):
             continue
         for key in keys:
-            values[key] = _number(entry.get(key), key, place)
+            number = read_number(entry.get(key), key, place)
+            # Pilz has decelerations below zero.
+            number = abs(number) if key == "max_deceleration" else number
+            values[key] = number if key in _POSITIONS else read_positive(number, key, place)
     return values
-
-
-def _number(value: object, key: str, place: str) -> float:
-    number = not isinstance(value, bool) and isinstance(value, int | float)
-    if not number or not math.isfinite(value):  # type: ignore[arg-type]
-        raise RobotDescriptionError(place, f"{key} is {str(value)[:80]!r}, expected a number")
-    if not key.endswith("_position") and value <= 0.0:  # type: ignore[operator]
-        raise RobotDescriptionError(place, f"{key} is {value}, expected a positive number")
-    return float(value)  # type: ignore[arg-type]

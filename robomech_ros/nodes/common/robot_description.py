@@ -22,6 +22,7 @@ from robomech_ros.robots import (
     group_chain,
     main_chain,
 )
+from robomech_ros.robots.entry_checks import bare_link
 from robomech_ros.robots.following_chain import FollowingChain, following_chain
 from robomech_ros.robots.group_chains import group_of_chain
 from robomech_ros.robots.semantic import HOME
@@ -199,6 +200,7 @@ class RobotModel:
         frame : str
             A link with or without the prefix, or something else.
         """
+        frame = bare_link(frame)
         bare = frame.removeprefix(self.frame_prefix)
         links = self.description.links
         return bare if frame not in links and bare in links else frame
@@ -272,6 +274,8 @@ class RobotModel:
             There is no such link, or no chain to it.
         """
         if group and group not in self.groups:
+            if group in self.semantic.left_out:
+                self.semantic.group(group)
             expected = f"one of {', '.join(self.groups)}, or empty for the configured chain"
             raise BadValueError("group", group, expected)
         if not group or not self.semantic.groups:
@@ -312,6 +316,13 @@ class RobotModel:
         """Take other groups and named postures than so far; the configured chain stays."""
         self.semantic = semantic
         self._group_chains = {}
+
+    @property
+    def virtual_frames(self) -> dict[str, Array]:
+        """Poses (m) in the base of frames outside the robot that its SRDF fixes to a link of it."""
+        fixed = self.fixed_frames
+        held = [one for one in self.semantic.virtual_joints if one.type == "fixed"]
+        return {one.parent_frame: fixed[one.child_link] for one in held if one.child_link in fixed}
 
 
 def _check_ends(robot: str, ends: tuple[str, str], given: tuple[str, str, str], parts: str) -> None:

@@ -19,6 +19,7 @@ __all__ = ["when_robot_known"]
 
 # Characters that an error shows of what was no robot.
 _SHOWN = 80
+_MOST_NOTES = 5
 
 
 def when_robot_known(
@@ -27,6 +28,7 @@ def when_robot_known(
     on_robot: Callable[[RobotModel], None],
     supplemented: Callable[[RobotDescription], RobotDescription] | None = None,
     *,
+    completed: Callable[[RobotDescription], RobotDescription] = lambda robot: robot,
     parallel: bool = False,
     legged: bool = False,
 ) -> None:
@@ -43,7 +45,9 @@ def when_robot_known(
     on_robot : callable
         Called once, and again after a RobomechError, with which it refuses a robot of the topic.
     supplemented : callable, optional
-        Gives the robot what its description lacks.
+        Gives the robot what its description lacks; only arms can be given something.
+    completed : callable, optional
+        The same, of what an arm lacks then; other robots are as they are.
     parallel : bool, optional
         Whether the node serves parallel robots, too; it refuses them otherwise.
     legged : bool, optional
@@ -71,6 +75,10 @@ def when_robot_known(
             _refuse(node, described.name, parallel)
         if supplemented is not None:
             described = supplemented(described)
+        for note in described.notes[:_MOST_NOTES]:
+            node.get_logger().warning(note)
+        if loaded.robot is None:
+            described = completed(described)
         ends = settings.base_link, settings.tip_link
         known = source.semantic(described), settings.group
         model = RobotModel(described, *ends, settings.frame_prefix, *known, loaded.robot)

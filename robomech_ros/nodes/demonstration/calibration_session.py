@@ -23,7 +23,7 @@ from robomech_ros.nodes.demonstration.camera import (
     scene_of,
 )
 from robomech_ros.nodes.demonstration.client import DemoClient, running_client
-from robomech_ros.nodes.demonstration.limits import Which, robot_with_limits
+from robomech_ros.nodes.demonstration.limits import Which, chain_with_limits
 from robomech_ros.nodes.demonstration.postures import pick_and_place
 from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.process.launch_options import LaunchOptions
@@ -70,10 +70,11 @@ def demonstrate_calibration(wanted: Wanted, output: Path) -> None:
         A step failed; the text says which and why.
     """
     reporter = Reporter()
-    with robot_with_limits(Which(wanted.robot)) as (used, chain, notice):
-        if notice:
-            reporter.say(notice)
-        _session(used, chain, wanted, output.resolve(), reporter)
+    which = Which(wanted.robot)
+    chain, notice = chain_with_limits(which)
+    if notice:
+        reporter.say(notice)
+    _session(which, chain, wanted, output.resolve(), reporter)
 
 
 def _session(

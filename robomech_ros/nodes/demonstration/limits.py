@@ -1,22 +1,17 @@
 """Limits that a URDF cannot hold, assumed where nobody gave them."""
 
-import json
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
+from dataclasses import dataclass
 
-import numpy as np
+from robomech_ros.nodes.common.joint_limits import with_assumed_rates
+from robomech_ros.robots import (
+    RobotDescription,
+    SerialChain,
+    load_description,
+    main_chain,
+    semantics_of,
+)
 
-from robomech_ros.errors import MissingLimitsError
-from robomech_ros.robots import SerialChain, load_description, main_chain, semantics_of
-
-__all__ = ["Which", "robot_with_limits"]
-
-# A joint comes to full speed, and to full acceleration, in this many seconds.
-_TO_SPEED = 0.25
-_TO_ACCELERATION = 0.1
+__all__ = ["Which", "chain_with_limits"]
 
 
 @dataclass(frozen=True)
@@ -37,66 +32,30 @@ class Which:
     srdf: str = ""
     group: str = ""
 
-    def chain(self) -> SerialChain:
-        """Load it; its home is that of the SRDF."""
-        description = load_description(self.robot)
+    def chain_of(self, description: RobotDescription) -> SerialChain:
+        """Return the chain that moves; its home is that of the SRDF."""
         return main_chain(description, semantics_of(description, self.srdf), group=self.group)
 
 
-@contextmanager
-def robot_with_limits(which: Which) -> Iterator[tuple[Which, SerialChain, str]]:
-    """Give a robot that has acceleration and jerk limits.
+def chain_with_limits(which: Which) -> tuple[SerialChain, str]:
+    """Load a robot with limits of acceleration and jerk, assumed as the planner assumes them.
 
     Parameters
     ----------
     which : Which
 
-    Yields
-    ------
-    which : Which
-        The same; or, where a URDF comes without these limits, a copy beside a YAML file with
-        limits from the velocity limits.
+    Returns
+    -------
     chain : SerialChain
-        It, loaded.
     notice : str
         What was assumed; empty if nothing.
 
     Raises
     ------
     MissingLimitsError
-        There are no velocity limits either, or the robot is not a URDF file.
+        There are no velocity limits to assume others by.
     """
-    chain = which.chain()
+    description, notice, _ = with_assumed_rates(load_description(which.robot))
+    chain = which.chain_of(description)
     chain.require_limits("velocity")
-    lacking = [kind for kind in ("acceleration", "jerk") if np.isnan(getattr(chain, kind)).any()]
-    if not lacking:
-        yield which, chain, ""
-        return
-    path = Path(which.robot).expanduser()
-    if path.suffix.lower() != ".urdf":
-        kind = lacking[0]
-        names = zip(chain.joint_names, np.isnan(getattr(chain, kind)), strict=True)
-        raise MissingLimitsError(kind, [name for name, missing in names if missing])
-    with TemporaryDirectory(prefix="robomech-demo-") as folder:
-        copy = Path(folder) / path.name
-        copy.write_bytes(path.read_bytes())
-        limits = _assumed(chain)
-        text = json.dumps({"source": f"{path}; assumed for a demonstration", "joints": limits})
-        copy.with_suffix(".yaml").write_text(text, encoding="utf-8")
-        notice = (
-            f"{path.name} gives no {' and no '.join(lacking)} limits (URDF cannot); assumed: full "
-            f"speed in {_TO_SPEED:g} s, full acceleration in {_TO_ACCELERATION:g} s"
-        )
-        used = replace(which, robot=str(copy))
-        yield used, used.chain(), notice
-
-
-def _assumed(chain: SerialChain) -> dict[str, dict[str, float]]:
-    acceleration = np.where(
-        np.isnan(chain.acceleration), chain.velocity / _TO_SPEED, chain.acceleration
-    )
-    jerk = np.where(np.isnan(chain.jerk), acceleration / _TO_ACCELERATION, chain.jerk)
-    return {
-        name: {"acceleration": float(a), "jerk": float(j)}
-        for name, a, j in zip(chain.joint_names, acceleration, jerk, strict=True)
-    }
+    return chain, notice

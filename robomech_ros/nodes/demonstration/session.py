@@ -9,7 +9,7 @@ from robomech_interfaces.srv import Execute, PlanCartesian, PlanJoint, SolveFK, 
 from robomech_ros.dynamics import mass_matrix
 from robomech_ros.nodes.demonstration.client import EXECUTE, DemoClient, running_client
 from robomech_ros.nodes.demonstration.demo_robots import ArmToShow, RobotToShow
-from robomech_ros.nodes.demonstration.limits import Which, robot_with_limits
+from robomech_ros.nodes.demonstration.limits import Which, chain_with_limits
 from robomech_ros.nodes.demonstration.load import CARRYING, TRACKED, Load
 from robomech_ros.nodes.demonstration.pick_and_place import PickAndPlace
 from robomech_ros.nodes.demonstration.report import Reporter
@@ -60,13 +60,13 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
         platform = PlatformToShow(mechanism)
         written = _session(which, platform, mechanism, output, reporter, payload)
     else:
-        with robot_with_limits(which) as (used, chain, notice):
-            if notice:
-                reporter.say(notice)
-            if payload is not None:
-                # A robot that cannot be simulated is refused here, once, instead of by a node.
-                mass_matrix(chain, chain.midrange())
-            written = _session(used, ArmToShow(chain), chain, output, reporter, payload)
+        chain, notice = chain_with_limits(which)
+        if notice:
+            reporter.say(notice)
+        if payload is not None:
+            # A robot that cannot be simulated is refused here, once, instead of by a node.
+            mass_matrix(chain, chain.midrange())
+        written = _session(which, ArmToShow(chain), chain, output, reporter, payload)
     for line in written:
         reporter.say(line)
     reporter.say(f"everything worked, in {time.perf_counter() - start:.1f} s")

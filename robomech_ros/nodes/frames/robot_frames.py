@@ -196,6 +196,10 @@ class RobotFrames:
         known_as = model.full_frame(frame)
         if own is not None and (instant is None or known_as not in tree):
             return own
+        virtual, root = model.virtual_frames.get(known_as), self._root_of(known_as)
+        # Whoever publishes where the robot stands goes before its SRDF.
+        if virtual is not None and (root is None or root != self._root_of(model.base_frame)):
+            return Place(None, virtual)
         if self._listener.missing:
             raise NoTransformError(self._listener.missing, may_come=False)
         return self._by_tf(known_as, instant)
@@ -231,6 +235,10 @@ class RobotFrames:
             if place is None or self._root_of(other, instant) != way[-1]:
                 continue
             return self._carried(place, tree.between(other, frame, instant), instant)
+        for other, pose in model.virtual_frames.items():
+            if self._root_of(other, instant) == way[-1]:
+                found = tree.between(other, frame, instant)
+                return self._carried(Place(None, pose), found, instant)
         raise NoTransformError(self._not_connected(way))
 
     def _root_of(self, frame: str, instant: int | None = None) -> str | None:
@@ -281,6 +289,7 @@ class RobotFrames:
             why = f"{link}, and {why} on {topics}{said}"
         links = [*model.fixed_frames, *model.description.links]
         usable = [model.frame_of(link) for link in links if self._place_of_link(link) is not None]
+        usable += model.virtual_frames
         return FrameUnavailableError(frame, dict.fromkeys([*usable, *listener.tree.frames]), why)
 
 

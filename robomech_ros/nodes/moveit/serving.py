@@ -49,9 +49,11 @@ def chain_of(model: RobotModel, group: str, link: str) -> SerialChain:
     """
     if group and group not in model.groups:
         listed = " or ".join(f"'{one}'" for one in model.groups)
+        why = model.semantic.left_out.get(group)
         raise RefusedError(
             MoveItErrorCodes.INVALID_GROUP_NAME,
-            f"group_name is {group[:200]!r}, expected {listed}, or empty for the configured chain",
+            f"group_name is {group[:200]!r}, expected {listed}, or empty for the configured chain"
+            f"{f'; that group was left out: {why}' if why else ''}",
         )
     with refused_as(MoveItErrorCodes.INVALID_LINK_NAME):
         chain = model.chain_of(group, link)

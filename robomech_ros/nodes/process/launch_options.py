@@ -144,6 +144,8 @@ class LaunchOptions:
             if value:
                 # Quoted: YAML would read a robot called 7 as a number.
                 result += ["-p", f"{name}:={json.dumps(value)}"]
+        if "trajectory_planner" in self.nodes:
+            result += ["-p", "trajectory_planner:assume_limits:=true"]
         if self.joint_limits:
             path = json.dumps(_absolute(self.joint_limits))
             result += ["-p", f"trajectory_planner:joint_limits:={path}"]

@@ -16,7 +16,11 @@ from robomech_ros.cartesian import Sampling
 from robomech_ros.errors import MissingLimitsError, RobomechError
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.nodes.common.error_codes import answer, guarded
-from robomech_ros.nodes.common.joint_limits import NoLimitsForPlanError, read_joint_limits
+from robomech_ros.nodes.common.joint_limits import (
+    NoLimitsForPlanError,
+    read_joint_limits,
+    with_assumed_rates,
+)
 from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.joint_positions import JointPositions, is_empty
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
@@ -44,6 +48,7 @@ from robomech_ros.nodes.trajectory_planner.plan_messages import (
 )
 from robomech_ros.nodes.trajectory_planner.publication import PlanPublication
 from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings
+from robomech_ros.robots import RobotDescription
 from robomech_ros.trajectory import PROFILES, nearest_turns, sampled_through_points
 
 _P = TypeVar("_P")
@@ -62,7 +67,21 @@ class TrajectoryPlannerNode(Node):
         self._monitor = JointStateMonitor(self)
         settings = self._table.settings
         limits = read_joint_limits(settings.joint_limits) if settings.joint_limits else None
-        when_robot_known(self, settings, self._serve, limits.on if limits else None, parallel=True)
+        supplemented = limits.on if limits else None
+        completed = self._completed
+        when_robot_known(
+            self, settings, self._serve, supplemented, completed=completed, parallel=True
+        )
+
+    def _completed(self, robot: RobotDescription) -> RobotDescription:
+        """Assume limits that nobody gave, where the parameter says so."""
+        if not self._table.settings.assume_limits:
+            return robot
+        completed, notice, file = with_assumed_rates(robot)
+        if notice:
+            more = "give yours in a file such as this one, with --joint-limits FILE"
+            self.get_logger().warning(f"{notice}; {more}:\n{file}")
+        return completed
 
     def _serve(self, model: RobotModel) -> None:
         self._joints = JointPositions(model, self._monitor)

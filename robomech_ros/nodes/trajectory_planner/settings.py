@@ -21,6 +21,11 @@ class PlannerSettings(StateSettings):
         "Path of a YAML file with limits missing from the robot's description: MoveIt's "
         "joint_limits.yaml, or the form of a file beside a URDF. Empty = none",
     )
+    assume_limits: bool = parameter(
+        False,
+        "Whether limits of acceleration and jerk that nobody gives are assumed: full speed in "
+        "0.25 s, full acceleration in 0.1 s; bringup sets it",
+    )
     sample_period: float = parameter(
         0.01,
         "Largest time between two points of a planned trajectory, for requests without one; "

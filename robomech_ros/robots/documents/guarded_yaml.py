@@ -11,11 +11,20 @@ import yaml
 
 from robomech_ros.errors import RobotDescriptionError
 
-__all__ = ["LARGEST_YAML", "UniqueKeyLoader", "check_choices", "check_keys", "parse_yaml", "shown"]
+__all__ = [
+    "LARGEST_YAML",
+    "UniqueKeyLoader",
+    "check_choices",
+    "check_keys",
+    "parse_yaml",
+    "read_flag",
+    "shown",
+]
 
 # Bytes; a robot's file takes a few thousand.
 LARGEST_YAML = 256 * 1024
 DEEPEST = 12
+_FLAGS = {"yes": True, "no": False, "on": True, "off": False}
 # What an error may repeat from a file that may not have been meant to be read: names, nothing else.
 _NAME = re.compile(r"[A-Za-z_][\w.-]{0,39}")
 _QUOTED = re.compile(r"""(?P<quote>['"])(?P<text>.{2,}?)(?P=quote)""")
@@ -172,3 +181,12 @@ def check_choices(mapping: Mapping[str, Any], where: str, **choices: Iterable[st
         if mapping[key] not in values:
             why = f"{str(mapping[key])[:80]!r}, expected {' or '.join(values)}"
             raise RobotDescriptionError(f"{where}: {key}", why)
+
+
+def read_flag(value: object, key: str, where: str) -> bool:
+    """Read true or false, in the words of YAML 1.1, too, as ROS reads parameters."""
+    if isinstance(value, str) and value.lower() in _FLAGS:
+        return _FLAGS[value.lower()]
+    if not isinstance(value, bool):
+        raise RobotDescriptionError(where, f"{key} is {shown(value)}, expected true or false")
+    return value

@@ -4,7 +4,7 @@ import numpy as np
 
 from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.robots.bodies import Body
-from robomech_ros.robots.documents.guarded_yaml import check_keys
+from robomech_ros.robots.documents.guarded_yaml import check_keys, read_flag
 from robomech_ros.robots.drives import Drive
 
 __all__ = ["body_from_yaml", "drive_from_yaml"]
@@ -44,11 +44,7 @@ def body_from_yaml(value: object, where: str) -> Body:
     xx, xy, xz, yy, yz, zz = (
         moments.get(key, 0.0) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
     )
-    as_measured = body.get("as_measured", False)
-    if not isinstance(as_measured, bool):
-        raise RobotDescriptionError(
-            where, f"as_measured is {str(as_measured)[:80]!r}, expected true or false"
-        )
+    as_measured = read_flag(body.get("as_measured", False), "as_measured", where)
     try:
         inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], dtype=np.float64)
         return Body(body["mass"], body["com"], inertia, as_measured)

@@ -2,8 +2,7 @@
 
 Groups are made as MoveIt makes them: of chains, joints, links (each stands for the joint above
 it) and other groups.  Of names that the robot does not have, those in pairs of links without
-collisions are passed over, and end effectors with such names are left out and noted, as MoveIt
-does; all others are refused.
+collisions are passed over.  Entries with other such names are left out and noted, as in MoveIt.
 """
 
 from __future__ import annotations
@@ -23,7 +22,14 @@ from robomech_ros.robots.documents.guarded_xml import (
     text_of_xml,
 )
 from robomech_ros.robots.documents.source_files import read_source
-from robomech_ros.robots.semantic import DisabledCollision, EndEffector, Group, SemanticDescription
+from robomech_ros.robots.entry_checks import bare_link
+from robomech_ros.robots.semantic import (
+    DisabledCollision,
+    EndEffector,
+    Group,
+    SemanticDescription,
+    VirtualJoint,
+)
 from robomech_ros.robots.srdf.groups import read_groups
 from robomech_ros.robots.srdf.names import SrdfNames
 from robomech_ros.robots.srdf.states import read_states
@@ -37,7 +43,7 @@ def load_srdf(
     """Read the semantic description of a robot.
 
     What is no error and yet not what its author may believe is in the ``notes`` of the result:
-    chains that run up the tree, end effectors of groups that there are not, states that leave out
+    entries with names that there are not, chains that run up the tree, states that leave out
     joints of their group or name joints of others.  A state outside the limits of a joint is
     named there, too, and cannot be used.
 
@@ -55,8 +61,7 @@ def load_srdf(
     Raises
     ------
     RobotDescriptionError
-        The document is broken or hostile, or names a group, link or joint that there is not:
-        the line, the name and those there are are given.
+        The document as a whole is broken, hostile or no SRDF: the line and the fault are named.
     BadValueError
         Neither text nor a path.
 
@@ -92,10 +97,10 @@ def load_srdf(
     if root.tag != "robot":
         names.refuse(root, f"the root element is <{root.tag[:80]}>, expected <robot>")
     refuse_xacro(root, where)
-    notes: list[str] = []
-    groups = read_groups(root, names, notes)
-    states = read_states(root, names, groups, notes)
-    tools = _end_effectors(root, names, groups, notes)
+    groups, left_out = read_groups(root, names)
+    states = read_states(root, names, groups)
+    tools = _end_effectors(root, names, groups)
+    virtual = tuple(_virtual_joints(root, names))
     return SemanticDescription(
         name=root.attributes.get("name", ""),
         groups=groups,
@@ -103,33 +108,43 @@ def load_srdf(
         states=states.positions,
         disabled_collisions=tuple(_disabled(root, names)),
         unusable=states.unusable,
-        notes=tuple(notes),
+        notes=tuple(names.notes),
         document=text_of_xml(data),
+        left_out=left_out,
+        virtual_joints=virtual,
     )
 
 
 def _end_effectors(
-    root: XmlElement, names: SrdfNames, groups: dict[str, Group], notes: list[str]
+    root: XmlElement, names: SrdfNames, groups: dict[str, Group]
 ) -> dict[str, EndEffector]:
-    """Read the end effectors; as in MoveIt, those that cannot be are left out."""
     found: dict[str, EndEffector] = {}
     for element in root.all("end_effector"):
-        try:
+        with names.leaving_out("the end effector"):
             name = names.own(element, found)
             group = names.known(element, "group", groups, "group")
             link = names.known(element, "parent_link", names.links, "link")
             above = ""
             if element.attributes.get("parent_group"):
                 above = names.known(element, "parent_group", groups, "group")
-        except RobotDescriptionError as error:
-            notes.append(f"{error}; the end effector is left out")
-            continue
-        found[name] = EndEffector(name, group, link, above)
+            found[name] = EndEffector(name, group, link, above)
     return found
+
+
+def _virtual_joints(root: XmlElement, names: SrdfNames) -> Iterator[VirtualJoint]:
+    for element in root.all("virtual_joint"):
+        with names.leaving_out("the virtual joint"):
+            parent = bare_link(element.attributes.get("parent_frame", ""))
+            child = names.known(element, "child_link", names.links, "link")
+            if not parent or parent in names.links:
+                names.refuse(element, f"parent_frame is '{parent[:80]}', expected no link's name")
+            yield VirtualJoint(
+                names.own(element, ()), element.attributes.get("type", ""), parent, child
+            )
 
 
 def _disabled(root: XmlElement, names: SrdfNames) -> Iterator[DisabledCollision]:
     for element in root.all("disable_collisions"):
-        first, second = (element.attributes.get(key, "") for key in ("link1", "link2"))
+        first, second = (bare_link(element.attributes.get(key, "")) for key in ("link1", "link2"))
         if first in names.links and second in names.links:
             yield DisabledCollision(first, second, element.attributes.get("reason", ""))

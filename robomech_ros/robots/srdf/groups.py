@@ -13,44 +13,55 @@ __all__ = ["read_groups"]
 _MOST_MEMBERS = 1_000_000
 
 
-def read_groups(root: XmlElement, names: SrdfNames, notes: list[str]) -> dict[str, Group]:
-    """Read all groups.
+def read_groups(root: XmlElement, names: SrdfNames) -> tuple[dict[str, Group], dict[str, str]]:
+    """Read all groups; members that there are not are noted and passed over, as in MoveIt.
 
     Parameters
     ----------
     root : XmlElement
         Of the document.
     names : SrdfNames
-    notes : list of str
-        Gets what a user should know and is no error.
+        Gets the notes.
+
+    Returns
+    -------
+    groups : dict of str to Group
+    left_out : dict of str to str
+        Why a group is none: it has no member that there is.
 
     Raises
     ------
     RobotDescriptionError
-        A group names what there is not, contains itself, or has no name of its own.
+        The groups have more members than any robot.
     """
     elements: dict[str, XmlElement] = {}
     for element in root.all("group"):
-        elements[names.own(element, elements)] = element
+        with names.leaving_out("the group"):
+            elements[names.own(element, elements)] = element
     members: dict[str, set[str]] = {}
+    left_out: dict[str, str] = {}
     count = 0
     for name in _inner_first(elements, names):
-        inner = (members[one.attributes["name"]] for one in elements[name].all("group"))
-        members[name] = set(_joints_of(elements[name], names)).union(*inner)
+        noted = len(names.notes)
+        inner = (one.attributes.get("name", "") for one in elements[name].all("group"))
+        joints = _joints_of(elements[name], names)
+        members[name] = set(joints).union(*(members.get(one, ()) for one in inner))
         count += len(members[name])
         if count > _MOST_MEMBERS:
             names.refuse(elements[name], f"all groups together have more than {_MOST_MEMBERS}")
+        if not members[name] and names.notes[noted:]:
+            left_out[name] = names.notes[noted]
     place = {joint.name: i for i, joint in enumerate(names.robot.joints)}
     groups = {}
-    for name, element in elements.items():
-        joints = [names.joints[one] for one in sorted(members[name], key=place.__getitem__)]
+    for name in (one for one in elements if one not in left_out):
+        joints_of = [names.joints[one] for one in sorted(members[name], key=place.__getitem__)]
         groups[name] = Group(
             name=name,
-            joints=tuple(one.name for one in joints if one.moves and one.mimic is None),
-            links=tuple(joint.child for joint in joints),
-            ends=_ends(element, joints, names, notes),
+            joints=tuple(one.name for one in joints_of if one.moves and one.mimic is None),
+            links=tuple(joint.child for joint in joints_of),
+            ends=_ends(elements[name], joints_of, names),
         )
-    return groups
+    return groups, left_out
 
 
 def _inner_first(elements: dict[str, XmlElement], names: SrdfNames) -> Iterator[str]:
@@ -66,7 +77,9 @@ def _inner_first(elements: dict[str, XmlElement], names: SrdfNames) -> Iterator[
                 done.add(path[-1])
                 yield path.pop()
             elif name in path:
-                names.refuse(elements[path[-1]], f"contains itself: {' -> '.join([*path, name])}")
+                with names.leaving_out(f"group '{name}' in it"):
+                    circle = " -> ".join([*path, name])
+                    names.refuse(elements[path[-1]], f"contains itself: {circle}")
             elif name not in done:
                 path.append(name)
                 waiting.append(_inner(elements[name], elements, names))
@@ -74,25 +87,30 @@ def _inner_first(elements: dict[str, XmlElement], names: SrdfNames) -> Iterator[
 
 def _inner(element: XmlElement, elements: dict[str, XmlElement], names: SrdfNames) -> Iterator[str]:
     for one in element.all("group"):
-        yield names.known(one, "name", elements, "group")
+        with names.leaving_out("it"):
+            yield names.known(one, "name", elements, "group")
 
 
 def _joints_of(element: XmlElement, names: SrdfNames) -> Iterator[str]:
     """Name the joints that a group has besides those of the groups in it."""
     walked = _Walked(names)
-    for chain in element.all("chain"):
-        base, tip = _chain_ends(chain, names)
-        if base == tip:
-            names.refuse(chain, f"base_link and tip_link are both '{base}', expected two links")
-        yield from walked.between(base, tip)
-    for one in element.all("joint"):
-        name = names.known(one, "name", names.all_joints, "joint")
-        if name in names.joints:
-            yield name
-    for one in element.all("link"):
-        link = names.known(one, "name", names.links, "link")
-        if link in names.to_parent:
-            yield names.to_parent[link].name
+    for one in (child for child in element.children if child.tag in ("chain", "joint", "link")):
+        with names.leaving_out("it"):
+            if one.tag == "chain":
+                base, tip = _chain_ends(one, names)
+                if base == tip:
+                    names.refuse(
+                        one, f"base_link and tip_link are both '{base}', expected two links"
+                    )
+                yield from walked.between(base, tip)
+            elif one.tag == "joint":
+                name = names.known(one, "name", names.all_joints, "joint")
+                if name in names.joints:
+                    yield name
+            else:
+                link = names.known(one, "name", names.links, "link")
+                if link in names.to_parent:
+                    yield names.to_parent[link].name
 
 
 def _chain_ends(chain: XmlElement, names: SrdfNames) -> tuple[str, str]:
@@ -132,7 +150,7 @@ class _Walked:
 
 
 def _ends(
-    element: XmlElement, joints: list[Joint], names: SrdfNames, notes: list[str]
+    element: XmlElement, joints: list[Joint], names: SrdfNames
 ) -> tuple[str, str] | None:
     """Find base and tip of a group that is one chain down the tree."""
     chains = element.all("chain")
@@ -144,7 +162,7 @@ def _ends(
         return base, tip
     if down:
         return None
-    notes.append(
+    names.notes.append(
         f"{names.place(element)}: its chain runs up, from '{base}' to '{tip}'; its base is taken "
         f"to be '{tip}' and its tip '{base}'"
     )

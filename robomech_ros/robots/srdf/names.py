@@ -1,16 +1,20 @@
 """The names in an SRDF, checked against the robot's."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from difflib import get_close_matches
+from contextlib import contextmanager
 from typing import NoReturn
 
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.documents.guarded_xml import XmlElement
+from robomech_ros.robots.entry_checks import bare_link
 
 __all__ = ["SrdfNames"]
 
 _MOST_NAMES = 20
+# More than an SRDF with another gripper has; finding similar names takes time.
+_MOST_NOTES = 200
 
 
 class SrdfNames:
@@ -34,6 +38,8 @@ class SrdfNames:
         The joint above each link but the root.
     links : dict of str to None
         Those of the robot.
+    notes : list of str
+        What a user should know and is no error.
     """
 
     def __init__(self, root: XmlElement, where: str, robot: RobotDescription) -> None:
@@ -44,6 +50,7 @@ class SrdfNames:
         virtual = [one.attributes.get("name", "") for one in root.all("virtual_joint")]
         self.all_joints = dict.fromkeys([*self.joints, *virtual])
         self.links = dict.fromkeys(robot.links)
+        self.notes: list[str] = []
 
     def place(self, element: XmlElement) -> str:
         """Say where an element is."""
@@ -54,6 +61,17 @@ class SrdfNames:
     def refuse(self, element: XmlElement, why: str) -> NoReturn:
         """Refuse the document for one of its elements."""
         raise RobotDescriptionError(self.place(element), why)
+
+    @contextmanager
+    def leaving_out(self, what: str) -> Iterator[None]:
+        """Leave out an entry that cannot be read, as MoveIt does, and note why."""
+        try:
+            yield
+        except RobotDescriptionError as error:
+            if len(self.notes) >= _MOST_NOTES:
+                why = f"more than {_MOST_NOTES} faults; expected the SRDF of this robot"
+                raise RobotDescriptionError(self.where, why) from None
+            self.notes.append(f"{error}; {what} is left out")
 
     def own(self, element: XmlElement, taken: Collection[str]) -> str:
         """Read the name of an element, which no other of its kind has.
@@ -79,6 +97,8 @@ class SrdfNames:
             It names something else; what is known is listed.
         """
         name = element.attributes.get(key, "")
+        if kind == "link":
+            name = bare_link(name)
         if name not in known:
             names = list(known)
             close = get_close_matches(name[:80], names[:1000], n=1)

@@ -1,11 +1,11 @@
 """Named states of an SRDF: postures of groups, and those that cannot be used."""
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import islice
 
 from robomech_ros.robots.documents.guarded_xml import XmlElement
+from robomech_ros.robots.documents.numbers_in_text import finite_in_text
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.semantic import Group
 from robomech_ros.robots.srdf.names import SrdfNames
@@ -33,24 +33,16 @@ class States:
     unusable: dict[tuple[str, str], str] = field(default_factory=dict)
 
 
-def read_states(
-    root: XmlElement, names: SrdfNames, groups: dict[str, Group], notes: list[str]
-) -> States:
-    """Read all states.
+def read_states(root: XmlElement, names: SrdfNames, groups: dict[str, Group]) -> States:
+    """Read all states; those without a name or of no group are noted and left out.
 
     Parameters
     ----------
     root : XmlElement
         Of the document.
     names : SrdfNames
+        Gets the notes.
     groups : dict of str to Group
-    notes : list of str
-        Gets what a user should know and is no error.
-
-    Raises
-    ------
-    RobotDescriptionError
-        A state has no name, names a group or joint that there is not, or gives no number.
     """
     states = States({name: {} for name in groups})
     movers = {
@@ -58,8 +50,12 @@ def read_states(
         for name, group in groups.items()
     }
     for element in root.all("group_state"):
-        name = names.own(element, ())
-        group = names.known(element, "group", groups, "group")
+        name = group = ""
+        with names.leaving_out("the state"):
+            name = names.own(element, ())
+            group = names.known(element, "group", groups, "group")
+        if not group:
+            continue
         state = _State(element, names, movers[group])
         positions = dict(state.positions())
         of_group = states.positions[group]
@@ -74,7 +70,7 @@ def read_states(
         lacking = (joint for joint in groups[group].joints if joint not in positions)
         if first := list(islice(lacking, _MOST_NAMES + 1)):
             state.notes.append(f"it gives no position of {_listed(first)}")
-        notes += [f"{names.place(element)} of group '{group}': {note}" for note in state.notes]
+        names.notes += [f"{names.place(element)} of group '{group}': {note}" for note in state.notes]
     return states
 
 
@@ -104,11 +100,18 @@ class _State:
         found: dict[str, float] = {}
         foreign: list[str] = []
         for element in self._element.all("joint"):
-            name = self._names.known(element, "name", self._names.all_joints, "joint")
+            name = ""
+            with self._names.leaving_out("it"):
+                name = self._names.known(element, "name", self._names.all_joints, "joint")
             joint = self._names.joints.get(name)
             if joint is None or not joint.moves:
                 continue
-            value = self._number(element)
+            text = element.attributes.get("value", "")
+            try:
+                value = finite_in_text(text)
+            except ValueError:
+                self.why = f"joint '{name}' is at '{text[:80]}', expected a finite number, rad or m"
+                continue
             if name not in self._movers:
                 foreign.append(name)
             elif found.setdefault(name, value) != value:
@@ -117,17 +120,6 @@ class _State:
                 yield name, self._inside(joint, value)
         if foreign:
             self.notes.append(f"{_listed(foreign)} not of this group, and left out")
-
-    def _number(self, element: XmlElement) -> float:
-        text = element.attributes.get("value", "")
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            why = f"value is '{text[:80]}', expected a finite number, rad or m"
-            self._names.refuse(element, why)
-        return value
 
     def _inside(self, joint: Joint, value: float) -> float:
         inside = min(max(value, joint.lower), joint.upper)

@@ -7,6 +7,7 @@ parser, ``urdf_parser_py``.
 
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 from xml.etree import ElementTree
 
@@ -14,12 +15,12 @@ from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.documents.guarded_xml import (
     XmlElement,
-    parse_xml,
     refuse_xacro,
     text_of_xml,
 )
 from robomech_ros.robots.joint import Joint
-from robomech_ros.robots.mimic import check_mimics
+from robomech_ros.robots.mimic import mimic_faults
+from robomech_ros.robots.urdf.element_reader import parse_urdf
 from robomech_ros.robots.urdf.inertial import link_bodies
 from robomech_ros.robots.urdf.joints import checked_joint, joint_from_parsed
 
@@ -36,6 +37,9 @@ def description_from_urdf(text: str | bytes, where: str = "URDF") -> RobotDescri
     more: that is what exporters write when they do not know it, or when there is none.  The soft
     limits of ``<safety_controller>`` narrow the position limits, as MoveIt does.
 
+    A joint with a wrong axis, limit, drive or leader is kept, as others read the rest of the
+    document, too: only chains with this joint are refused.  The ``notes`` of the result name it.
+
     Parameters
     ----------
     text : str or bytes
@@ -49,7 +53,7 @@ def description_from_urdf(text: str | bytes, where: str = "URDF") -> RobotDescri
         The document is broken, hostile or breaks a rule of URDF: line, element and reason are
         named.
     """
-    root = parse_xml(text, where)
+    root = parse_urdf(text, where)
     _check_root(root, where)
     joints, links = root.all("joint"), root.all("link")
     link_names = _names(links, "link", where)
@@ -59,15 +63,17 @@ def description_from_urdf(text: str | bytes, where: str = "URDF") -> RobotDescri
     stripped = ElementTree.Element("robot", {"name": root.attributes["name"]})
     for name in link_names:
         ElementTree.SubElement(stripped, "link", {"name": name})
-    rest = []
+    rest, notes = [], list[str]()
     for joint in joints:
-        copy, more = checked_joint(joint, where)
+        copy, more = checked_joint(joint, where, notes)
         stripped.append(copy)
         rest.append(more)
     parsed = _parsed(stripped, where)
     made = tuple(map(joint_from_parsed, parsed.joints, rest))
     _check_tree(link_names, made, where)
-    check_mimics(made, where)
+    faults = mimic_faults(made)
+    made = tuple(_without_leader(one, faults.get(one.name, ""), where) for one in made)
+    notes += ["{}: {}; no chain takes this joint".format(*one.fault) for one in made if one.fault]
     return RobotDescription(
         name=root.attributes["name"],
         links=tuple(link_names),
@@ -75,7 +81,16 @@ def description_from_urdf(text: str | bytes, where: str = "URDF") -> RobotDescri
         where=where,
         bodies=link_bodies(links, where),
         document=text_of_xml(text),
+        notes=tuple(notes),
     )
+
+
+def _without_leader(joint: Joint, fault: str, where: str) -> Joint:
+    """Let a joint that follows none that could lead stand by itself."""
+    if not fault:
+        return joint
+    place = f"{where}: joint '{joint.name}'"
+    return replace(joint, mimic=None, multiplier=1.0, offset=0.0, fault=(place, fault))
 
 
 def _check_root(root: XmlElement, where: str) -> None:

@@ -1,6 +1,5 @@
 """Reading of numbers and names from the elements of a URDF, with messages that name the place."""
 
-import math
 from typing import NoReturn
 
 import numpy as np
@@ -8,9 +7,27 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobotDescriptionError
-from robomech_ros.robots.documents.guarded_xml import XmlElement
+from robomech_ros.robots.documents.guarded_xml import XmlElement, parse_xml
+from robomech_ros.robots.documents.numbers_in_text import finite_in_text
+from robomech_ros.robots.entry_checks import bare_link
 
-__all__ = ["ElementReader"]
+__all__ = ["ElementReader", "parse_urdf"]
+
+
+def parse_urdf(text: str | bytes, where: str) -> XmlElement:
+    """Parse a document, its links named without a leading slash: one link with and without it."""
+    root = parse_xml(text, where)
+    for link in root.all("link"):
+        _bare(link, "name")
+    for joint in root.all("joint"):
+        for end in (*joint.all("parent"), *joint.all("child")):
+            _bare(end, "link")
+    return root
+
+
+def _bare(element: XmlElement, key: str) -> None:
+    if key in element.attributes:
+        element.attributes[key] = bare_link(element.attributes[key])
 
 
 class ElementReader:
@@ -50,11 +67,11 @@ class ElementReader:
         if text is None:
             return None
         try:
-            values = [_number(word) for word in text.split()]
+            values = [finite_in_text(word) for word in text.split()]
         except ValueError:
             values = []
         what = "a finite number" if count == 1 else f"{count} finite numbers"
-        if len(values) != count or not all(math.isfinite(value) for value in values):
+        if len(values) != count:
             self.refuse(f"{attribute} of <{element.tag}> is '{text[:80]}', expected {what}")
         if element.tag == "origin" and max(map(abs, values)) > LARGEST_LENGTH:
             self.refuse(f"{attribute} of <origin> is '{text[:80]}', at most 1e6 is allowed")
@@ -78,9 +95,3 @@ class ElementReader:
         if not name:
             self.refuse(f"<{tag}> names no link")
         return name
-
-
-def _number(word: str) -> float:
-    if "_" in word:
-        raise ValueError(word)
-    return float(word)

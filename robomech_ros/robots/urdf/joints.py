@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.errors import RobomechError
+from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.robots.documents.guarded_xml import XmlElement
 from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.joint import MOVING, Joint
@@ -31,7 +31,9 @@ _LIMIT_KEYS = ("lower", "upper", "velocity", "effort", "acceleration", "jerk")
 Array = NDArray[np.float64]
 
 
-def checked_joint(element: XmlElement, where: str) -> tuple[ElementTree.Element, dict[str, Any]]:
+def checked_joint(
+    element: XmlElement, where: str, notes: list[str]
+) -> tuple[ElementTree.Element, dict[str, Any]]:
     """Check a joint, and copy what the ecosystem's parser is to read of it.
 
     Parameters
@@ -40,18 +42,22 @@ def checked_joint(element: XmlElement, where: str) -> tuple[ElementTree.Element,
         Named.
     where : str
         What the document is called in messages.
+    notes : list of str
+        Gets what is no limit although it is given.
 
     Returns
     -------
     copy : Element
         For the parser.
     rest : dict
-        Fields of :class:`Joint` that the parser does not know, or not as MoveIt does.
+        Fields of :class:`Joint` that the parser does not know, or not as MoveIt does.  The fault
+        of a joint that cannot move as it is described is one of them.
 
     Raises
     ------
     RobotDescriptionError
-        The line, the joint, the value and what is expected are named.
+        The tree cannot be made without this joint: the line, the joint, the value and what is
+        expected are named.
     """
     reader = ElementReader(element, where)
     kind = element.attributes.get("type", "")
@@ -70,11 +76,16 @@ def checked_joint(element: XmlElement, where: str) -> tuple[ElementTree.Element,
         _copy(reader, origin, copy, {"xyz": 3, "rpy": 3})
     if kind not in MOVING:
         return copy, {}
-    _copy_axis(reader, copy)
-    rest: dict[str, Any] = _read_limits(reader, kind, copy)
-    _copy_friction(reader, copy)
-    rest |= _read_drive(reader)
-    rest |= _read_mimic(reader)
+    motion = ElementTree.Element("joint")
+    try:
+        _copy_axis(reader, motion)
+        rest: dict[str, Any] = _read_limits(reader, kind, motion, notes)
+        _copy_friction(reader, motion)
+        rest |= _read_drive(reader)
+        rest |= _read_mimic(reader)
+    except RobotDescriptionError as error:
+        return copy, {"fault": (error.where, error.why)}
+    copy.extend(motion)
     return copy, rest
 
 
@@ -99,7 +110,9 @@ def _copy_axis(reader: ElementReader, copy: ElementTree.Element) -> None:
     _copy(reader, axis, copy, {"xyz": 3})
 
 
-def _read_limits(reader: ElementReader, kind: str, copy: ElementTree.Element) -> dict[str, Any]:
+def _read_limits(
+    reader: ElementReader, kind: str, copy: ElementTree.Element, notes: list[str]
+) -> dict[str, Any]:
     limit = reader.child("limit", required=kind != "continuous")
     if limit is None:
         return {}
@@ -113,8 +126,8 @@ def _read_limits(reader: ElementReader, kind: str, copy: ElementTree.Element) ->
     for key in _LIMIT_KEYS[2:]:
         value = values[key]
         if value is not None and value < 0.0:
-            reader.refuse(f"{key} limit is {value:g}, expected no negative number")
-    _copy(reader, limit, copy, {"velocity": 1, "effort": 1})
+            notes.append(f"{reader.where}: {key} limit is {value:g}, which counts as missing")
+            values[key] = None
     rest = {key: values[key] or math.nan for key in _LIMIT_KEYS[2:]}
     if kind == "continuous":
         return rest

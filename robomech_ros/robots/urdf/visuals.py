@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.robots.documents.guarded_xml import XmlElement, parse_xml
-from robomech_ros.robots.urdf.element_reader import ElementReader
+from robomech_ros.robots.documents.guarded_xml import XmlElement
+from robomech_ros.robots.urdf.element_reader import ElementReader, parse_urdf
 
 __all__ = ["Visual", "read_visuals"]
 
@@ -60,7 +60,7 @@ def read_visuals(text: str, where: str = "URDF") -> list[Visual]:
     RobotDescriptionError
         A number of an origin, shape or colour is none.
     """
-    root = parse_xml(text, where)
+    root = parse_urdf(text, where)
     links = root.all("link")
     inside = [visual for link in links for visual in link.all("visual")]
     named = {}

@@ -15,9 +15,10 @@ from dataclasses import replace
 import numpy as np
 
 from robomech_ros.robots.description import RobotDescription
-from robomech_ros.robots.documents.guarded_xml import XmlElement, parse_xml
+from robomech_ros.robots.documents.guarded_xml import XmlElement
 from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.joint import Joint
+from robomech_ros.robots.urdf.element_reader import parse_urdf
 from robomech_ros.robots.urdf.elements import (
     drive_element,
     element,
@@ -121,7 +122,7 @@ def _new_name(name: str, taken: set[str]) -> str:
 def _completed(description: RobotDescription) -> str:
     """Put what is missing into the text of a URDF."""
     data = description.document.encode()
-    root = parse_xml(description.document, description.where)
+    root = parse_urdf(description.document, description.where)
     links, joints = root.all("link"), root.all("joint")
     seen = {link.attributes["name"] for link in links if link.all("visual")}
     shapes = generated_shapes(description.root, description.joints, seen)
@@ -163,7 +164,7 @@ def _margin(data: bytes, at: int) -> bytes:
 
 def _added_to_joint(given: XmlElement, joint: Joint, data: bytes) -> Iterator[tuple[int, int, str]]:
     """Say what to add of the limits and the drive that the document does not have."""
-    if not joint.moves:
+    if not joint.moves or joint.fault is not None:
         return
     limits = {
         key: getattr(joint, key) for key in _ADDED_LIMITS if not math.isnan(getattr(joint, key))

@@ -1,0 +1,32 @@
+"""Numbers in texts from outside, such as attributes of XML and words of a command line."""
+
+import math
+
+__all__ = ["finite_in_text", "number_in_text"]
+
+
+def number_in_text(text: str) -> float:
+    """Read a number in ASCII, since Python also reads digits of other scripts, and underscores.
+
+    Raises
+    ------
+    ValueError
+        The text is no number.
+    """
+    if not text.isascii() or "_" in text:
+        raise ValueError(f"'{text[:80]}' is no number")
+    return float(text)
+
+
+def finite_in_text(text: str) -> float:
+    """Read a number that is neither infinite nor NaN.
+
+    Raises
+    ------
+    ValueError
+        The text is none.
+    """
+    number = number_in_text(text)
+    if not math.isfinite(number):
+        raise ValueError(f"'{text[:80]}' is not finite")
+    return number

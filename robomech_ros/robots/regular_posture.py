@@ -1,0 +1,102 @@
+"""A posture to begin with, for arms whose description gives none: regular, and inside the limits.
+
+A fixed number of postures, spread evenly over the middle of the limits, are compared; the same arm
+gets the same posture on every machine.
+
+References
+----------
+Roberts, M., The unreasonable effectiveness of quasirandom sequences, 2018: the sequence used here.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["regular_posture"]
+
+Array = NDArray[np.float64]
+
+_SAMPLES = 512
+# The part of the range of each joint in which postures are looked for.
+_INNER = 0.8
+# Below this part of the largest singular value a direction counts as lost in all postures.
+_LOST = 1e-6
+# Half of the range (m) of a slide without limits in which postures are looked for.
+_SLIDE = 0.5
+# How much a posture counts less at the ends of all ranges, and with a joint below the base by
+# more than a part of the mean distance of the axes from the tip.
+_FAR, _BELOW = 0.3, 0.5
+_LOW = 0.05
+
+
+def regular_posture(packed: Array, lower: Array, upper: Array) -> Array:
+    """Return a posture far from singular ones and from the limits, near the middle of these.
+
+    Parameters
+    ----------
+    packed : ndarray, shape (n + 1, 13)
+        The chain as :func:`pack_chain` lays it out.
+    lower, upper : ndarray, shape (n,)
+        Limits (rad or m), infinite where there is none.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        rad or m, rounded to hundredths.
+    """
+    n = len(lower)
+    if not n:
+        return np.zeros(0)
+    middle, half = _windows(packed[:-1, 0] != 0.0, lower, upper)
+    away = _spread(n) * _INNER
+    # Turning or moving the whole arm makes no posture more regular.
+    away[:, 0] = 0.0
+    q = np.ascontiguousarray(middle + away * half)
+    score = _conditioning(packed, q) * (1.0 - _FAR * np.abs(away).mean(axis=1))
+    best = np.round(q[int(np.argmax(score))], 2)
+    inside: Array = np.clip(best, lower, upper)
+    return inside
+
+
+def _windows(slides: NDArray[np.bool_], lower: Array, upper: Array) -> tuple[Array, Array]:
+    """Find the middles and halves of the ranges, of one turn at most where joints turn."""
+    with np.errstate(invalid="ignore"):
+        middle = np.where(np.isfinite(upper - lower), 0.5 * (lower + upper), 0.0)
+    half = np.where(slides, _SLIDE, np.pi)
+    middle = np.clip(middle, lower, upper)
+    finite = np.isfinite(upper - lower)
+    half[finite] = np.minimum(0.5 * (upper - lower), np.where(slides, np.inf, np.pi))[finite]
+    return middle, half
+
+
+def _spread(n: int) -> Array:
+    """Spread points evenly over the cube from -1 to 1 in n directions; the first is its middle."""
+    root = 2.0
+    for _ in range(50):
+        root = (1.0 + root) ** (1.0 / (n + 1))
+    steps = root ** -np.arange(1.0, n + 1.0)
+    cells: Array = (0.5 + np.arange(_SAMPLES)[:, None] * steps) % 1.0
+    return 2.0 * cells - 1.0
+
+
+def _conditioning(packed: Array, q: Array) -> Array:
+    """Compare the least singular values with the largest, less where a joint is below the base.
+
+    Lengths are divided by the mean distance of the axes from the tip.
+    """
+    # Compiled code is loaded only where somebody asks for this posture.
+    from robomech_ros._kernels.chain.serial import forward, jacobian
+
+    J, heights = np.empty((len(q), 6, q.shape[1])), np.zeros(len(q))
+    for joints in range(1, q.shape[1] + 1):
+        poses = np.empty((len(q), 4, 4))
+        forward(packed[: joints + 1], np.ascontiguousarray(q[:, :joints]), poses)
+        heights = np.minimum(heights, poses[:, 2, 3])
+    jacobian(packed, q, J, np.empty((4, 4)))
+    turns = packed[:-1, 0] == 0.0
+    arms = np.linalg.norm(J[:, 3:, turns], axis=1)
+    length = float(arms.mean()) if arms.size and arms.any() else 1.0
+    J[:, 3:] /= length
+    values = np.linalg.svd(J, compute_uv=False)
+    rank = max(int((values > _LOST * values.max()).sum(axis=1).max()), 1)
+    ratio: Array = values[:, rank - 1] / np.maximum(values[:, 0], np.finfo(float).tiny)
+    return np.where(heights < -_LOW * length, _BELOW, 1.0) * ratio
