@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros.printing import Printed
+
 __all__ = ["HandEyeNoise", "HandEyeResult", "sensor_covariance"]
 
 Array = NDArray[np.float64]
@@ -32,7 +34,7 @@ class HandEyeNoise:
 
 
 @dataclass(frozen=True, eq=False)
-class HandEyeResult:
+class HandEyeResult(Printed):
     """Where a sensor and its target are.
 
     Attributes

@@ -13,6 +13,7 @@ from robomech_ros.cartesian.following import FollowedPath, StopReason, follow_pa
 from robomech_ros.cartesian.path_checks import PathBounds
 from robomech_ros.cartesian.sampling import Sampling, in_steps
 from robomech_ros.errors import BadValueError
+from robomech_ros.printing import Printed
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import (
     JointLimits,
@@ -33,7 +34,7 @@ __all__ = ["CartesianPlan", "plan_along", "plan_followed"]
 
 
 @dataclass(frozen=True, eq=False)
-class CartesianPlan:
+class CartesianPlan(Printed):
     """A motion along a pose path, as far as the joints can follow it.
 
     Attributes

@@ -248,7 +248,9 @@ def _domain() -> Finding:
     what = "ROS domain"
     text = os.environ.get("ROS_DOMAIN_ID", "")
     reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET (default)")
-    if text and not (text.isdecimal() and len(text) < 10 and int(text) <= LARGEST_DOMAIN):
+    if text and not (
+        text.isascii() and text.isdecimal() and len(text) < 10 and int(text) <= LARGEST_DOMAIN
+    ):
         return Finding(what, False, repr(text), f"export ROS_DOMAIN_ID=<0 to {SAFE_DOMAIN}>")
     domain, found = int(text or 0), f"{text or '0 (default)'}, discovery range {reach}"
     ports, given = ports_of_domain(domain), _ports_given_away()

@@ -21,6 +21,7 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+from robomech_ros.cli.numbers import integer, number
 from robomech_ros.errors import BadValueError, MapFileError
 from robomech_ros.kinematics.posture_samples import reach_bound
 from robomech_ros.kinetostatics import (
@@ -52,20 +53,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--upper", **xyz, help="the opposite corner, m")
     points = parser.add_mutually_exclusive_group()
-    points.add_argument("--spacing", type=float, help="distance between points, m")
+    points.add_argument("--spacing", type=number, help="distance between points, m")
     points.add_argument(
-        "--shape", nargs=3, type=int, metavar=("NX", "NY", "NZ"),
+        "--shape", nargs=3, type=integer, metavar=("NX", "NY", "NZ"),
         help=f"number of points along each axis ({_POINTS})",
     )  # fmt: skip
     parser.add_argument(
-        "--orientations", type=int, default=_ORIENTATIONS, metavar="N",
+        "--orientations", type=integer, default=_ORIENTATIONS, metavar="N",
         help=f"how many to try at each point, spread evenly ({_ORIENTATIONS})",
     )  # fmt: skip
     parser.add_argument(
         "--about", **xyz, help="spread them over the turns about this axis of the base"
     )
     parser.add_argument(
-        "--orientation", nargs=4, type=float, metavar=("QX", "QY", "QZ", "QW"),
+        "--orientation", nargs=4, type=number, metavar=("QX", "QY", "QZ", "QW"),
         help="of the tip in the base: the only one, or with --about the first one",
     )  # fmt: skip
     parser.add_argument("--ignore-limits", action="store_true", help="beyond joint limits, too")
@@ -73,11 +74,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--part", default="pose", help="what is judged: pose, position or orientation (pose)"
     )
     parser.add_argument(
-        "--length", type=float,
+        "--length", type=number,
         help="what makes positions comparable to orientations, m (the characteristic length)",
     )  # fmt: skip
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--workers", type=int, help="threads (one for each processor)")
+    where.add_argument("--workers", type=integer, help="threads (one for each processor)")
     where.add_argument(
         "--scheduler", help="address of a Dask scheduler, to compute it on many machines"
     )

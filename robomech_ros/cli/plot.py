@@ -5,10 +5,11 @@ import math
 import sys
 from pathlib import Path
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.cli.numbers import number
+from robomech_ros.errors import BadValueError, SeedOutsideLimitsError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.plotting.postures import plot_postures
-from robomech_ros.robots import load_description, main_chain, semantics_of
+from robomech_ros.robots import SerialChain, load_description, main_chain, semantics_of
 from robomech_ros.spatial import pose_from_position_quaternion
 
 __all__ = ["add_arguments", "run"]
@@ -26,17 +27,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     pose = parser.add_mutually_exclusive_group(required=True)
     names = ("X", "Y", "Z", "QX", "QY", "QZ", "QW")
     pose.add_argument(
-        "--pose", nargs=7, type=float, metavar=names, help="of the tip in the base, m"
+        "--pose", nargs=7, type=number, metavar=names, help="of the tip in the base, m"
     )
     pose.add_argument(
-        "--joints", nargs="+", type=float, metavar="Q", help="the pose that these make, rad or m"
+        "--joints", nargs="+", type=number, metavar="Q", help="the pose that these make, rad or m"
     )
     pose.add_argument("--posture", help="the pose that a named posture makes, such as home")
     parser.add_argument("--ignore-limits", action="store_true", help="beyond joint limits, too")
     parser.add_argument("--title", help="above the picture (the robot's name)")
     eye = "of the eye as seen from the base, degrees"
-    parser.add_argument("--azimuth", type=float, default=-60.0, help=f"{eye} (-60)")
-    parser.add_argument("--elevation", type=float, default=25.0, help=f"{eye} (25)")
+    parser.add_argument("--azimuth", type=number, default=-60.0, help=f"{eye} (-60)")
+    parser.add_argument("--elevation", type=number, default=25.0, help=f"{eye} (25)")
     parser.add_argument("--output", type=Path, default=Path("postures.png"), help="png, svg or pdf")
 
 
@@ -54,6 +55,7 @@ def run(args: argparse.Namespace) -> int:
         T = forward_kinematics(chain, known.posture(chain, args.posture))
     elif args.joints:
         T = forward_kinematics(chain, args.joints)
+        _warn_of_limits(chain, args.joints)
     else:
         T = pose_from_position_quaternion(args.pose[:3], args.pose[3:])
     result = inverse_kinematics(chain, T, respect_limits=not args.ignore_limits)
@@ -66,3 +68,11 @@ def run(args: argparse.Namespace) -> int:
     more = "these are all" if result.complete else "there may be more"
     print(f"{path}: {len(result)} postures; {more}")
     return 0
+
+
+def _warn_of_limits(chain: SerialChain, q: list[float]) -> None:
+    """Name joints beyond their limits: the posture itself is not among those that are drawn."""
+    for name, value, *limits in zip(chain.joint_names, q, chain.lower, chain.upper, strict=True):
+        if not limits[0] <= value <= limits[1]:
+            outside = SeedOutsideLimitsError(name, value, *limits, "--joints")
+            print(f"robomech plot: warning: {outside}", file=sys.stderr)

@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from robomech_ros.cli.numbers import number
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics import load_reach_map
 from robomech_ros.plotting.map_slices import QUANTITIES, plot_map
@@ -17,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--quantity", default="dexterity", help=f"{', '.join(QUANTITIES)} (dexterity)"
     )
     parser.add_argument("--axis", help="x, y or z, which the slice is perpendicular to (each)")
-    parser.add_argument("--at", type=float, help="where on that axis, m (the middle)")
+    parser.add_argument("--at", type=number, help="where on that axis, m (the middle)")
     parser.add_argument("--title", help="above the picture (robot and tip)")
     parser.add_argument("--output", type=Path, default=Path("map.png"), help="png, svg or pdf")
 

@@ -4,6 +4,7 @@ import argparse
 import sys
 from importlib.util import find_spec
 
+from robomech_ros.cli.numbers import number
 from robomech_ros.robots import load_description
 
 __all__ = ["add_arguments", "run"]
@@ -33,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gravity",
         nargs=3,
-        type=float,
+        type=number,
         default=(0.0, 0.0, -9.81),
         metavar=("X", "Y", "Z"),
         help="in the base, m/s^2 (0 0 -9.81)",

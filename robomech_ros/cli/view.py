@@ -8,6 +8,7 @@ import webbrowser
 from typing import TYPE_CHECKING, Any
 
 from robomech_ros.cli.kind_options import refuse_options
+from robomech_ros.cli.numbers import integer
 from robomech_ros.parallel import load_described, load_parallel
 from robomech_ros.robots import main_chain, semantics_of
 from robomech_ros.robots.kinds import ARM, check_name, kind_of
@@ -31,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tip-link", default="", help="last link of the chain")
     parser.add_argument("--srdf", default="", help="SRDF with groups and named states")
     parser.add_argument("--group", default="", help="the group of the SRDF that moves")
-    parser.add_argument("--port", type=int, default=PORT, help=f"0 takes a free one ({PORT})")
+    parser.add_argument("--port", type=integer, default=PORT, help=f"0 takes a free one ({PORT})")
     parser.add_argument(
         "--host",
         default=HOST,

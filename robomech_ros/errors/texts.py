@@ -1,5 +1,6 @@
 """How error messages show values from outside, lists, quantities and sizes."""
 
+import re
 from collections.abc import Sequence
 
 __all__ = [
@@ -12,11 +13,13 @@ __all__ = [
 ]
 
 LONGEST_VALUE = 200
+# In the representation of objects that have none of their own, functions included.
+_ADDRESS = re.compile(r" (?:object )?at 0x[0-9A-Fa-f]+(?=>)")
 LONGEST_LIST = 40
 
 
 def shown(value: object) -> str:
-    """Show a value from outside: its representation, shortened, control characters escaped.
+    """Show a value from outside: its representation, shortened, without addresses in memory.
 
     Parameters
     ----------
@@ -34,7 +37,7 @@ def shown(value: object) -> str:
     >>> shown("elbow" * 1000)[-30:]
     'elbowelbo... (5002 characters)'
     """
-    text = repr(value)
+    text = _ADDRESS.sub("", repr(value))
     if len(text) > LONGEST_VALUE:
         text = f"{text[:LONGEST_VALUE]}... ({len(text)} characters)"
     return text

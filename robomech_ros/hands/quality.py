@@ -13,6 +13,7 @@ from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.hands.closure import is_force_closed
 from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, cones_of, rows_of
+from robomech_ros.printing import Printed
 from robomech_ros.spatial.arrays import real_number
 
 __all__ = ["SHORTEST", "GraspQuality", "grasp_quality"]
@@ -28,7 +29,7 @@ _MOST_FACETS = 200_000
 
 
 @dataclass(frozen=True, eq=False)
-class GraspQuality:
+class GraspQuality(Printed):
     """How good a grasp is.
 
     Parameters

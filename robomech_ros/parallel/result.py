@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.outcomes import Code
+from robomech_ros.printing import Printed
 
 __all__ = ["DirectKinematicsResult", "FollowedPose", "LimbPostures"]
 
@@ -18,7 +19,7 @@ _NOTHING.setflags(write=False)
 
 
 @dataclass(frozen=True, eq=False)
-class DirectKinematicsResult:
+class DirectKinematicsResult(Printed):
     """All poses of the platform for given actuated joints, its assembly modes.
 
     Parameters

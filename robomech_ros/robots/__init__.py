@@ -5,6 +5,7 @@ from robomech_ros.robots.chain import LinkFrame, SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.dh import chain_from_dh, dh_from_chain
+from robomech_ros.robots.dh_axes import dh_from_axes
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.group_chains import (
@@ -49,6 +50,7 @@ __all__ = [
     "VirtualJoint",
     "chain_from_dh",
     "combined",
+    "dh_from_axes",
     "dh_from_chain",
     "group_chain",
     "groups_by_links",

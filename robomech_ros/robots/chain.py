@@ -17,6 +17,7 @@ from robomech_ros.errors import (
     UnknownLinkError,
     WrongSizeError,
 )
+from robomech_ros.printing import MOST_LINES, Printed
 from robomech_ros.robots.bodies import Body, bodies_carried, pack_bodies
 from robomech_ros.robots.chain_layout import MOST_JOINTS, PRISMATIC, REVOLUTE
 from robomech_ros.robots.dh_recovery import recover_dh
@@ -55,7 +56,7 @@ class LinkFrame:
 
 
 @dataclass(frozen=True, eq=False)
-class SerialChain:
+class SerialChain(Printed):
     """A serial chain of revolute and prismatic joints from a base link to a tip link.
 
     Instances are immutable and compare by identity, so they serve as keys of caches.
@@ -148,6 +149,20 @@ class SerialChain:
             raise WrongSizeError(field, array.shape, shape)
         array.setflags(write=False)
         object.__setattr__(self, field, array)
+
+    def __repr__(self) -> str:
+        return f"SerialChain({self.name!r}, {self.n} joints, {self.base!r} to {self.tip!r})"
+
+    def __str__(self) -> str:
+        rows = zip(self.joint_names, self.units, self.lower, self.upper, self.velocity, strict=True)
+        joints = [
+            f"  {name}: {low:.4g} to {high:.4g} {unit}"
+            + ("" if np.isnan(speed) else f", {speed:.4g} {unit}/s")
+            for name, unit, low, high, speed in rows
+        ]
+        if len(joints) >= MOST_LINES:
+            joints[MOST_LINES - 2 :] = [f"  and {len(joints) - MOST_LINES + 2} more"]
+        return "\n".join([f"{self.name}: {self.n} joints, {self.base} to {self.tip}", *joints])
 
     @cached_property
     def n(self) -> int:

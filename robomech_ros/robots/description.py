@@ -17,6 +17,7 @@ from robomech_ros.errors import (
     UnknownJointError,
     UnknownLinkError,
 )
+from robomech_ros.printing import Printed
 from robomech_ros.robots.bodies import Body, combined
 from robomech_ros.robots.chain import LinkFrame, SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
@@ -32,7 +33,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class RobotDescription:
+class RobotDescription(Printed):
     """A robot as a tree of links and joints.
 
     Parameters
@@ -69,11 +70,6 @@ class RobotDescription:
     home: Mapping[str, float] = field(default_factory=dict)
     document: str = ""
     notes: tuple[str, ...] = ()
-
-    def __repr__(self) -> str:
-        return (
-            f"RobotDescription({self.name!r}, {len(self.links)} links, {len(self.joints)} joints)"
-        )
 
     @cached_property
     def root(self) -> str:

@@ -13,7 +13,8 @@ from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.chain import LinkFrame, SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
 from robomech_ros.robots.dh_recovery import recover_dh
-from robomech_ros.robots.dh_table import DHTable, link_transforms
+from robomech_ros.robots.dh_table import DHTable, implausible_angles, link_transforms
+from robomech_ros.robots.documents.reported_notes import report_once
 from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.entry_checks import check_name, checked_entries
 from robomech_ros.robots.limit_arrays import LARGEST_ANGLE, limit_arrays
@@ -108,7 +109,12 @@ def chain_from_dh(
         raise WrongSizeError("a", 0, "at least 1")
     b, alpha = _row("b", b, n), _row("alpha", alpha, n)
     theta = np.zeros(n) if theta is None else _row("theta", theta, n)
-    kinds = _joint_types(types, n)
+    kinds, names = _joint_types(types, n), _names(joint_names, n)
+    for note in (
+        *implausible_angles("alpha", alpha.tolist(), names),
+        *implausible_angles("theta", theta.tolist(), names),
+    ):
+        report_once(note)
     table = DHTable(a, b, alpha, theta, _pose("base", base), _pose("tool", tool), kinds)
     links = link_transforms(table)
     transforms = np.concatenate((table.base[None], links))
@@ -117,7 +123,7 @@ def chain_from_dh(
         name=name,
         base=base_link,
         tip=tip_link,
-        joint_names=_names(joint_names, n),
+        joint_names=names,
         types=kinds,
         packed=pack_chain(transforms, kinds),
         frames=_frames(base_link, tip_link, links, transforms[n]),

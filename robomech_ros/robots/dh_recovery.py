@@ -12,7 +12,7 @@ from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["recover_dh"]
+__all__ = ["recover_dh", "table_of_axes"]
 
 # Below this sine two axes count as parallel: the foot of their common normal would lie so far
 # away (distance / sine) that rounding spoils more digits than the neglected angle does.
@@ -37,7 +37,21 @@ def recover_dh(packed: Array) -> DHTable:
         As :func:`dh_from_chain` describes it.
     """
     types = packed[:-1, 0].astype(np.int64)
-    axes, origins, tip = _axes_at_zero(packed)
+    return table_of_axes(*_axes_at_zero(packed), types)
+
+
+def table_of_axes(axes: Array, origins: Array, tip: Array | None, types: Array) -> DHTable:
+    """Make the table of joint axes; without a pose of the tip it ends in the frame of the last.
+
+    Parameters
+    ----------
+    axes, origins : ndarray, shape (n, 3)
+        Unit vectors and points (m) of the axes, in the base, at the joint values 0.
+    tip : ndarray, shape (4, 4), or None
+        In the base (m).
+    types : ndarray of int, shape (n,)
+        0 revolute, 1 prismatic.
+    """
     frame = _first_frame(axes[0], origins[0])
     base = frame.copy()
     n = len(types)
@@ -47,11 +61,14 @@ def recover_dh(packed: Array) -> DHTable:
             placed = types[i + 1] == PRISMATIC
             point = frame[:3, 3] if placed else origins[i + 1]
             after = _next_frame(frame, axes[i + 1], point)
+        elif tip is None:
+            after = tip = frame
         else:
             after = _next_frame(frame, tip[:3, 2], tip[:3, 3], tip)
         parameters[:, i] = _between(frame, after)
         frame = after
     a, b, alpha, theta = parameters
+    assert tip is not None
     tool = rigid_inverse(frame) @ tip
     return DHTable(a, b, alpha, theta, base, tool, types)
 

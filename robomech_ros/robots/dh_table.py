@@ -11,18 +11,26 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.2.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["DHTable", "link_transforms"]
+from robomech_ros.printing import MOST_LINES, Printed
+
+__all__ = ["DHTable", "implausible_angles", "link_transforms"]
 
 Array = NDArray[np.float64]
 
+_WIDTHS = (12, 12, 14, 14)
+# A turn (rad), with room for rounding.
+_TURN = 2.0 * math.pi + 1e-3
+
 
 @dataclass(frozen=True, eq=False)
-class DHTable:
+class DHTable(Printed):
     r"""Denavit-Hartenberg parameters of a chain of n joints.
 
     .. math::
@@ -66,6 +74,24 @@ class DHTable:
             array = np.array(getattr(self, name), order="C")
             array.setflags(write=False)
             object.__setattr__(self, name, array)
+
+    def __str__(self) -> str:
+        lines = [f"{'a (m)':>12}{'b (m)':>12}{'alpha (rad)':>14}{'theta (rad)':>14}"]
+        for row in zip(self.a, self.b, self.alpha, self.theta, strict=True):
+            lines.append("".join(f"{x + 0.0:>{w}.6g}" for x, w in zip(row, _WIDTHS, strict=True)))
+        if len(lines) > MOST_LINES:
+            lines[MOST_LINES - 1 :] = [f"and {len(lines) - MOST_LINES + 1} more"]
+        return "\n".join(lines)
+
+
+def implausible_angles(what: str, angles: Iterable[float], names: Iterable[str]) -> Iterator[str]:
+    """Say which angles of a table (rad), by the names of their joints, are more than a turn."""
+    for name, angle in zip(names, angles, strict=True):
+        if abs(angle) > _TURN:
+            yield (
+                f"joint '{name}': {what} of {angle:g} rad is more than a turn; angles are in "
+                "radians, in YAML in degrees after units: degrees"
+            )
 
 
 def link_transforms(table: DHTable) -> Array:

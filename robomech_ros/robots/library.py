@@ -19,6 +19,7 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.documents.guarded_xml import LARGEST_XML, is_xml
 from robomech_ros.robots.documents.guarded_yaml import LARGEST_YAML
+from robomech_ros.robots.documents.reported_notes import report_once
 from robomech_ros.robots.documents.source_files import read_source
 from robomech_ros.robots.robot_yaml import description_from_yaml, with_yaml_limits
 from robomech_ros.robots.urdf.document import description_from_urdf
@@ -87,7 +88,18 @@ def load_description(name_or_path_or_urdf: str | os.PathLike[str]) -> RobotDescr
     ------
     UnknownRobotError, RobotDescriptionError
         As for :func:`load_robot`.
+
+    Notes
+    -----
+    Entries that were passed over are in ``notes`` of the result, and are logged once.
     """
+    description = _loaded(name_or_path_or_urdf)
+    for note in description.notes:
+        report_once(note)
+    return description
+
+
+def _loaded(name_or_path_or_urdf: str | os.PathLike[str]) -> RobotDescription:
     given: object = name_or_path_or_urdf
     expected = "a robot's name, a path, or the text of a URDF or YAML document"
     if isinstance(given, os.PathLike):

@@ -7,6 +7,9 @@ A table (all numbers in m, rad, s, N m or N)::
     joints:
       - {name: joint_1, type: revolute, a: 1.0, b: 0.0, alpha: 0.0, lower: -3.0, upper: 3.0}
 
+The source may be left out, and ``b`` may be called ``d``.  After ``units: degrees`` all angles,
+their limits and their rates are in degrees.
+
 A joint may have the ``body`` that it moves, in frame i + 1 of the table, and its ``drive``, as
 :mod:`robomech_ros.robots.documents.yaml_bodies` reads them::
 
@@ -25,7 +28,8 @@ Both may give the posture in which the robot stands to begin with, within its li
 """
 
 import dataclasses
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -35,6 +39,7 @@ from robomech_ros.errors import RobomechError, RobotDescriptionError, shown
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.dh import chain_from_dh
+from robomech_ros.robots.dh_table import implausible_angles
 from robomech_ros.robots.documents.guarded_yaml import check_keys, parse_yaml
 from robomech_ros.robots.documents.yaml_bodies import drive_from_yaml
 from robomech_ros.robots.documents.yaml_rows import (
@@ -44,6 +49,7 @@ from robomech_ros.robots.documents.yaml_rows import (
     read_positive,
     read_rows,
     read_text,
+    read_unit,
 )
 from robomech_ros.robots.joint import Joint
 
@@ -51,8 +57,20 @@ __all__ = ["description_from_yaml", "with_yaml_limits"]
 
 Array = NDArray[np.float64]
 
-_TOP_KEYS = ("name", "source", "joints")
-_TOP_OPTIONAL = ("notes", "base_link", "tip_link", "first_link", "base", "tool", "home")
+# Limits (rad) beyond four turns are mostly degrees; wrists turn twice either way.
+_WIDEST = 8.0 * math.pi
+_TOP_KEYS = ("name", "joints")
+_TOP_OPTIONAL = (
+    "source",
+    "units",
+    "notes",
+    "base_link",
+    "tip_link",
+    "first_link",
+    "base",
+    "tool",
+    "home",
+)
 
 
 def description_from_yaml(text: str | bytes, where: str = "YAML") -> RobotDescription:
@@ -76,8 +94,9 @@ def description_from_yaml(text: str | bytes, where: str = "YAML") -> RobotDescri
         why = f"{shown(given['kind'])}, expected the document of an arm, which has no kind"
         raise RobotDescriptionError(f"{where}: kind", why)
     document = check_keys(given, where, _TOP_KEYS, _TOP_OPTIONAL)
-    rows = read_rows(document["joints"], where)
-    chain = _chain(document, rows, where)
+    angle = read_unit(document, where)
+    rows = read_rows(document["joints"], where, angle)
+    chain = _chain(document, rows, where, angle)
     links = [frame.name for frame in chain.frames]
     bodies = {
         link: row["body"] for link, row in zip(links[1:], rows, strict=False) if "body" in row
@@ -95,22 +114,46 @@ def description_from_yaml(text: str | bytes, where: str = "YAML") -> RobotDescri
         links=tuple(links),
         joints=joints,
         where=where,
-        source=read_text(document["source"], f"{where}: source", longest=None),
+        source=_source(document, where),
         dh=chain.dh_given,
         bodies=bodies,
-        home=_home(document, joints, where),
+        home=_home(document, joints, where, angle),
+        notes=tuple(_implausible(rows)),
     )
 
 
-def _chain(document: Mapping[str, Any], rows: list[dict[str, Any]], where: str) -> SerialChain:
+def _source(document: Mapping[str, Any], where: str) -> str:
+    if "source" not in document:
+        return ""
+    return read_text(document["source"], f"{where}: source", longest=None)
+
+
+def _implausible(rows: list[dict[str, Any]]) -> Iterator[str]:
+    """Say which limits are hardly in rad; of angles of the table :func:`chain_from_dh` does."""
+    names = [row["name"] for row in rows]
+    for key in ("alpha", "theta"):
+        yield from implausible_angles(key, [row[key] for row in rows], names)
+    for row in rows:
+        widest = max(abs(row["lower"]), abs(row["upper"]))
+        if row["type"] == "revolute" and _WIDEST < widest < math.inf:
+            yield (
+                f"joint '{row['name']}': a limit of {widest:g} rad is more than four turns; "
+                "for degrees give units: degrees"
+            )
+
+
+def _chain(
+    document: Mapping[str, Any], rows: list[dict[str, Any]], where: str, angle: float
+) -> SerialChain:
     base_link = read_text(document.get("base_link", "base_link"), f"{where}: base_link")
     tip_link = read_text(document.get("tip_link", "tool0"), f"{where}: tip_link")
     try:
         chain = chain_from_dh(
             *([row[key] for row in rows] for key in ("a", "b", "alpha", "theta")),
             types=["P" if row["type"] == "prismatic" else "R" for row in rows],
-            base=read_pose(document.get("base"), f"{where}: base"),
-            tool=read_pose(document.get("tool"), f"{where}: tool"),
+            base=read_pose(document.get("base"), f"{where}: base", angle),
+            tool=read_pose(document.get("tool"), f"{where}: tool", angle),
+            joint_names=[row["name"] for row in rows],
             base_link=base_link,
             tip_link=tip_link,
         )
@@ -167,8 +210,8 @@ def with_yaml_limits(
     RobotDescriptionError
         Keys or joints are unknown, or a limit is not a positive number.
     """
-    optional = ("name", "notes", "joints", "home")
-    document = check_keys(parse_yaml(text, where), where, ("source",), optional)
+    optional = ("source", "name", "notes", "joints", "home")
+    document = check_keys(parse_yaml(text, where), where, (), optional)
     limits = document.get("joints") or {}
     if not isinstance(limits, dict):
         why = "expected joint names, each with acceleration, jerk and drive"
@@ -190,12 +233,13 @@ def with_yaml_limits(
     joints = tuple(
         dataclasses.replace(joint, **changes.get(joint.name, {})) for joint in description.joints
     )
-    source = read_text(document["source"], f"{where}: source", longest=None)
-    home = _home(document, joints, where)
+    source, home = _source(document, where), _home(document, joints, where)
     return dataclasses.replace(description, joints=joints, source=source, home=home)
 
 
-def _home(document: Mapping[str, Any], joints: tuple[Joint, ...], where: str) -> dict[str, float]:
+def _home(
+    document: Mapping[str, Any], joints: tuple[Joint, ...], where: str, angle: float = 1.0
+) -> dict[str, float]:
     """Read where joints stand to begin with (rad or m)."""
     place = f"{where}: home"
     given = document.get("home") or {}
@@ -205,7 +249,8 @@ def _home(document: Mapping[str, Any], joints: tuple[Joint, ...], where: str) ->
         raise RobotDescriptionError(place, why)
     home = {}
     for name, value in given.items():
-        home[name] = read_number(value, name, place)
+        unit = 1.0 if moving[name].type == "prismatic" else angle
+        home[name] = read_number(value, name, place) * unit
         lower, upper = moving[name].lower, moving[name].upper
         if not lower <= home[name] <= upper:
             why = f"{name} is {home[name]:g}, expected a number from {lower:.6g} to {upper:.6g}"

@@ -12,9 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, RobotDescriptionError
+from robomech_ros.printing import Printed
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["HOME", "DisabledCollision", "EndEffector", "Group", "SemanticDescription", "VirtualJoint"]
+__all__ = [
+    "HOME",
+    "DisabledCollision",
+    "EndEffector",
+    "Group",
+    "SemanticDescription",
+    "VirtualJoint",
+]
 
 # The posture that every robot has, whatever its description says.
 HOME = "home"
@@ -80,7 +88,7 @@ class VirtualJoint:
 
 
 @dataclass(frozen=True)
-class SemanticDescription:
+class SemanticDescription(Printed):
     """An SRDF, its names checked against the robot's.
 
     Parameters

@@ -22,6 +22,7 @@ from robomech_ros.kinematics.inverse.nearly_named import named_branches
 from robomech_ros.kinematics.inverse.singular_marks import singular_marks
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.task import FULL_TASK
+from robomech_ros.printing import MOST_LINES, Printed, brief
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = [
@@ -109,7 +110,7 @@ def read_listing(space: Array, count: int) -> Listing:
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class InverseKinematicsResult:
+class InverseKinematicsResult(Printed):
     """Solutions of inverse kinematics, nearest to the seed first, or why there are none.
 
     Parameters
@@ -142,6 +143,27 @@ class InverseKinematicsResult:
 
     def __len__(self) -> int:
         return len(self.q)
+
+    def __repr__(self) -> str:
+        return f"InverseKinematicsResult({self._headline()})"
+
+    def __str__(self) -> str:
+        lines = [self._headline()]
+        if self.reason:
+            lines.append(f"  {self.reason}")
+        most = MOST_LINES - len(lines)
+        shown = len(self) if len(self) <= most else most - 1
+        for q, branch in zip(self.q[:shown], self.branches, strict=False):
+            lines.append(f"  {brief(q)} {branch}".rstrip())
+        if len(self) > shown:
+            lines.append(f"  and {len(self) - shown} more, in q")
+        return "\n".join(lines)
+
+    def _headline(self) -> str:
+        noun = "solution" if len(self) == 1 else "solutions"
+        more = "these are all" if self.complete else "there may be more"
+        name = self.chain.name
+        return f"{len(self)} {noun} of {name}, {more} ({self.family}, {self.status.name})"
 
     @property
     def family(self) -> str:

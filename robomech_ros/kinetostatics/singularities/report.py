@@ -21,6 +21,7 @@ from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise
 from robomech_ros.kinetostatics.point_jacobians import TIP, as_point
 from robomech_ros.kinetostatics.singularities.determinant_factors import NamedParts, named_parts
 from robomech_ros.kinetostatics.singularities.generic_rank import generic_motions, scaling_length
+from robomech_ros.printing import Printed
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["SingularityReport", "SingularityReports", "posture_report", "singularity_report"]
@@ -31,7 +32,7 @@ _compiled = direct(posture_reports)
 
 
 @dataclass(frozen=True, eq=False)
-class SingularityReport:
+class SingularityReport(Printed):
     """What the Jacobian of a posture says.
 
     Attributes

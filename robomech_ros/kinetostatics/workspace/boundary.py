@@ -19,6 +19,7 @@ from robomech_ros.kinetostatics.workspace.section import (
     raise_on_surface,
     section_of,
 )
+from robomech_ros.printing import Printed
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 
@@ -68,7 +69,7 @@ class BoundaryCurve:
 
 
 @dataclass(frozen=True, eq=False)
-class Workspace:
+class Workspace(Printed):
     """What the first joints of an arm reach with the point that they place.
 
     Points are given in the base of the chain (m). Make one with :func:`workspace_boundary`.

@@ -13,6 +13,7 @@ from types import FrameType
 from typing import Any
 
 from robomech_ros.cli.kind_options import refuse_options
+from robomech_ros.cli.numbers import integer, number
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.process.kind_nodes import KIND_NODES, KindNodes
 from robomech_ros.nodes.process.launch_options import OPTIONAL_NODES, LaunchOptions
@@ -77,7 +78,7 @@ def add_launch_arguments(parser: argparse.ArgumentParser) -> None:
         help="what the names of frames begin with in headers and on /tf; default: the namespace "
         "and a slash, such as left/, none without a namespace",
     )
-    parser.add_argument("--rate", type=float, help="rate of joint_states in Hz (100)")
+    parser.add_argument("--rate", type=number, help="rate of joint_states in Hz (100)")
     parser.add_argument(
         "--joint-limits",
         default="",
@@ -105,7 +106,7 @@ def add_launch_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--view", action="store_true", help="show the robot in a browser, too; prints the address"
     )
-    parser.add_argument("--view-port", type=int, help="of the page; 0 takes a free one (8080)")
+    parser.add_argument("--view-port", type=integer, help="of the page; 0 takes a free one (8080)")
     parser.add_argument(
         "--view-host", help="address that the page listens on (127.0.0.1: this machine alone)"
     )
@@ -314,5 +315,5 @@ def _supervise(commands: dict[str, list[str]]) -> int:
 
 
 def _on_signals(handler: Callable[[int, FrameType | None], object]) -> None:
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, handler)
+    for one in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(one, handler)

@@ -6,6 +6,7 @@ import signal
 import sys
 from pathlib import Path
 
+from robomech_ros.cli.numbers import integer, number
 from robomech_ros.cli.warmup import warm
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import load_robot
@@ -29,17 +30,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="whether the camera is on the hand, or stands and sees a target on it (eye_in_hand)",
     )
     parser.add_argument(
-        "--samples", type=int, default=12, help="how many are taken, one of them wrong (12)"
+        "--samples", type=integer, default=12, help="how many are taken, one of them wrong (12)"
     )
     parser.add_argument(
         "--rotation-noise",
-        type=float,
+        type=number,
         default=2e-3,
         help="deviation of each coordinate of the camera's rotations, in rad (0.002)",
     )
     parser.add_argument(
         "--position-noise",
-        type=float,
+        type=number,
         default=5e-4,
         help="deviation of each coordinate of the camera's positions, in m (0.0005)",
     )

@@ -6,6 +6,7 @@ import sys
 from typing import Any
 
 from robomech_ros.nodes.commands.message_yaml import parse_yaml, to_yaml
+from robomech_ros.robots.documents.numbers_in_text import number_in_text
 
 __all__ = ["EXIT_NO_ANSWER", "add_arguments", "run", "seconds_to_wait"]
 
@@ -35,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def seconds_to_wait(text: str) -> float:
     """Read a time to wait (s)."""
     try:
-        seconds = float(text)
+        seconds = number_in_text(text)
     except ValueError:
         seconds = math.nan
     if not 0.0 < seconds <= _LONGEST:

@@ -8,6 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 from robomech_ros.cli.kind_options import refuse_options
+from robomech_ros.cli.numbers import number
 from robomech_ros.cli.warmup import warm
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.commands.bringup import refuse_of_kind
@@ -39,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--payload",
-        type=float,
+        type=number,
         default=0.0,
         help="with --dynamic: mass in kg that is picked and placed, and that the controller of the "
         "drives does not know of (0)",

@@ -15,6 +15,7 @@ import yaml
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.robots.documents.guarded_yaml import UniqueKeyLoader
+from robomech_ros.robots.documents.numbers_in_text import number_in_text
 
 __all__ = ["UnknownFieldError", "fill_message", "interface_class", "parse_yaml", "to_yaml"]
 
@@ -136,7 +137,7 @@ def _scalar(kind: str, value: Any, place: str) -> Any:
     if kind in ("float", "double") and type(value) is not bool:
         # A string, too: YAML 1.1 does not read 1e-3 as a number.
         with contextlib.suppress(TypeError, ValueError):
-            return float(value)
+            return number_in_text(value) if isinstance(value, str) else float(value)
     if kind.startswith(("string", "wstring")) and not isinstance(value, Mapping | list):
         # Like `ros2 service call`: a bare word that YAML reads as a number is a string here.
         return "" if value is None else str(value)

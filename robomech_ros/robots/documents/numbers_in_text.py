@@ -2,7 +2,7 @@
 
 import math
 
-__all__ = ["finite_in_text", "number_in_text"]
+__all__ = ["finite_in_text", "integer_in_text", "number_in_text"]
 
 
 def number_in_text(text: str) -> float:
@@ -13,9 +13,24 @@ def number_in_text(text: str) -> float:
     ValueError
         The text is no number.
     """
+    return float(_plain(text))
+
+
+def integer_in_text(text: str) -> int:
+    """Read an integer as :func:`number_in_text` reads a number.
+
+    Raises
+    ------
+    ValueError
+        The text is none.
+    """
+    return int(_plain(text))
+
+
+def _plain(text: str) -> str:
     if not text.isascii() or "_" in text:
         raise ValueError(f"'{text[:80]}' is no number")
-    return float(text)
+    return text
 
 
 def finite_in_text(text: str) -> float:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.chain_layout import MOST_JOINTS
-from robomech_ros.robots.documents.guarded_yaml import check_keys
+from robomech_ros.robots.documents.guarded_yaml import check_keys, shown
 from robomech_ros.robots.documents.yaml_bodies import body_from_yaml, drive_from_yaml
 from robomech_ros.robots.limit_arrays import position_limits
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw
@@ -24,25 +24,37 @@ __all__ = [
     "read_range",
     "read_rows",
     "read_text",
+    "read_unit",
 ]
 
 Array = NDArray[np.float64]
 
-_ROW_KEYS = ("name", "type", "a", "b", "alpha")
-_ROW_OPTIONAL = ("theta", "body", "drive")
+_ROW_KEYS = ("name", "type", "a", "alpha")
+_ROW_OPTIONAL = ("b", "d", "theta", "body", "drive")
+# What is an angle, or a rate of one, of every joint and of a joint that turns.
+_ANGLES = ("alpha", "theta")
+_TURNS = ("lower", "upper", "velocity", "acceleration", "jerk")
 LIMITS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 JOINT_TYPES = ("revolute", "continuous", "prismatic")
 _LONGEST_NAME = 256
 
 
-def read_rows(rows: object, where: str) -> list[dict[str, Any]]:
-    """Read the joints of a table, each with all keys."""
+def read_unit(document: Mapping[str, Any], where: str) -> float:
+    """Read the key ``units``; returns the unit of angles in rad."""
+    units = document.get("units", "radians")
+    if units not in ("radians", "degrees"):
+        raise RobotDescriptionError(f"{where}: units", f"{shown(units)}, expected radians, degrees")
+    return math.radians(1.0) if units == "degrees" else 1.0
+
+
+def read_rows(rows: object, where: str, angle: float = 1.0) -> list[dict[str, Any]]:
+    """Read the joints of a table, each with all keys; angles are in a unit that is given in rad."""
     where = f"{where}: joints"
     if not isinstance(rows, list) or not rows:
         raise RobotDescriptionError(where, "expected a list of joints")
     if len(rows) > MOST_JOINTS:
         raise RobotDescriptionError(where, f"{len(rows)}, at most {MOST_JOINTS} are allowed")
-    checked = [_row(row, f"{where}: joint {i + 1}") for i, row in enumerate(rows)]
+    checked = [_row(row, f"{where}: joint {i + 1}", angle) for i, row in enumerate(rows)]
     names = [row["name"] for row in checked]
     for name in names:
         if names.count(name) > 1:
@@ -50,7 +62,7 @@ def read_rows(rows: object, where: str) -> list[dict[str, Any]]:
     return checked
 
 
-def _row(row: object, where: str) -> dict[str, Any]:
+def _row(row: object, where: str, angle: float) -> dict[str, Any]:
     checked = dict(check_keys(row, where, _ROW_KEYS, (*_ROW_OPTIONAL, *LIMITS)))
     where = f"{where} ('{read_text(checked['name'], f'{where}: name')}')"
     kind = checked["type"]
@@ -58,6 +70,13 @@ def _row(row: object, where: str) -> dict[str, Any]:
         raise RobotDescriptionError(
             where, f"type is {str(kind)[:80]!r}, expected one of {', '.join(JOINT_TYPES)}"
         )
+    if ("b" in checked) == ("d" in checked):
+        why = "needs b, which other books call d" + (", and not both" if "b" in checked else "")
+        raise RobotDescriptionError(where, why)
+    checked["b"] = checked.pop("d", checked.get("b"))
+    for key in (*_ANGLES, *(() if kind == "prismatic" else _TURNS)):
+        if key in checked:
+            checked[key] = read_number(checked[key], key, where) * angle
     for key in ("a", "b", "alpha"):
         checked[key] = read_number(checked[key], key, where)
         if abs(checked[key]) > LARGEST_LENGTH:
@@ -117,8 +136,8 @@ def read_text(value: object, where: str, longest: int | None = _LONGEST_NAME) ->
     return value.strip()
 
 
-def read_pose(value: object, where: str) -> Array | None:
-    """Read a pose: ``xyz`` (m) and ``rpy`` about fixed axes (rad), both optional."""
+def read_pose(value: object, where: str, angle: float = 1.0) -> Array | None:
+    """Read a pose: ``xyz`` (m) and ``rpy`` about fixed axes (of a unit in rad), both optional."""
     if value is None:
         return None
     pose = check_keys(value, where, (), ("xyz", "rpy"))
@@ -131,6 +150,6 @@ def read_pose(value: object, where: str) -> Array | None:
         if max(map(abs, numbers[key])) > LARGEST_LENGTH:
             raise RobotDescriptionError(where, f"{key} is {entry}, at most 1e6 is allowed")
     T = np.eye(4)
-    T[:3, :3] = matrix_from_roll_pitch_yaw(numbers["rpy"])
+    T[:3, :3] = matrix_from_roll_pitch_yaw(angle * np.array(numbers["rpy"]))
     T[:3, 3] = numbers["xyz"]
     return T

@@ -11,7 +11,7 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from robomech_ros.errors import BadValueError, RobotDescriptionError
+from robomech_ros.errors import BadValueError
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.documents.guarded_xml import (
     LARGEST_XML,

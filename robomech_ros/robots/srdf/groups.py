@@ -149,9 +149,7 @@ class _Walked:
         return link
 
 
-def _ends(
-    element: XmlElement, joints: list[Joint], names: SrdfNames
-) -> tuple[str, str] | None:
+def _ends(element: XmlElement, joints: list[Joint], names: SrdfNames) -> tuple[str, str] | None:
     """Find base and tip of a group that is one chain down the tree."""
     chains = element.all("chain")
     if len(chains) != 1 or any(element.all(kind) for kind in ("joint", "link", "group")):

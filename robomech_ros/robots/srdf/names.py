@@ -1,8 +1,8 @@
 """The names in an SRDF, checked against the robot's."""
 
 from collections.abc import Collection, Iterator
-from difflib import get_close_matches
 from contextlib import contextmanager
+from difflib import get_close_matches
 from typing import NoReturn
 
 from robomech_ros.errors import RobotDescriptionError

@@ -70,7 +70,8 @@ def read_states(root: XmlElement, names: SrdfNames, groups: dict[str, Group]) ->
         lacking = (joint for joint in groups[group].joints if joint not in positions)
         if first := list(islice(lacking, _MOST_NAMES + 1)):
             state.notes.append(f"it gives no position of {_listed(first)}")
-        names.notes += [f"{names.place(element)} of group '{group}': {note}" for note in state.notes]
+        place = f"{names.place(element)} of group '{group}'"
+        names.notes += [f"{place}: {note}" for note in state.notes]
     return states
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, DurationTooShortError
+from robomech_ros.printing import Printed
 from robomech_ros.trajectory.curves.bounds import extremes
 from robomech_ros.trajectory.curves.motion_to_rest import MotionThrough, MotionToRest
 from robomech_ros.trajectory.curves.time_scaling import checked_duration
@@ -52,7 +53,7 @@ _SLOWED_ROUNDS, _OVERSLOWED, _SLOWER = 6, 1.2, 0.012
 
 
 @dataclass(frozen=True, eq=False)
-class SampledPlan:
+class SampledPlan(Printed):
     """A planned motion, its waypoints, and the proof that these keep to the limits.
 
     Attributes

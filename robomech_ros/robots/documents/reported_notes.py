@@ -1,0 +1,12 @@
+"""What is odd in a description and no error, reported once."""
+
+import logging
+from functools import lru_cache
+
+__all__ = ["report_once"]
+
+
+@lru_cache(maxsize=256)
+def report_once(note: str) -> None:
+    """Log a warning, unless the same one was among the last ones."""
+    logging.getLogger(__name__).warning(note)
