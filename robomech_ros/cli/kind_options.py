@@ -1,11 +1,11 @@
 """Options that do not apply to robots of a kind, refused in one way by all commands."""
 
 import argparse
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from robomech_ros.errors import RobomechError
 
-__all__ = ["OptionRefusedError", "refuse_options"]
+__all__ = ["OptionRefusedError", "note_kinds", "refuse_options"]
 
 # What an argparse.Namespace of the command holds besides its options.
 _NO_OPTIONS = ("command", "run")
@@ -15,8 +15,31 @@ class OptionRefusedError(RobomechError):
     """An option does not apply to a robot of this kind; those that do are named."""
 
 
+def note_kinds(parser: argparse.ArgumentParser, refused: Mapping[str, Iterable[str]]) -> None:
+    """Say in the help of options for which kinds of robots they are.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        With all its options.
+    refused : mapping of str to iterable of str
+        For each kind but arms, by what several such robots are called, the options without use.
+    """
+    for action in parser._actions:
+        others = [called for called, names in refused.items() if action.dest in {*names}]
+        kept = ["arms", *(called for called in refused if called not in others)]
+        if others and len(kept) <= len(others):
+            action.help = f"{action.help} ({' and '.join(kept)} only)"
+        elif others:
+            action.help = f"{action.help} (not for {', '.join(others)})"
+
+
 def refuse_options(
-    args: argparse.Namespace, refused: Iterable[str], robot: str, called: str
+    args: argparse.Namespace,
+    refused: Iterable[str],
+    robot: str,
+    called: str,
+    unused: Iterable[str] = (),
 ) -> None:
     """Refuse options that robots of a kind have no use for.
 
@@ -30,6 +53,8 @@ def refuse_options(
         As it was given.
     called : str
         What such a robot is, with its article.
+    unused : iterable of str, optional
+        Options that change nothing for such robots, and are not refused.
 
     Raises
     ------
@@ -39,7 +64,7 @@ def refuse_options(
     others = tuple(refused)
     given = next((name for name in others if getattr(args, name, None)), "")
     if given:
-        applying = [name for name in vars(args) if name not in (*others, *_NO_OPTIONS)]
+        applying = [name for name in vars(args) if name not in (*others, *unused, *_NO_OPTIONS)]
         raise OptionRefusedError(
             f"{_word(given)} does not apply to '{robot}', {called}; "
             f"what applies: {', '.join(map(_word, applying))}"

@@ -4,7 +4,7 @@ import argparse
 import json
 from pathlib import Path
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinetostatics import workspace_boundary
 from robomech_ros.plotting.workspace_section import plot_workspace
 from robomech_ros.robots import load_description
@@ -34,7 +34,13 @@ def run(args: argparse.Namespace) -> int:
     if args.output.suffix not in _ENDINGS:
         raise BadValueError("--output", str(args.output), "a file that ends with png, svg or pdf")
     chain = load_description(args.robot).chain(args.base_link or None, args.tip_link or None)
-    space = workspace_boundary(chain, respect_limits=not args.ignore_limits)
+    try:
+        space = workspace_boundary(chain, respect_limits=not args.ignore_limits)
+    except BadValueError as error:
+        instead = (
+            f"`robomech map --robot {args.robot}` and `robomech plot-map` show any arm's reach"
+        )
+        raise RobomechError(f"{error}; {instead}") from None
     title = chain.name if args.title is None else args.title
     path = plot_workspace(args.output, space, title=title)
     if args.json is not None:

@@ -12,10 +12,10 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from robomech_ros.cli.kind_options import refuse_options
+from robomech_ros.cli.kind_options import note_kinds, refuse_options
 from robomech_ros.cli.numbers import integer, number
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.process.kind_nodes import KIND_NODES, KindNodes
+from robomech_ros.nodes.process.kind_nodes import KIND_NODES, REFUSED, KindNodes
 from robomech_ros.nodes.process.launch_options import OPTIONAL_NODES, LaunchOptions
 from robomech_ros.nodes.process.process_group import ProcessGroup
 from robomech_ros.nodes.process.reach import ports_left, reach, stay_on_this_machine
@@ -35,6 +35,8 @@ __all__ = [
 ]
 
 EXIT_CHILD_FAILED = 1
+# Only arms have a servo to be left out; without one the option is harmless.
+_OF_SERVO = ("no_servo",)
 
 _PART_OF_A_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 # A remap that gives every node the same name.
@@ -117,6 +119,7 @@ def add_launch_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="...",
         help="all that follows goes to every node, such as -r /tf:=tf -p use_sim_time:=true",
     )
+    note_kinds(parser, {kind: (*names, *_OF_SERVO) for kind, names in REFUSED.items()})
 
 
 def run(args: argparse.Namespace) -> int:
@@ -172,14 +175,15 @@ def refuse_of_kind(
     OptionRefusedError
         It names the option, and those that apply.
     """
-    refuse_options(args, (*kind.refused, *besides), args.robot, f"a {kind.called}")
+    refused = *kind.refused, *besides
+    refuse_options(args, refused, args.robot, f"a {kind.called}", _OF_SERVO)
 
 
 def _check_parallel(args: argparse.Namespace, robot: DescribedRobot) -> None:
     """Refuse what does not serve parallel robots; leave out the servo, and say so."""
     from robomech_ros.nodes.common.robot_description import RobotModel
 
-    refuse_options(args, ("joint_limits", "srdf", "group"), args.robot, "a parallel robot")
+    refuse_options(args, REFUSED["parallel robots"], args.robot, "a parallel robot", _OF_SERVO)
     RobotModel(robot.description, args.base_link, args.tip_link, robot=robot.robot)
     if not args.no_servo:
         args.no_servo = True

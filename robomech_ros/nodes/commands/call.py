@@ -3,10 +3,11 @@
 import argparse
 import math
 import sys
+from contextlib import suppress
 from typing import Any
 
 from robomech_ros.nodes.commands.message_yaml import parse_yaml, to_yaml
-from robomech_ros.robots.documents.numbers_in_text import number_in_text
+from robomech_ros.robots.documents.numbers_in_text import integer_in_text, number_in_text
 
 __all__ = ["EXIT_NO_ANSWER", "add_arguments", "run", "seconds_to_wait"]
 
@@ -15,6 +16,8 @@ EXIT_NO_ANSWER = 3
 
 # A day, s.
 _LONGEST = 86400.0
+# What people read, and what a double holds.
+_DIGITS, _ALL_DIGITS = 4, 17
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,6 +34,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--full", action="store_true", help="show empty lists and zero times of inner messages, too"
     )
+    parser.add_argument(
+        "--digits",
+        type=significant_digits,
+        default=_DIGITS,
+        help=f"significant digits of numbers; {_ALL_DIGITS} show all there are ({_DIGITS})",
+    )
 
 
 def seconds_to_wait(text: str) -> float:
@@ -46,6 +55,14 @@ def seconds_to_wait(text: str) -> float:
     return seconds
 
 
+def significant_digits(text: str) -> int:
+    """Read how many digits of a number are shown."""
+    with suppress(ValueError):
+        if 1 <= (digits := integer_in_text(text)) <= _ALL_DIGITS:
+            return digits
+    raise argparse.ArgumentTypeError(f"{text[:80]!r}, expected an integer from 1 to {_ALL_DIGITS}")
+
+
 def run(args: argparse.Namespace) -> int:
     """Call the service and print its answer.
 
@@ -59,7 +76,7 @@ def run(args: argparse.Namespace) -> int:
     except NoAnswerError as error:
         print(f"robomech call: {error}", file=sys.stderr)
         return EXIT_NO_ANSWER
-    print(to_yaml(response, args.full), end="")
+    print(to_yaml(response, args.full, args.digits), end="")
     return _verdict(response)
 
 

@@ -7,12 +7,12 @@ from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryFile
 
-from robomech_ros.cli.kind_options import refuse_options
+from robomech_ros.cli.kind_options import note_kinds, refuse_options
 from robomech_ros.cli.numbers import number
 from robomech_ros.cli.warmup import warm
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.commands.bringup import refuse_of_kind
-from robomech_ros.nodes.process.kind_nodes import KIND_NODES, KindNodes
+from robomech_ros.nodes.process.kind_nodes import KIND_NODES, REFUSED, KindNodes
 from robomech_ros.robots.kinds import ARM, check_name, kind_of
 
 __all__ = ["add_arguments", "run"]
@@ -51,6 +51,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=Path("demo_output"),
         help="folder for the plot and the page (demo_output)",
     )
+    shown = [f"{one.called}s" for one in KIND_NODES.values() if one.demonstration]
+    others = {kind: (*REFUSED[kind], *_OF_DRIVES) for kind in shown}
+    note_kinds(parser, {"parallel robots": REFUSED["parallel robots"], **others})
 
 
 def _kind(args: argparse.Namespace) -> KindNodes | None:
@@ -72,7 +75,7 @@ def _kind(args: argparse.Namespace) -> KindNodes | None:
         own.load(args.robot)
         refuse_of_kind(args, own, _OF_DRIVES)
     elif kind == "parallel":
-        refuse_options(args, ("srdf", "group"), args.robot, "a parallel robot")
+        refuse_options(args, REFUSED["parallel robots"], args.robot, "a parallel robot")
     return own
 
 

@@ -17,9 +17,25 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.robots.documents.guarded_yaml import UniqueKeyLoader
 from robomech_ros.robots.documents.numbers_in_text import number_in_text
 
-__all__ = ["UnknownFieldError", "fill_message", "interface_class", "parse_yaml", "to_yaml"]
+__all__ = [
+    "UnknownFieldError",
+    "fill_message",
+    "interface_class",
+    "parse_yaml",
+    "to_yaml",
+    "without_types",
+]
 
 _PARTS_OF_A_TYPE = 3
+# Services of MoveIt by words of their names and types, and those that need no types of MoveIt.
+_WITHOUT_MOVEIT = {
+    "compute_ik": "kinematics/solve_ik",
+    "GetPositionIK": "kinematics/solve_ik",
+    "compute_fk": "kinematics/solve_fk",
+    "GetPositionFK": "kinematics/solve_fk",
+    "compute_cartesian_path": "trajectory_planner/plan_cartesian",
+    "GetCartesianPath": "trajectory_planner/plan_cartesian",
+}
 _INTEGER = re.compile(r"(?P<unsigned>u?)int(?P<bits>8|16|32|64)")
 _LIST = re.compile(r"sequence<(?P<sequence>.+?)(, (?P<bound>\d+))?>|(?P<array>.+)\[(?P<size>\d+)\]")
 
@@ -50,8 +66,16 @@ def interface_class(name: str) -> Any:
     try:
         return getattr(import_module(".".join(parts[:2])), parts[2])
     except (ImportError, AttributeError) as error:
-        expected = f"an interface installed here ({error})"
+        expected = f"an interface installed here ({error}){without_types(name)}"
         raise BadValueError("interface type", name, expected) from None
+
+
+def without_types(name: str) -> str:
+    """Say what does the same as a service of MoveIt; empty for other services and types."""
+    other = _WITHOUT_MOVEIT.get(name.rsplit("/", 1)[-1])
+    if not other:
+        return ""
+    return f"; it needs MoveIt's message types (see `robomech doctor`), {other} does not"
 
 
 def parse_yaml(text: str) -> Mapping[str, Any]:
@@ -169,7 +193,7 @@ def _represent_line(dumper: yaml.SafeDumper, line: _Line) -> yaml.Node:
 _Dumper.add_representer(_Line, _represent_line)
 
 
-def to_yaml(message: Any, full: bool = False) -> str:
+def to_yaml(message: Any, full: bool = False, digits: int = 17) -> str:
     """Write a message as YAML.
 
     Parameters
@@ -178,29 +202,34 @@ def to_yaml(message: Any, full: bool = False) -> str:
         Any message, request or response.
     full : bool
         False leaves out the empty lists and zero times inside nested messages.
+    digits : int
+        How many significant ones of numbers that are no integers.
     """
-    plain = dict(_plain_fields(message, full=True, inner_full=full))
+    plain = dict(_plain_fields(message, True, full, digits))
     return yaml.dump(
         plain, Dumper=_Dumper, sort_keys=False, default_flow_style=False, width=math.inf,
         allow_unicode=True,
     )  # fmt: skip
 
 
-def _plain_fields(message: Any, full: bool, inner_full: bool) -> Iterator[tuple[str, Any]]:
+def _plain_fields(
+    message: Any, full: bool, inner_full: bool, digits: int
+) -> Iterator[tuple[str, Any]]:
     for field in message.get_fields_and_field_types():
-        value = _plain(getattr(message, field), inner_full)
+        value = _plain(getattr(message, field), inner_full, digits)
         if full or value not in ([], {"sec": 0, "nanosec": 0}):
             yield field, value
 
 
-def _plain(value: Any, full: bool) -> Any:
+def _plain(value: Any, full: bool, digits: int) -> Any:
     if hasattr(value, "get_fields_and_field_types"):
-        return dict(_plain_fields(value, full, full))
+        return dict(_plain_fields(value, full, full, digits))
+    if isinstance(value, float):
+        return float(f"{value:.{digits}g}")
     if isinstance(value, bytes | bytearray):
         return base64.b64encode(value).decode()
-    if isinstance(value, np.ndarray):
-        return _Line(value.tolist())
-    if isinstance(value, array.array | list | tuple):
-        entries = [_plain(entry, full) for entry in value]
+    if isinstance(value, np.ndarray | array.array | list | tuple):
+        plain = value.tolist() if isinstance(value, np.ndarray) else value
+        entries = [_plain(entry, full, digits) for entry in plain]
         return entries if any(isinstance(e, dict) for e in entries) else _Line(entries)
     return value

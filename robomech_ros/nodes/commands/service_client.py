@@ -9,7 +9,11 @@ import rclpy
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.commands.message_yaml import fill_message, interface_class
+from robomech_ros.nodes.commands.message_yaml import (
+    fill_message,
+    interface_class,
+    without_types,
+)
 from robomech_ros.nodes.middleware.deep_queues import ask
 from robomech_ros.nodes.middleware.questions import Question
 from robomech_ros.nodes.process.memory import bounded_memory
@@ -108,7 +112,8 @@ def _type_in_graph(node: Node, service: str, deadline: float) -> str:
     close = get_close_matches(service, names, n=1)
     hint = f" (did you mean '{close[0]}'?)" if close else ""
     there = ", ".join(names[:_MOST_LISTED]) or "none, is anything running?"
-    raise NoAnswerError(f"service '{service}' did not appear{hint}; there are: {there}")
+    other = without_types(service)
+    raise NoAnswerError(f"service '{service}' did not appear{other or hint}; there are: {there}")
 
 
 def _is_plumbing(service: str) -> bool:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectoryPoint
 
 from robomech_interfaces.srv import (
     ForwardDynamics,
@@ -93,7 +94,9 @@ class DynamicsNode(Node):
     async def _inverse_dynamics(self, request: Any, response: Any) -> Any:
         system = self._loaded
         self._check_size("points", len(request.points))
-        states = motions(request.points, request.joint_names, self._drives)
+        names = list(request.joint_names) or list(self._drives.names)
+        points = request.points or [await self._present(names)]
+        states = motions(points, names, self._drives)
         wrench = await self._wrench(request, states.q)
         shares = torque_shares(system, states, self._gravity(request), wrench)
         for field, rows in shares.items():
@@ -159,6 +162,12 @@ class DynamicsNode(Node):
         """Read the positions (n,) of a state; of an empty one, the present ones."""
         patience = self._table.settings.state_timeout
         return await self._joints.read_or_present(self._drives.way, state, "state", patience)
+
+    async def _present(self, names: list[str]) -> JointTrajectoryPoint:
+        """Give the present positions of joints, at rest; who reads it finds unknown names."""
+        q = await self._positions(JointState())
+        known = dict(zip(self._drives.joint_names, q.tolist(), strict=True))
+        return JointTrajectoryPoint(positions=[known.get(name, 0.0) for name in names])
 
     async def _wrench(self, request: Any, q: Array) -> Array:
         """Read the wrench (m, 6) on the tip at joint values (m, n)."""

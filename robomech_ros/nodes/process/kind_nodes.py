@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from robomech_ros.hands import load_hand
 from robomech_ros.rolling import rolling_robot
 
-__all__ = ["KIND_NODES", "KindNodes"]
+__all__ = ["KIND_NODES", "REFUSED", "KindNodes"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +81,7 @@ KIND_NODES = {
         called="hand",
         nodes=("grasping",),
         load=load_hand,
-        refused=(*_OF_ARMS, "rate", "dynamic", "view"),
+        refused=(*_OF_ARMS, "rate", "dynamic", "view", "view_port", "view_host"),
     ),
     "walking": KindNodes(
         called="walking machine",
@@ -91,4 +91,10 @@ KIND_NODES = {
         refused=(*_OF_ARMS, "dynamic"),
         demonstration="robomech_ros.nodes.demonstration.walk_session",
     ),
+}
+
+# What of the options of bringup parallel robots and each of these kinds have no use for.
+REFUSED = {
+    "parallel robots": ("joint_limits", "srdf", "group"),
+    **{f"{one.called}s": one.refused for one in KIND_NODES.values()},
 }
