@@ -113,21 +113,21 @@ def inverse_dynamics_derivatives(
     Singh, Russo, Wensing, IEEE Robotics and Automation Letters 7, 2022.
     """
     q, qd, qdd = as_states(chain, ("q", "qd", "qdd"), q, qd, qdd)
-    model, shape, n = dynamic_model(chain), q.shape, chain.n
+    model, shape = dynamic_model(chain), q.shape
+    joint_states = chain.joint_values(q), chain.joint_rates(qd), chain.joint_rates(qdd)
+    m = len(model) - 1
     around = surroundings(shape, gravity, tip_wrench, base_twist, base_twist_rate)
     if q.ndim == 1:
-        matrices = np.empty((3, n, n))
-        status = _derivatives_one(model, q, qd, qdd, around, matrices)
+        matrices = np.empty((3, m, m))
+        status = _derivatives_one(model, *joint_states, around, matrices)
     else:
-        rows = as_rows(q)
-        matrices = np.empty((3, len(rows), n, n))
-        status = kernels.inverse_derivatives(
-            model, rows, as_rows(qd), as_rows(qdd), around, matrices
-        )
-        matrices = matrices.reshape(3, *shape, n)
+        rows = [as_rows(values) for values in joint_states]
+        matrices = np.empty((3, len(rows[0]), m, m))
+        status = kernels.inverse_derivatives(model, *rows, around, matrices)
+        matrices = matrices.reshape(3, *shape[:-1], m, m)
     if status:
         raise_outcome(chain, status, q=q, qd=qd, qdd=qdd)
-    return InverseDerivatives(matrices)
+    return InverseDerivatives(chain.drive_matrix(matrices))
 
 
 def forward_dynamics_derivatives(

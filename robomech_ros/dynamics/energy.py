@@ -190,7 +190,8 @@ def _totals(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     q, qd = as_states(chain, ("q", "qd"), q, qd)
     rows = as_rows(q)
     out = np.empty((len(rows), 11))
-    status = kernels.totals(dynamic_model(chain), rows, as_rows(qd), out)
+    values, rates = chain.joint_values(rows), chain.joint_rates(as_rows(qd))
+    status = kernels.totals(dynamic_model(chain), values, rates, out)
     if status:
         raise_outcome(chain, status, q=q, qd=qd)
     return out.reshape(*q.shape[:-1], 11)

@@ -119,8 +119,10 @@ def coriolis_matrix(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     """
     q, qd = as_states(chain, ("q", "qd"), q, qd)
     rows = as_rows(q)
-    C = np.empty((len(rows), chain.n, chain.n))
-    status = kernels.coriolis_matrix(dynamic_model(chain), rows, as_rows(qd), C)
+    model = dynamic_model(chain)
+    C = np.empty((len(rows), len(model) - 1, len(model) - 1))
+    rates = chain.joint_rates(as_rows(qd))
+    status = kernels.coriolis_matrix(model, chain.joint_values(rows), rates, C)
     if status:
         raise_outcome(chain, status, q=q, qd=qd)
-    return C.reshape(*q.shape, chain.n)
+    return chain.drive_matrix(C).reshape(*q.shape, chain.n)

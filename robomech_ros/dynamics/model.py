@@ -48,7 +48,7 @@ def dynamic_model(chain: SerialChain) -> Array:
 
     Returns
     -------
-    ndarray, shape (n + 1, 24)
+    ndarray, shape (n + 1, 24), or (m + 1, 28) where n of m joints move by themselves
 
     Raises
     ------
@@ -58,10 +58,12 @@ def dynamic_model(chain: SerialChain) -> Array:
         No body can have the numbers of one.
     """
     check_chain(chain)
-    model = np.zeros((chain.n + 1, MODEL_WIDTH))
-    model[:, :MASS] = chain.packed
+    model = np.zeros((len(chain.packed), MODEL_WIDTH + chain.packed.shape[1] - MASS))
+    model[:, :MASS], model[:, MODEL_WIDTH:] = chain.packed[:, :MASS], chain.packed[:, MASS:]
     model[:-1, MASS:ROTOR] = body_parameters(chain)
-    model[:-1, ROTOR] = [drive.reflected_inertia for drive in chain.drives]
+    for k, drive in enumerate(chain.drives):
+        joint, gain = chain.driven_joint(k)
+        model[joint, ROTOR] = drive.reflected_inertia / gain**2
     model.setflags(write=False)
     return model
 
@@ -76,7 +78,7 @@ def body_parameters(chain: SerialChain) -> Array:
 
     Returns
     -------
-    ndarray, shape (n, 10)
+    ndarray, shape (n, 10), or (m, 10) with followers
         Mass (kg), first moment (kg m), and the moments xx, xy, xz, yy, yz, zz about the origin
         (kg m^2) of the frame that moves with the joint, z its axis.
 

@@ -23,7 +23,7 @@ def arm_size(chain: SerialChain) -> float:
     It is 1e-3 at least, and no less than the distance that can be between the first and the last
     of these frames while prismatic joints stay at zero.
     """
-    return max(float(np.linalg.norm(chain.packed[1 : chain.n, 10:], axis=1).sum()), 1e-3)
+    return max(float(np.linalg.norm(chain.packed[1:-1, 10:13], axis=1).sum()), 1e-3)
 
 
 def mobility(chain: SerialChain, size: float) -> float:

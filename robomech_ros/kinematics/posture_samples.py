@@ -82,7 +82,7 @@ def spread_values(types: NDArray[np.int64], lower: Array, upper: Array, count: i
 
 def reach_bound(chain: SerialChain) -> float:
     """Give an upper bound on the distance (m) between base and tip, prismatic travel included."""
-    fixed = float(np.linalg.norm(chain.packed[:, 10:], axis=1).sum())
+    fixed = float(np.linalg.norm(chain.packed[:, 10:13], axis=1).sum())
     sliding = chain.types == PRISMATIC
     travel = np.maximum(np.abs(chain.lower), np.abs(chain.upper))[sliding]
     return fixed + float(travel[np.isfinite(travel)].sum())

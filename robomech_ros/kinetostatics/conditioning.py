@@ -257,7 +257,7 @@ def _length(chain: SerialChain, x: Array) -> float:
 @functools.lru_cache(maxsize=64)
 def length_scale(chain: SerialChain) -> float:
     """Give how far the tip can be from the first joint at the most, 1 m where that is nothing."""
-    lengths = np.linalg.norm(chain.packed[1:, 10:], axis=1)
+    lengths = np.linalg.norm(chain.packed[1:, 10:13], axis=1)
     travel = np.maximum(np.abs(chain.lower), np.abs(chain.upper))[chain.types == PRISMATIC]
     return float(lengths.sum() + travel[np.isfinite(travel)].sum()) or 1.0
 

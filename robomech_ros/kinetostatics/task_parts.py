@@ -66,7 +66,7 @@ def task_part(chain: SerialChain, part: str) -> TaskPart:
         if exact < _ROUNDING and 0 < len(kept) < min(chain.n, len(rows)):
             packed = chain.packed.copy()
             packed[0, 1:10] = (axes.T @ packed[0, 1:10].reshape(3, 3)).ravel()
-            packed[0, 10:] = axes.T @ packed[0, 10:]
+            packed[0, 10:13] = axes.T @ packed[0, 10:13]
             return TaskPart(packed, kept)
     return TaskPart(chain.packed, rows)
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros._kernels.chain.layout import COUPLING_WIDTH, PACKED_WIDTH, TURN
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import (
     BadValueError,
@@ -19,12 +20,13 @@ from robomech_ros.errors import (
 )
 from robomech_ros.printing import MOST_LINES, Printed
 from robomech_ros.robots.bodies import Body, bodies_carried, pack_bodies
-from robomech_ros.robots.chain_layout import MOST_JOINTS, PRISMATIC, REVOLUTE
+from robomech_ros.robots.chain_layout import MOST_JOINTS, PRISMATIC, REVOLUTE, unpack_chain
 from robomech_ros.robots.dh_recovery import recover_dh
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.entry_checks import bare_link, check_name, check_names, checked_entries
 from robomech_ros.robots.limit_arrays import KEYS, LARGEST_ANGLE, check_limits, position_limits
+from robomech_ros.robots.mimic import Coupling
 from robomech_ros.robots.regular_posture import regular_posture
 
 __all__ = ["LimitKind", "LinkFrame", "SerialChain"]
@@ -59,6 +61,9 @@ class LinkFrame:
 class SerialChain(Printed):
     """A serial chain of revolute and prismatic joints from a base link to a tip link.
 
+    Joints may follow others.  Joint values q, limits and names are then those of the n drives,
+    and the m joints from base to tip stand at ``A q + b``, as ``coupling`` says.
+
     Instances are immutable and compare by identity, so they serve as keys of caches.
 
     Parameters
@@ -68,13 +73,15 @@ class SerialChain(Printed):
     base, tip : str
         The links whose relative pose the chain gives, ``T_base_tip``.
     joint_names : tuple of str
-        The moving joints from base to tip.
+        The moving joints from base to tip; where some follow others, those that they follow, also
+        if these are not on the chain.
     types : ndarray of int, shape (n,)
         0 revolute, 1 prismatic.
-    packed : ndarray, shape (n + 1, 13)
+    packed : ndarray, shape (n + 1, 13), or (m + 1, 17) where joints follow others
         Row i holds the type of joint i + 1 (-1 in the last row) and the constant transform C_i:
         rotation row by row, then origin (m);
-        ``T_base_tip = C_0 J_1(q_1) C_1 ... J_n(q_n) C_n``, J_i about or along z.
+        ``T_base_tip = C_0 J_1(q_1) C_1 ... J_n(q_n) C_n``, J_i about or along z.  What follows in
+        a row is that of the coupling; it is appended where it is not given.
     lower, upper : ndarray, shape (n,)
         Position limits (rad or m), infinite where there is none; 1e5 and more stands for none.
     velocity, acceleration, jerk, effort : ndarray, shape (n,)
@@ -84,12 +91,14 @@ class SerialChain(Printed):
     dh_given : DHTable or None
         The Denavit-Hartenberg table that the chain was made from.
     bodies : tuple of Body or None
-        What moves with each joint, in the frame in front of C_i that turns or slides with joint
+        What moves with each of the n (or m) joints, in the frame in front of C_i that turns or slides with joint
         i; None where nothing is known of it.  Default nothing known.
     drives : tuple of Drive
-        Friction and rotor of each joint.  Default none.
+        Friction and rotor of each drive.  Default none.
     home_given : ndarray, shape (n,), or None
         Where the robot stands to begin with (rad or m); see :meth:`home`.
+    coupling : Coupling or None
+        How joints follow the drives.  Default every joint is a drive.
     """
 
     name: str
@@ -109,6 +118,7 @@ class SerialChain(Printed):
     bodies: tuple[Body | None, ...] = ()
     drives: tuple[Drive, ...] = ()
     home_given: Array | None = None
+    coupling: Coupling | None = None
 
     def __post_init__(self) -> None:
         for what in ("name", "base", "tip"):
@@ -127,14 +137,20 @@ class SerialChain(Printed):
         if not np.isin(self.types, (REVOLUTE, PRISMATIC)).all():
             raise BadValueError("types", self.types, "0 (revolute) or 1 (prismatic)")
         self._freeze("types", np.int64, (n,))
-        self._freeze("packed", np.float64, (n + 1, 13))
+        m, width = len(self.all_joint_names), PACKED_WIDTH
+        if self.coupling is not None:
+            width += COUPLING_WIDTH
+            if self.packed.shape[1] == PACKED_WIDTH:
+                both = np.hstack((self.packed, self.coupling.columns(self.types)))
+                object.__setattr__(self, "packed", both)
+        self._freeze("packed", np.float64, (m + 1, width))
         if not np.isfinite(self.packed).all():
             raise NonFiniteError("packed", self.packed)
-        longest = float(np.abs(self.packed[:, 10:]).max())
+        longest = float(np.abs(self.packed[:, 10:PACKED_WIDTH]).max())
         if longest > LARGEST_LENGTH:
             raise BadValueError("longest offset", longest, f"at most {LARGEST_LENGTH:g} m")
-        bodies = checked_entries("bodies", self.bodies, Body | None, n)
-        object.__setattr__(self, "bodies", bodies or (None,) * n)
+        bodies = checked_entries("bodies", self.bodies, Body | None, m)
+        object.__setattr__(self, "bodies", bodies or (None,) * m)
         drives = checked_entries("drives", self.drives, Drive, n)
         object.__setattr__(self, "drives", drives or (Drive(),) * n)
         if self.home_given is not None:
@@ -166,14 +182,98 @@ class SerialChain(Printed):
 
     @cached_property
     def n(self) -> int:
-        """Number of joints."""
+        """Number of joints that move by themselves."""
         return len(self.joint_names)
+
+    @property
+    def all_joint_names(self) -> tuple[str, ...]:
+        """All m joints from base to tip, those that follow others included."""
+        return self.joint_names if self.coupling is None else self.coupling.joint_names
+
+    @cached_property
+    def uncoupled(self) -> SerialChain:
+        """The chain as if all m joints moved by themselves, without limits; else itself."""
+        if self.coupling is None:
+            return self
+        m = len(self.all_joint_names)
+        endless, none = np.full(m, np.inf), np.full(m, np.nan)
+        return replace(
+            self,
+            joint_names=self.all_joint_names,
+            types=self.coupling.types,
+            packed=self.packed[:, :PACKED_WIDTH],
+            **dict(zip(KEYS, (-endless, endless, none, none, none, none), strict=True)),
+            drives=(),
+            home_given=None,
+            coupling=None,
+        )
+
+    def joint_values(self, q: Array) -> Array:
+        """Give the values (..., m) of all joints (rad or m) at those (..., n) of the drives."""
+        if self.coupling is None:
+            return q
+        values: Array = self.coupling.gain * np.take(q, self.coupling.drive, -1) + self.coupling.offset
+        return values
+
+    def joint_rates(self, qd: Array) -> Array:
+        """Give the rates (..., m) of all joints at those (..., n) of the drives."""
+        if self.coupling is None:
+            return qd
+        rates: Array = self.coupling.gain * np.take(qd, self.coupling.drive, -1)
+        return rates
+
+    def drive_efforts(self, efforts: Array) -> Array:
+        """Give what the drives (..., n) exert for efforts (..., m) at all joints (N m or N)."""
+        return efforts if self.coupling is None else efforts @ self.coupling.matrix
+
+    def drive_matrix(self, matrix: Array) -> Array:
+        """Turn matrices (..., m, m) of all joints into those (..., n, n) of the drives."""
+        if self.coupling is None:
+            return matrix
+        A = self.coupling.matrix
+        turned: Array = A.T @ matrix @ A
+        return turned
+
+    def driven_joint(self, drive: int) -> tuple[int, float]:
+        """Find the joint that a drive moves most, and its rate over that of the drive."""
+        if self.coupling is None:
+            return drive, 1.0
+        column = self.coupling.matrix[:, drive]
+        joint = int(np.abs(column).argmax())
+        return joint, float(column[joint]) or 1.0
+
+    @property
+    def transforms(self) -> Array:
+        """The constant transforms C_0 .. C_n (m), shape (n + 1, 4, 4), a copy.
+
+        Raises
+        ------
+        BadValueError
+            Joints follow others, which whoever multiplies transforms by joint values must know.
+        """
+        if self.coupling is not None:
+            names = [name for name in self.all_joint_names if name not in self.joint_names]
+            expected = (
+                "one whose joints all move by themselves: pass chain.uncoupled with the values "
+                "chain.joint_values(q)"
+            )
+            what = f"chain '{self.name}' with joints that follow others"
+            raise BadValueError(what, ", ".join(names or self.all_joint_names), expected)
+        return unpack_chain(self.packed)
+
+    @cached_property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which values are angles of which a whole turn changes nothing, shape (n,)."""
+        kinds = self.packed[: self.n, 0 if self.coupling is None else -1]
+        result: NDArray[np.bool_] = kinds == TURN
+        result.setflags(write=False)
+        return result
 
     @cached_property
     def continuous(self) -> NDArray[np.bool_]:
         """Which joints turn without any limit of position, shape (n,)."""
         unlimited = np.isneginf(self.lower) & np.isposinf(self.upper)
-        result: NDArray[np.bool_] = (self.types == REVOLUTE) & unlimited
+        result: NDArray[np.bool_] = self.turns & unlimited
         result.setflags(write=False)
         return result
 
@@ -200,10 +300,13 @@ class SerialChain(Printed):
 
     @cached_property
     def dh(self) -> DHTable | None:
-        """Denavit-Hartenberg table: the one given, else recovered; None without joints."""
+        """Denavit-Hartenberg table: the one given, else recovered; None without joints.
+
+        It is None, too, where joints follow others: :attr:`uncoupled` has one.
+        """
         if self.dh_given is not None:
             return self.dh_given
-        return recover_dh(self.packed) if self.n else None
+        return recover_dh(self.packed) if self.n and self.coupling is None else None
 
     def link_frame(self, link: str) -> LinkFrame:
         """Find the frame of a link of this chain, or of one fixed to such a link.
@@ -253,11 +356,19 @@ class SerialChain(Printed):
 
     def _cut_at(self, target: LinkFrame) -> SerialChain:
         k = target.joints
-        rest = np.clip(0.0, self.lower, self.upper)
-        packed = self.packed[: k + 1].copy()
+        rest = self.joint_values(np.clip(0.0, self.lower, self.upper))
+        packed = self.packed[: k + 1, :PACKED_WIDTH].copy()
         packed[k, 0] = -1.0
         packed[k, 1:10] = target.offset[:3, :3].ravel()
         packed[k, 10:] = target.offset[:3, 3]
+        bodies = bodies_carried(self.bodies, self.packed, rest, k)
+        frames = tuple(frame for frame in self.frames if frame.joints <= k)
+        coupling = self.coupling and self.coupling.first(k)
+        if coupling is not None:
+            # Drives stand in the order in which the joints of the chain need them.
+            k = int(coupling.drive.max()) + 1 if k else 0
+            if coupling.joint_names == self.joint_names[:k]:
+                coupling = None
         return SerialChain(
             name=self.name,
             base=self.base,
@@ -271,10 +382,11 @@ class SerialChain(Printed):
             acceleration=self.acceleration[:k],
             jerk=self.jerk[:k],
             effort=self.effort[:k],
-            frames=tuple(frame for frame in self.frames if frame.joints <= k),
-            bodies=bodies_carried(self.bodies, self.packed, rest, k),
+            frames=frames,
+            bodies=bodies,
             drives=self.drives[:k],
             home_given=self.home()[:k],
+            coupling=coupling,
         )
 
     @cached_property
@@ -290,12 +402,12 @@ class SerialChain(Printed):
         BadValueError
             No body can have the numbers of one.
         """
-        links = [self._links_moved_by(i) for i in range(self.n)]
-        return pack_bodies(self.bodies, links, self.joint_names)
+        links = [self._links_moved_by(i) for i in range(len(self.bodies))]
+        return pack_bodies(self.bodies, links, self.all_joint_names)
 
     def _links_moved_by(self, i: int) -> list[str]:
         names = [frame.name for frame in self.frames if frame.joints == i + 1]
-        return names or [f"what joint {self.joint_names[i]} moves"]
+        return names or [f"what joint {self.all_joint_names[i]} moves"]
 
     def home(self) -> Array:
         """Posture to begin with (rad or m), shape (n,): the one given, else a regular one.
@@ -311,7 +423,8 @@ class SerialChain(Printed):
 
     @cached_property
     def _regular(self) -> Array:
-        return regular_posture(self.packed, self.lower, self.upper)
+        slides = self.types == PRISMATIC
+        return regular_posture(self.packed, slides, self.lower, self.upper)
 
     def midrange(self) -> Array:
         """Middle of the position limits (rad or m), shape (n,).

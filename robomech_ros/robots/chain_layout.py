@@ -70,7 +70,7 @@ def unpack_chain(packed: Array) -> Array:
 
     Parameters
     ----------
-    packed : ndarray, shape (n + 1, 13)
+    packed : ndarray, shape (n + 1, 13) or (n + 1, 17)
         See :class:`robomech_ros.robots.SerialChain`.
 
     Returns
@@ -80,6 +80,6 @@ def unpack_chain(packed: Array) -> Array:
     """
     transforms = np.zeros((len(packed), 4, 4))
     transforms[:, :3, :3] = packed[:, 1:10].reshape(-1, 3, 3)
-    transforms[:, :3, 3] = packed[:, 10:]
+    transforms[:, :3, 3] = packed[:, 10:13]
     transforms[:, 3, 3] = 1.0
     return transforms

@@ -24,8 +24,9 @@ from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.entry_checks import bare_link
 from robomech_ros.robots.joint import Joint, turn_of_z
+from robomech_ros.robots.limit_arrays import KEYS
 from robomech_ros.robots.link_tree import LinkTree
-from robomech_ros.robots.mimic import Follower, followers
+from robomech_ros.robots.mimic import Coupling, Follower, drive_limits, followers, joined_drive
 
 __all__ = ["RobotDescription"]
 
@@ -219,8 +220,9 @@ class RobotDescription(Printed):
             Base or tip is no text.
         RobotDescriptionError
             The tip is not below the base, no joint moves between them, several links could be
-            the tip, or a joint between them is of a kind that a chain cannot have (mimic,
-            planar, floating): the joint is named.
+            the tip, or a joint between them is of a kind that a chain cannot have (planar,
+            floating): the joint is named.  Or the limits of one leave no position to the joint
+            that it follows.
         """
         for what, link in (("base", base), ("tip", tip)):
             if link is not None and not isinstance(link, str):
@@ -253,29 +255,36 @@ class RobotDescription(Printed):
             along.append(LinkFrame(joint.child, len(constants), C, joint.parent))
         constants.append(C)
         frames = [*along, *self._attached(along)]
-        types = np.array(
-            [PRISMATIC if joint.type == "prismatic" else REVOLUTE for joint in moving],
-            dtype=np.int64,
-        )
+        types = _types(moving)
+        ways = [self.followers.get(one.name, Follower(one.name, 1.0, 0.0)) for one in moving]
+        leaders = list(dict.fromkeys(way.leader for way in ways))
+        by_name = {joint.name: joint for joint in self.joints}
+        leading = [by_name[name] for name in leaders]
+        coupling = None
+        if leading != moving:
+            indices = np.array([leaders.index(way.leader) for way in ways])
+            gain = np.array([way.multiplier for way in ways])
+            offset = np.array([way.offset for way in ways])
+            names = tuple(joint.name for joint in moving)
+            coupling = Coupling(names, types, indices, gain, offset)
+        pairs = list(zip(moving, ways, strict=True))
+        driven = [[pair for pair in pairs if pair[1].leader == name] for name in leaders]
+        limits = [drive_limits(*pair) for pair in zip(leading, driven, strict=True)]
         whole = base == self.root and len(path) == len(self.joints)
         return SerialChain(
             name=self.name,
             base=base,
             tip=along[-1].name,
-            joint_names=tuple(joint.name for joint in moving),
-            types=types,
+            joint_names=tuple(leaders),
+            types=_types(leading),
             packed=pack_chain(np.array(constants), types),
-            lower=np.array([joint.lower for joint in moving]),
-            upper=np.array([joint.upper for joint in moving]),
-            velocity=np.array([joint.velocity for joint in moving]),
-            acceleration=np.array([joint.acceleration for joint in moving]),
-            jerk=np.array([joint.jerk for joint in moving]),
-            effort=np.array([joint.effort for joint in moving]),
+            **{key: np.array([one[key] for one in limits]) for key in KEYS},
             frames=tuple(frames),
             dh_given=self.dh if whole else None,
             bodies=self._bodies(along, len(moving)),
-            drives=tuple(joint.drive for joint in moving),
-            home_given=self._home_of(moving),
+            drives=tuple(map(joined_drive, leading, driven)),
+            home_given=self._home_of(leading),
+            coupling=coupling,
         )
 
     def _home_of(self, moving: list[Joint]) -> Array | None:
@@ -313,6 +322,11 @@ class RobotDescription(Printed):
                     attached = LinkFrame(joint.child, frame.joints, offset, frame.name)
                     yield attached
                     waiting.append(attached)
+
+
+def _types(joints: list[Joint]) -> NDArray[np.int64]:
+    kinds = [PRISMATIC if joint.type == "prismatic" else REVOLUTE for joint in joints]
+    return np.array(kinds, dtype=np.int64)
 
 
 def _checked_positions(

@@ -127,9 +127,6 @@ class LinkTree:
             raise RobotDescriptionError(*joint.fault)
         where = f"{self.where}: joint '{joint.name}'"
         between = f"on the chain from '{base}' to '{tip}'"
-        if joint.mimic is not None:
-            why = f"it mimics joint '{joint.mimic}' {between}; choose a tip before it"
-            raise RobotDescriptionError(where, why)
         if not joint.moves and joint.type != "fixed":
             why = (
                 f"type '{joint.type}' {between}; a chain takes {', '.join(MOVING)} and fixed: "
@@ -177,20 +174,12 @@ class LinkTree:
     def _possible_tips(self, moved: list[str], leaves: list[str]) -> list[str]:
         """List where tools are mounted, and the leaves that can end a chain.
 
-        Mounted is what lies behind the last link before the ways to the leaves part, and behind
-        joints that mimic others, which cannot be on a chain.
+        Mounted is what lies behind the last link before the ways to the leaves part.
         """
         ways = [self._way_up(leaf) for leaf in leaves]
         shared = set(ways[0]).intersection(*ways[1:])
         forks = [link for link in ways[0] if link in shared][:1]
-        ends = []
-        for leaf, way in zip(leaves, ways, strict=True):
-            mimics = [link for link in way[:-1] if self.to_parent[link].mimic is not None]
-            if mimics:
-                forks.append(self.to_parent[mimics[-1]].parent)
-            else:
-                ends.append(leaf)
-        tips = dict.fromkeys([*forks, *sorted(ends)])
+        tips = dict.fromkeys([*forks, *sorted(leaves)])
         return [link for link in tips if link in moved]
 
     def _way_up(self, link: str) -> list[str]:

@@ -1,11 +1,21 @@
-"""Joints that mimic others: who follows whom in the end, and where."""
+"""Joints that mimic others: who follows whom in the end, and the drives of a chain with them."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from robomech_ros.robots.joint import Joint
+import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ["Follower", "followers", "mimic_faults"]
+from robomech_ros._kernels.chain.layout import ANGLE, COUPLING_WIDTH, SLIDE, TURN
+from robomech_ros.errors import RobotDescriptionError
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE
+from robomech_ros.robots.drives import Drive
+from robomech_ros.robots.joint import Joint
+from robomech_ros.robots.limit_arrays import KEYS
+
+__all__ = ["Coupling", "Follower", "drive_limits", "followers", "joined_drive", "mimic_faults"]
+
+Array = NDArray[np.float64]
 
 _MOST_NAMES = 20
 
@@ -24,6 +34,106 @@ class Follower:
     def position(self, of_leader: float) -> float:
         """Give the position (rad or m) that belongs to one of the leader."""
         return self.multiplier * of_leader + self.offset
+
+
+@dataclass(frozen=True, eq=False)
+class Coupling:
+    """How the m joints of a chain stand at the values q (n,) of its drives.
+
+    Joint i stands at ``gain[i] q[drive[i]] + offset[i]``.
+
+    Parameters
+    ----------
+    joint_names : tuple of str
+        All m joints from base to tip, followers included.
+    types : ndarray of int, shape (m,)
+        0 revolute, 1 prismatic.
+    drive : ndarray of int, shape (m,)
+        Index of the drive that moves each joint.
+    gain : ndarray, shape (m,)
+        1, or a ratio of rad and m.
+    offset : ndarray, shape (m,)
+        rad or m.
+    """
+
+    joint_names: tuple[str, ...]
+    types: NDArray[np.int64]
+    drive: NDArray[np.int64]
+    gain: Array
+    offset: Array
+
+    @property
+    def matrix(self) -> Array:
+        """The matrix A (m, n) by which joint rates are A times those of the drives."""
+        A = np.zeros((len(self.drive), int(self.drive.max()) + 1))
+        A[np.arange(len(self.drive)), self.drive] = self.gain
+        return A
+
+    def first(self, count: int) -> "Coupling":
+        """Give the coupling of the first joints of the chain."""
+        rows = (self.types, self.drive, self.gain, self.offset)
+        return Coupling(self.joint_names[:count], *(row[:count] for row in rows))
+
+    def columns(self, types: NDArray[np.int64]) -> Array:
+        """Give what the kernels read of it (m + 1, 4), for drives of these types (n,)."""
+        rows = np.zeros((len(self.drive) + 1, COUPLING_WIDTH))
+        rows[:-1, 0], rows[:-1, 1], rows[:-1, 2] = self.drive, self.gain, self.offset
+        rows[-1, 0] = len(types)
+        # A whole turn of a drive brings back joints that turn by a whole number of turns with it.
+        moves = self.gain != 0.0
+        whole = (self.types == REVOLUTE) & (self.gain == np.round(self.gain))
+        for k, kind in enumerate(types):
+            turns = bool(np.all(whole[moves & (self.drive == k)]))
+            rows[k, 3] = SLIDE if kind == PRISMATIC else TURN if turns else ANGLE
+        return rows
+
+
+def drive_limits(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Mapping[str, float]:
+    """Give the six limits of a drive, within those of the joints that follow it.
+
+    Raises
+    ------
+    RobotDescriptionError
+        A follower's limits leave the leader no position.
+    """
+    limits = {key: float(getattr(leader, key)) for key in KEYS}
+    for joint, follower in joints:
+        gain = follower.multiplier
+        if joint is leader or gain == 0.0:
+            continue
+        ends = sorted(((end - follower.offset) / gain for end in (joint.lower, joint.upper)))
+        lower, upper = max(limits["lower"], ends[0]), min(limits["upper"], ends[1])
+        if lower > upper:
+            place = f"joint '{joint.name}'"
+            why = (
+                f"its limits [{joint.lower:g}, {joint.upper:g}] leave no position to joint "
+                f"'{leader.name}' in [{limits['lower']:g}, {limits['upper']:g}], which it mimics "
+                f"{gain:g} times with the offset {follower.offset:g}; correct one of them"
+            )
+            raise RobotDescriptionError(place, why)
+        limits["lower"], limits["upper"] = lower, upper
+        for key in ("velocity", "acceleration", "jerk"):
+            limits[key] = float(np.fmin(limits[key], getattr(joint, key) / abs(gain)))
+    return limits
+
+
+def joined_drive(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Drive:
+    """Give what a drive feels of its own friction and rotor and of those of the followers."""
+    ways = [pair for pair in joints if pair[0] is not leader and pair[0].drive != Drive()]
+    if not ways:
+        return leader.drive
+    parts = [(1.0, leader.drive), *((way.multiplier, joint.drive) for joint, way in ways)]
+    static = sum(abs(gain) * max(one.static, one.coulomb) for gain, one in parts)
+    coulomb = sum(abs(gain) * one.coulomb for gain, one in parts)
+    decays = [one.stribeck_velocity / abs(gain) for gain, one in parts
+              if gain and one.stribeck_velocity]
+    return Drive(
+        viscous=sum(gain**2 * one.viscous for gain, one in parts),
+        coulomb=coulomb,
+        static=static if static > coulomb else 0.0,
+        stribeck_velocity=min(decays, default=0.0),
+        rotor_inertia=sum(gain**2 * one.reflected_inertia for gain, one in parts),
+    )
 
 
 def followers(joints: Iterable[Joint]) -> dict[str, Follower]:

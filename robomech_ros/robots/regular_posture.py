@@ -28,13 +28,17 @@ _FAR, _BELOW = 0.3, 0.5
 _LOW = 0.05
 
 
-def regular_posture(packed: Array, lower: Array, upper: Array) -> Array:
+def regular_posture(
+    packed: Array, slides: NDArray[np.bool_], lower: Array, upper: Array
+) -> Array:
     """Return a posture far from singular ones and from the limits, near the middle of these.
 
     Parameters
     ----------
-    packed : ndarray, shape (n + 1, 13)
+    packed : ndarray, shape (m + 1, 13) or, with joints that follow others, (m + 1, 17)
         The chain as :func:`pack_chain` lays it out.
+    slides : ndarray of bool, shape (n,)
+        Which joint values are lengths.
     lower, upper : ndarray, shape (n,)
         Limits (rad or m), infinite where there is none.
 
@@ -46,12 +50,12 @@ def regular_posture(packed: Array, lower: Array, upper: Array) -> Array:
     n = len(lower)
     if not n:
         return np.zeros(0)
-    middle, half = _windows(packed[:-1, 0] != 0.0, lower, upper)
+    middle, half = _windows(slides, lower, upper)
     away = _spread(n) * _INNER
     # Turning or moving the whole arm makes no posture more regular.
     away[:, 0] = 0.0
     q = np.ascontiguousarray(middle + away * half)
-    score = _conditioning(packed, q) * (1.0 - _FAR * np.abs(away).mean(axis=1))
+    score = _conditioning(packed, slides, q) * (1.0 - _FAR * np.abs(away).mean(axis=1))
     best = np.round(q[int(np.argmax(score))], 2)
     inside: Array = np.clip(best, lower, upper)
     return inside
@@ -78,7 +82,7 @@ def _spread(n: int) -> Array:
     return 2.0 * cells - 1.0
 
 
-def _conditioning(packed: Array, q: Array) -> Array:
+def _conditioning(packed: Array, slides: NDArray[np.bool_], q: Array) -> Array:
     """Compare the least singular values with the largest, less where a joint is below the base.
 
     Lengths are divided by the mean distance of the axes from the tip.
@@ -87,13 +91,12 @@ def _conditioning(packed: Array, q: Array) -> Array:
     from robomech_ros._kernels.chain.serial import forward, jacobian
 
     J, heights = np.empty((len(q), 6, q.shape[1])), np.zeros(len(q))
-    for joints in range(1, q.shape[1] + 1):
-        poses = np.empty((len(q), 4, 4))
-        forward(packed[: joints + 1], np.ascontiguousarray(q[:, :joints]), poses)
+    poses = np.empty((len(q), 4, 4))
+    for joints in range(1, len(packed)):
+        forward(packed[: joints + 1], q, poses)
         heights = np.minimum(heights, poses[:, 2, 3])
     jacobian(packed, q, J, np.empty((4, 4)))
-    turns = packed[:-1, 0] == 0.0
-    arms = np.linalg.norm(J[:, 3:, turns], axis=1)
+    arms = np.linalg.norm(J[:, 3:, ~slides], axis=1)
     length = float(arms.mean()) if arms.size and arms.any() else 1.0
     J[:, 3:] /= length
     values = np.linalg.svd(J, compute_uv=False)

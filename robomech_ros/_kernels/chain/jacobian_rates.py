@@ -10,10 +10,23 @@ import math
 
 import numpy as np
 
-from robomech_ros._kernels.chain.serial import NOT_FINITE, OK, jacobian_body
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT2, OUT3, i8, kernel, lean
+from robomech_ros._kernels.chain.coupling import collect, collect_columns, expand, is_coupled
+from robomech_ros._kernels.chain.serial import NOT_FINITE, OK, jacobian_body, joint_jacobian
+from robomech_ros._kernels.compiling.jit import (
+    IN1,
+    IN2,
+    OUT1,
+    OUT2,
+    OUT3,
+    i8,
+    kernel,
+    lean,
+    lean_part,
+    scratch,
+)
+from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
 
-__all__ = ["gradient_body", "jacobian_rate", "jacobian_rate_one", "rate_body"]
+__all__ = ["chain_gradient", "gradient_body", "jacobian_rate", "jacobian_rate_one", "rate_body"]
 
 
 @lean
@@ -71,12 +84,51 @@ def gradient_body(J, G, out):
         sz += hx * ay - hy * ax
 
 
+@lean_part(i8(IN2, IN1, OUT2, OUT1))
+def _coupled_gradient(packed, q, G, out):
+    """Write the gradient (n,) by the drives, from the derivative by their Jacobian G (6, n)."""
+    m = packed.shape[0] - 1
+    values, taken = scratch(MOST_JOINTS), scratch(MOST_JOINTS)
+    columns, derivative, pose = scratch(6, MOST_JOINTS), scratch(6, MOST_JOINTS), scratch(4, 4)
+    expand(packed, q, True, values)
+    status = joint_jacobian(packed, values, columns, pose)
+    for row in range(6):
+        expand(packed, G[row], False, derivative[row])
+    gradient_body(columns[:, :m], derivative[:, :m], taken)
+    collect(packed, taken, out)
+    return status
+
+
+@lean
+def chain_gradient(packed, q, J, G, out):
+    """Write what :func:`gradient_body` does, of a chain at q (n,) with the Jacobian J (6, n)."""
+    if is_coupled(packed):
+        _coupled_gradient(packed, q, G, out)
+    else:
+        gradient_body(J, G, out)
+
+
+@lean_part(i8(IN2, IN1, IN1, OUT2))
+def _coupled_rate(packed, q, qd, out):
+    m = packed.shape[0] - 1
+    values, rates = scratch(MOST_JOINTS), scratch(MOST_JOINTS)
+    columns, changes, pose = scratch(6, MOST_JOINTS), scratch(6, MOST_JOINTS), scratch(4, 4)
+    expand(packed, q, True, values)
+    expand(packed, qd, False, rates)
+    status = joint_jacobian(packed, values, columns, pose)
+    rate_body(columns[:, :m], rates, changes)
+    collect_columns(packed, changes, out)
+    return status
+
+
 @lean
 def _rate(packed, q, qd, J, pose, out):
     """Write the derivative for one q, qd (n,) to out (6, n); return the status."""
     for value in qd:
         if not math.isfinite(value):
             return NOT_FINITE
+    if is_coupled(packed):
+        return _coupled_rate(packed, q, qd, out)
     if jacobian_body(packed, q, J, pose) != OK:
         return NOT_FINITE
     rate_body(J, qd, out)

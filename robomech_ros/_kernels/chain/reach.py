@@ -6,7 +6,16 @@ import numpy as np
 from numba import types
 
 from robomech_ros._kernels.algebra.dense import cholesky_solve
-from robomech_ros._kernels.chain.serial import jacobian_body
+from robomech_ros._kernels.chain.coupling import (
+    collect,
+    collect_square,
+    drive_count,
+    drive_kind,
+    expand,
+    is_coupled,
+)
+from robomech_ros._kernels.chain.layout import SLIDE, TURN
+from robomech_ros._kernels.chain.serial import joint_jacobian
 from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, f8, i8, inline, kernel
 
 # A point this near (m) is reached: below what the message that names the distance shows, above
@@ -25,8 +34,34 @@ def _offset(current, point, weights, r):
 
 
 @inline
-def _gradient_and_hessian(packed, weights, J, r, g, H):
-    """Write the exact first and second derivatives of half the squared distance.
+def _place(packed, q, joints):
+    """Write the Jacobian of all joints, and the pose of the tip, at q (n,)."""
+    values, J, current = joints[:3]
+    if is_coupled(packed):
+        expand(packed, q, True, values)
+        joint_jacobian(packed, values, J, current)
+    else:
+        joint_jacobian(packed, q, J, current)
+
+
+@inline
+def _gradient_and_hessian(packed, weights, joints, r, g, H):
+    """Write the exact first and second derivatives of half the squared distance, by the drives."""
+    _, J, _, slopes, curves = joints
+    if not is_coupled(packed):
+        _by_joints(packed, weights, J, r, g, H)
+        return
+    _by_joints(packed, weights, J, r, slopes, curves)
+    for j in range(slopes.shape[0]):
+        for i in range(j):
+            curves[i, j] = curves[j, i]
+    collect(packed, slopes, g)
+    collect_square(packed, curves, H)
+
+
+@inline
+def _by_joints(packed, weights, J, r, g, H):
+    """Write the derivatives by the values of all joints.
 
     The second derivative of the tip's position by q_i and q_j, i <= j, is e_i x J_j for a
     revolute joint i and zero for a prismatic one.
@@ -62,12 +97,13 @@ def _descend(packed, wanted, bounds, q, bench, iterations):
     ``wanted`` are the point and the weights of its components, ``bench`` is working space.
     """
     point, weights = wanted
-    J, current, r, g, H, A, b = bench
+    joints, r, g, H, A, b = bench
+    current = joints[2]
     n = q.shape[0]
     damping = 1.0
-    jacobian_body(packed, q, J, current)
+    _place(packed, q, joints)
     value = _offset(current, point, weights, r)
-    _gradient_and_hessian(packed, weights, J, r, g, H)
+    _gradient_and_hessian(packed, weights, joints, r, g, H)
     scale = 1e-300
     for _ in range(iterations):
         if value < 0.5 * REACHED * REACHED:
@@ -93,18 +129,18 @@ def _descend(packed, wanted, bounds, q, bench, iterations):
         # A radian at most; the way of a slide is linear, however long.
         longest = 0.0
         for i in range(n):
-            if packed[i, 0] == 0.0:
+            if drive_kind(packed, i) != SLIDE:
                 longest = max(longest, abs(b[i]))
         shrink = 1.0 if longest < 1.0 else 1.0 / longest
         for i in range(n):
             b[i] = min(max(q[i] + shrink * b[i], bounds[0, i]), bounds[1, i])
-        jacobian_body(packed, b, J, current)
+        _place(packed, b, joints)
         found = _offset(current, point, weights, r)
         if found < value:
             value = found
             for i in range(n):
                 q[i] = b[i]
-            _gradient_and_hessian(packed, weights, J, r, g, H)
+            _gradient_and_hessian(packed, weights, joints, r, g, H)
             damping = 0.2 * damping if damping > 1e-14 else 0.0
         else:
             if damping > 1e12:
@@ -126,16 +162,15 @@ def least_distance(packed, wanted, bounds, strides, counts, enough, least, best)
     """
     point, weights = wanted[0], wanted[1]
     first, starts, iterations = counts
-    n = packed.shape[0] - 1
+    n, m = drive_count(packed), packed.shape[0] - 1
     q = np.empty(n)
     b = np.empty(n)
     g = np.empty(n)
     r = np.empty(3)
-    J = np.empty((6, n))
     H = np.empty((n, n))
     A = np.empty((n, n))
-    current = np.empty((4, 4))
-    bench = J, current, r, g, H, A, b
+    joints = np.empty(m), np.empty((6, m)), np.empty((4, 4)), np.empty(m), np.empty((m, m))
+    bench = joints, r, g, H, A, b
     least = 0.5 * least * least
     for number in range(first, first + starts):
         if least < 0.5 * enough * enough:
@@ -144,10 +179,11 @@ def least_distance(packed, wanted, bounds, strides, counts, enough, least, best)
             part = (number + 1) * strides[i]
             part -= math.floor(part) + 0.5
             width = bounds[1, i] - bounds[0, i]
-            if width < 2.0 * math.pi or (packed[i, 0] != 0.0 and width < math.inf):
+            turns = drive_kind(packed, i) == TURN
+            if width < 2.0 * math.pi or (not turns and width < math.inf):
                 q[i] = bounds[0, i] + (part + 0.5) * width
             else:
-                q[i] = 2.0 * math.pi * part if packed[i, 0] == 0.0 else part
+                q[i] = part if drive_kind(packed, i) == SLIDE else 2.0 * math.pi * part
                 q[i] = min(max(q[i], bounds[0, i]), bounds[1, i])
         value = _descend(packed, (point, weights), bounds, q, bench, iterations)
         if value < least:

@@ -6,13 +6,27 @@ A chain is the constant transforms C_0 .. C_n between its joints, one row each o
 ``C_0 J_1(q_1) C_1 J_2(q_2) ... J_n(q_n) C_n`` with J_i a rotation about, or a translation along,
 the joint's z axis.
 
+Where joints follow others, the rows are longer, and q are the drives: see :mod:`.layout`.
+
 Status: 0, or 1 where a joint variable is not finite, or so large that the pose is not; the pose is
 then NaN, the Jacobian undefined.
 """
 
 import math
 
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT2, OUT3, i8, kernel, lean
+from robomech_ros._kernels.chain.coupling import collect_columns, expand, is_coupled
+from robomech_ros._kernels.compiling.jit import (
+    IN1,
+    IN2,
+    OUT2,
+    OUT3,
+    i8,
+    kernel,
+    lean,
+    lean_part,
+    scratch,
+)
+from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
 
 __all__ = [
     "NOT_FINITE",
@@ -23,6 +37,7 @@ __all__ = [
     "jacobian",
     "jacobian_body",
     "jacobian_one",
+    "joint_jacobian",
 ]
 
 OK = 0
@@ -99,8 +114,8 @@ def _is_finite(frame):
 
 
 @lean
-def forward_body(packed, q, T):
-    """Write the tip's pose in the base to T (4, 4); return the status."""
+def _joint_forward(packed, q, T):
+    """Write the tip's pose, at the values (m,) of all joints, to T (4, 4)."""
     frame = _first_frame(packed)
     for i in range(packed.shape[0] - 1):
         value = q[i]
@@ -115,9 +130,24 @@ def forward_body(packed, q, T):
     return OK
 
 
+@lean_part(i8(IN2, IN1, OUT2))
+def _coupled_forward(packed, q, T):
+    values = scratch(MOST_JOINTS)
+    expand(packed, q, True, values)
+    return _joint_forward(packed, values, T)
+
+
 @lean
-def jacobian_body(packed, q, J, T):
-    """Write J (6, n), angular rows first, at the tip in base coordinates, and the pose T."""
+def forward_body(packed, q, T):
+    """Write the tip's pose in the base to T (4, 4); return the status."""
+    if is_coupled(packed):
+        return _coupled_forward(packed, q, T)
+    return _joint_forward(packed, q, T)
+
+
+@lean
+def joint_jacobian(packed, q, J, T):
+    """Write the Jacobian (6, m) of all joints, as if each moved by itself, to J, and the pose T."""
     frame = _first_frame(packed)
     n = packed.shape[0] - 1
     for i in range(n):
@@ -144,6 +174,23 @@ def jacobian_body(packed, q, J, T):
             J[3, i], J[4, i], J[5, i] = ex, ey, ez
     _write_pose(frame, T)
     return OK
+
+
+@lean_part(i8(IN2, IN1, OUT2, OUT2))
+def _coupled_jacobian(packed, q, J, T):
+    values, columns = scratch(MOST_JOINTS), scratch(6, MOST_JOINTS)
+    expand(packed, q, True, values)
+    status = joint_jacobian(packed, values, columns, T)
+    collect_columns(packed, columns, J)
+    return status
+
+
+@lean
+def jacobian_body(packed, q, J, T):
+    """Write J (6, n), angular rows first, at the tip in base coordinates, and the pose T."""
+    if is_coupled(packed):
+        return _coupled_jacobian(packed, q, J, T)
+    return joint_jacobian(packed, q, J, T)
 
 
 @kernel(i8(IN2, IN1, OUT2))

@@ -12,6 +12,7 @@ Measurement, and Control 112(1), 1990.
 
 import math
 
+from robomech_ros._kernels.chain.coupling import drive_count
 from robomech_ros._kernels.chain.serial import OK
 from robomech_ros._kernels.compiling.jit import (
     IN1,
@@ -60,7 +61,7 @@ EFFORT = 6
 def _command(model, friction, gains, mode, around, q, qd, wanted, tau):
     """Write the controller's torques (n,); wanted is [q, qd, qdd] (3, n)."""
     asked = scratch(MOST_SERVO_JOINTS)
-    count = model.shape[0] - 1
+    count = drive_count(model)
     for i in range(count):
         asked[i] = gains[0, i] * (wanted[0, i] - q[i]) + gains[1, i] * (wanted[1, i] - qd[i])
         if mode == COMPUTED_TORQUE:
@@ -88,7 +89,7 @@ def _observe(model, friction, stops, around, tau, limit, share, period, before, 
     """
     rates = scratch(MOST_SERVO_JOINTS)
     explained = scratch(MOST_SERVO_JOINTS)
-    count = model.shape[0] - 1
+    count = drive_count(model)
     for i in range(count):
         rates[i] = (state[1, i] - before[1, i]) / period
     status = inverse_body(model, before[0], before[1], rates[:count], around, explained)
@@ -116,7 +117,7 @@ def _plant_step(model, friction, stops, around, tau, step, q, qd):
     low = scratch(MOST_SERVO_JOINTS)
     high = scratch(MOST_SERVO_JOINTS)
     v = scratch(MOST_SERVO_JOINTS)
-    count = model.shape[0] - 1
+    count = drive_count(model)
     for i in range(count):
         none[i] = 0.0
         v[i] = qd[i]
@@ -177,7 +178,7 @@ def servo_steps(
     """
     tau = scratch(MOST_SERVO_JOINTS)
     before = scratch(2, MOST_SERVO_JOINTS)
-    count = plant.shape[0] - 1
+    count = drive_count(plant)
     q, qd, seen = state[0], state[1], state[2]
     friction, stops = joints[:STOPS], joints[STOPS:]
     known, gains, effort = controller[:GAINS], controller[GAINS:EFFORT], controller[EFFORT]

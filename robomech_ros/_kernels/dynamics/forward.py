@@ -7,8 +7,19 @@ from one point, so that articulated inertias add up without a change of axes.
 import math
 
 from robomech_ros._kernels.algebra.dense import cholesky_solve
+from robomech_ros._kernels.chain.coupling import drive_count, is_coupled
 from robomech_ros._kernels.chain.serial import NOT_FINITE, OK
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, OUT2, i8, kernel, lean, scratch
+from robomech_ros._kernels.compiling.jit import (
+    IN1,
+    IN2,
+    OUT1,
+    OUT2,
+    i8,
+    kernel,
+    lean,
+    lean_part,
+    scratch,
+)
 from robomech_ros._kernels.dynamics.base_frame import (
     base_motion,
     dot,
@@ -114,8 +125,8 @@ def _less_joint(A, U, inverse):
 
 
 @lean
-def forward_body(model, q, qd, tau, around, out):
-    """Write the accelerations (n,) that torques give to out; return the status."""
+def _articulated_body(model, q, qd, tau, around, out):
+    """Write the accelerations (n,) of a chain whose joints all move by themselves to out."""
     frames = scratch(MOST_JOINTS, 12)
     axes = scratch(MOST_JOINTS, 6)
     drifts = scratch(MOST_JOINTS, 6)
@@ -163,7 +174,7 @@ def forward_body(model, q, qd, tau, around, out):
 @lean
 def _cholesky_body(model, q, qd, tau, around, M, none, out):
     status = inverse_body(model, q, qd, none, around, out) | mass_body(model, q, M)
-    count = model.shape[0] - 1
+    count = drive_count(model)
     for i in range(count):
         out[i] = tau[i] - out[i]
     if not cholesky_solve(M, out, count):
@@ -172,6 +183,22 @@ def _cholesky_body(model, q, qd, tau, around, M, none, out):
         if not math.isfinite(out[i]):
             status |= NOT_FINITE
     return status
+
+
+@lean_part(i8(IN2, IN1, IN1, IN1, IN1, OUT1))
+def _coupled_body(model, q, qd, tau, around, out):
+    M, none = scratch(MOST_JOINTS, MOST_JOINTS), scratch(MOST_JOINTS)
+    for i in range(drive_count(model)):
+        none[i] = 0.0
+    return _cholesky_body(model, q, qd, tau, around, M, none, out)
+
+
+@lean
+def forward_body(model, q, qd, tau, around, out):
+    """Write the accelerations (n,) that torques give to out; return the status."""
+    if is_coupled(model):
+        return _coupled_body(model, q, qd, tau, around, out)
+    return _articulated_body(model, q, qd, tau, around, out)
 
 
 @kernel(i8(IN2, IN1, IN1, IN1, IN2, OUT1))

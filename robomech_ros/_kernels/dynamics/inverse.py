@@ -11,8 +11,19 @@ number is not finite, or the result is not.
 
 import math
 
+from robomech_ros._kernels.chain.coupling import collect, expand, is_coupled
 from robomech_ros._kernels.chain.serial import NOT_FINITE, OK
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, OUT2, i8, kernel, lean, scratch
+from robomech_ros._kernels.compiling.jit import (
+    IN1,
+    IN2,
+    OUT1,
+    OUT2,
+    i8,
+    kernel,
+    lean,
+    lean_part,
+    scratch,
+)
 from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
 
 __all__ = [
@@ -131,8 +142,8 @@ def _collect(model, room, tip, out):
 
 
 @lean
-def inverse_body(model, q, qd, qdd, around, out):
-    """Write the torques (n,) that give accelerations qdd to out; return the status."""
+def _joint_torques(model, q, qd, qdd, around, out):
+    """Write the torques (m,) that give all joints their accelerations to out."""
     room = scratch(MOST_JOINTS, 18)
     count = model.shape[0] - 1
     wx, wy, wz = around[0], around[1], around[2]
@@ -192,12 +203,29 @@ def inverse_body(model, q, qd, qdd, around, out):
     return status
 
 
-@lean
-def gravity_body(model, q, around, out):
-    """Write the torques (n,) that hold the chain still at q to out; return the status.
+@lean_part(i8(IN2, IN1, IN1, IN1, IN1, OUT1))
+def _coupled_torques(model, q, qd, qdd, around, out):
+    values, rates = scratch(MOST_JOINTS), scratch(MOST_JOINTS)
+    changes, torques = scratch(MOST_JOINTS), scratch(MOST_JOINTS)
+    expand(model, q, True, values)
+    expand(model, qd, False, rates)
+    expand(model, qdd, False, changes)
+    status = _joint_torques(model, values, rates, changes, around, torques)
+    collect(model, torques, out)
+    return status
 
-    Of what surrounds it only the acceleration of the origin and the wrench count.
-    """
+
+@lean
+def inverse_body(model, q, qd, qdd, around, out):
+    """Write the torques (n,) that give accelerations qdd to out; return the status."""
+    if is_coupled(model):
+        return _coupled_torques(model, q, qd, qdd, around, out)
+    return _joint_torques(model, q, qd, qdd, around, out)
+
+
+@lean
+def _joint_gravity(model, q, around, out):
+    """Write the torques (m,) that hold all joints to out."""
     room = scratch(MOST_JOINTS, 18)
     ax, ay, az = around[6], around[7], around[8]
     tnx, tny, tnz = around[9], around[10], around[11]
@@ -216,6 +244,26 @@ def gravity_body(model, q, around, out):
         n = _cross(model[i, 14], model[i, 15], model[i, 16], ax, ay, az)
         _keep(room, i, E, n, (m * ax, m * ay, m * az))
     return status | _collect(model, room, (tnx, tny, tnz, tfx, tfy, tfz), out)
+
+
+@lean_part(i8(IN2, IN1, IN1, OUT1))
+def _coupled_gravity(model, q, around, out):
+    values, torques = scratch(MOST_JOINTS), scratch(MOST_JOINTS)
+    expand(model, q, True, values)
+    status = _joint_gravity(model, values, around, torques)
+    collect(model, torques, out)
+    return status
+
+
+@lean
+def gravity_body(model, q, around, out):
+    """Write the torques (n,) that hold the chain still at q to out; return the status.
+
+    Of what surrounds it only the acceleration of the origin and the wrench count.
+    """
+    if is_coupled(model):
+        return _coupled_gravity(model, q, around, out)
+    return _joint_gravity(model, q, around, out)
 
 
 @kernel(i8(IN2, IN1, IN1, IN1, IN2, OUT1))

@@ -8,8 +8,19 @@ Dynamics 16, 2021.
 
 import math
 
+from robomech_ros._kernels.chain.coupling import collect_square, expand, is_coupled
 from robomech_ros._kernels.chain.serial import NOT_FINITE, OK
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT2, OUT3, i8, kernel, lean, scratch
+from robomech_ros._kernels.compiling.jit import (
+    IN1,
+    IN2,
+    OUT2,
+    OUT3,
+    i8,
+    kernel,
+    lean,
+    lean_part,
+    scratch,
+)
 from robomech_ros._kernels.dynamics.base_frame import (
     dot,
     inertia_times,
@@ -45,8 +56,8 @@ NO_RATE = (0.0,) * 12
 
 
 @lean
-def mass_body(model, q, M):
-    """Write the mass matrix (n, n) to M; return the status."""
+def _joint_masses(model, q, M):
+    """Write the mass matrix (m, m) of all joints to M."""
     frames = scratch(MOST_JOINTS, 12)
     axes = scratch(MOST_JOINTS, 6)
     status, point, _ = place_frames(model, q, frames)
@@ -65,6 +76,23 @@ def mass_body(model, q, M):
         if not math.isfinite(M[i, i]):
             status = NOT_FINITE
     return status
+
+
+@lean_part(i8(IN2, IN1, OUT2))
+def _coupled_masses(model, q, M):
+    values, masses = scratch(MOST_JOINTS), scratch(MOST_JOINTS, MOST_JOINTS)
+    expand(model, q, True, values)
+    status = _joint_masses(model, values, masses)
+    collect_square(model, masses, M)
+    return status
+
+
+@lean
+def mass_body(model, q, M):
+    """Write the mass matrix (n, n) to M; return the status."""
+    if is_coupled(model):
+        return _coupled_masses(model, q, M)
+    return _joint_masses(model, q, M)
 
 
 @lean

@@ -5,6 +5,8 @@ import math
 from numba import types
 
 from robomech_ros._kernels.algebra.angles import wrapped
+from robomech_ros._kernels.chain.coupling import drive_kind
+from robomech_ros._kernels.chain.layout import TURN
 from robomech_ros._kernels.compiling.jit import IN1, IN2, IOUT1, OUT1, kernel, lean
 
 __all__ = ["cheapest_moves"]
@@ -23,7 +25,7 @@ def _cost_of(packed, before, after, largest, least):
     jump = 0.0
     for i in range(before.shape[0]):
         move = after[i] - before[i]
-        if packed[i, 0] == 0.0:
+        if drive_kind(packed, i) == TURN:
             move = wrapped(move)
         squares += move * move
         if abs(move) > largest[i]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from robomech_ros._kernels.algebra.angles import angle_of
 from robomech_ros._kernels.algebra.dense import cholesky_solve
+from robomech_ros._kernels.chain.coupling import drive_count
 from robomech_ros._kernels.chain.serial import forward_body, jacobian_body
 from robomech_ros._kernels.compiling.jit import IN2, OUT1, f8, i8, kernel, lean, linked, scratch
 
@@ -88,7 +89,7 @@ def polish(packed, T, q, max_iterations):
     possible.  Returns the remaining error, the larger of rad and m.  Compiled once for all
     families, since a step is much longer than a call.
     """
-    n = packed.shape[0] - 1
+    n = drive_count(packed)
     J, other_J = np.empty((6, n)), np.empty((6, n))
     A = np.empty((n, n))
     step = np.empty(n)

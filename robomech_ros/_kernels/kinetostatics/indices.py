@@ -15,7 +15,7 @@ from robomech_ros._kernels.algebra.singular_values import (
     make_rows_orthogonal,
     row_lengths,
 )
-from robomech_ros._kernels.chain.jacobian_rates import gradient_body
+from robomech_ros._kernels.chain.jacobian_rates import chain_gradient
 from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import (
     IIN1,
@@ -167,8 +167,8 @@ def indices(packed, q, weights, rows, power, out):
 
 
 @inline
-def _gradient(J, weights, rows, power, index, spaces, value, out):
-    """Write the indices of J to value (4,), the gradient of one to out (n,).
+def _gradient(packed, q, J, weights, rows, power, index, spaces, value, out):
+    """Write the indices of J (6, n) at q to value (4,), the gradient of one to out (n,).
 
     Returns the derivative by the logarithm of what the linear rows were divided by.  ``spaces`` are
     arrays to work with: G like J, W, and s and ds for the singular values.
@@ -181,7 +181,7 @@ def _gradient(J, weights, rows, power, index, spaces, value, out):
     _evaluate(s, power, value)
     _derivatives(s, index, value[index], power, ds)
     stretch = _by_jacobian(J, W, s, ds, weights, rows, G)
-    gradient_body(J, G, out)
+    chain_gradient(packed, q, J, G, out)
     return stretch
 
 
@@ -197,7 +197,8 @@ def index_gradient_one(packed, q, weights, rows, power, index, out):
     """Gradient of one index at q (n,) into out (n,)."""
     J = np.empty((6, q.size))
     status = jacobian_body(packed, q, J, np.empty((4, 4)))
-    _gradient(J, weights, rows, power, index, _spaces(q.size, rows.size), np.empty(COUNT), out)
+    spaces = _spaces(q.size, rows.size)
+    _gradient(packed, q, J, weights, rows, power, index, spaces, np.empty(COUNT), out)
     return status
 
 
@@ -215,5 +216,7 @@ def index_gradients(packed, q, weights, rows, power, index, values, out):
     status = 0
     for k in range(q.shape[0]):
         status |= jacobian_body(packed, q[k], J, pose)
-        out[k, n] = _gradient(J, weights, rows, power, index, spaces, values[k], out[k])
+        out[k, n] = _gradient(
+            packed, q[k], J, weights, rows, power, index, spaces, values[k], out[k]
+        )
     return status

@@ -222,7 +222,7 @@ def excitation(
 def known_parameters(chain: SerialChain, otherwise: Array) -> Array:
     """Parameters of the bodies known before, shape (n, 10), or of others where there are none."""
     if any(body is None or body.fault() or body.mass == 0.0 for body in chain.bodies):
-        return np.tile(otherwise, (chain.n, 1))
+        return np.tile(otherwise, (len(chain.bodies), 1))
     known = body_parameters(chain)
     flat = ~is_consistent(known)
     known[flat] = otherwise

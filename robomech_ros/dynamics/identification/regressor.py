@@ -49,6 +49,7 @@ def torque_regressor(
     Returns
     -------
     ndarray, shape (n, 10 n) or (..., n, 10 n)
+        (n, 10 m) where n drives move m joints.
 
     Raises
     ------
@@ -61,12 +62,16 @@ def torque_regressor(
     """
     q, qd, qdd = as_states(chain, ("q", "qd", "qdd"), q, qd, qdd)
     around = surroundings(q.shape, gravity, None, base_twist, base_twist_rate)
-    rows = as_rows(q)
-    Y = np.empty((len(rows), chain.n, 10 * chain.n))
-    status = kernels.torque_regressor(chain.packed, rows, as_rows(qd), as_rows(qdd), around, Y)
+    values = chain.joint_values(as_rows(q))
+    rates, changes = chain.joint_rates(as_rows(qd)), chain.joint_rates(as_rows(qdd))
+    m = values.shape[1]
+    Y = np.empty((len(values), m, 10 * m))
+    status = kernels.torque_regressor(chain.packed, values, rates, changes, around, Y)
     if status:
         raise_outcome(chain, status, q=q, qd=qd, qdd=qdd)
-    return Y.reshape(*q.shape, 10 * chain.n)
+    if chain.coupling is not None:
+        Y = chain.coupling.matrix.T @ Y
+    return Y.reshape(*q.shape, 10 * m)
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,8 +125,9 @@ def base_parameters(chain: SerialChain, *, gravity: ArrayLike = GRAVITY) -> Base
     """
     check_chain(chain)
     rng = np.random.default_rng(_SEED)
-    q, qd, qdd = rng.uniform(-np.pi, np.pi, (3, 10 * _STATES, chain.n))
-    Y = torque_regressor(chain, q, qd, qdd, gravity=gravity).reshape(-1, 10 * chain.n)
+    columns_for_each = -(-10 * len(chain.bodies) // chain.n)
+    q, qd, qdd = rng.uniform(-np.pi, np.pi, (3, columns_for_each * _STATES, chain.n))
+    Y = torque_regressor(chain, q, qd, qdd, gravity=gravity).reshape(-1, 10 * len(chain.bodies))
     scale = np.linalg.norm(Y, axis=0)
     columns: list[int] = []
     directions = np.empty((len(Y), 0))

@@ -104,16 +104,17 @@ def distance_inside_limits(
     data, target = task_data(chain, T, task=task, respect_limits=True, wanted=1)
     enough = least * (1.0 + _SAME)
     packed = packed_chain(data)
-    return _nearest_posture(packed, target, task, deadline, bounds=bounds, enough=enough)[0]
+    return _nearest_posture(packed, chain.n, target, task, deadline, bounds=bounds, enough=enough)[0]
 
 
 def out_of_reach(chain: SerialChain, T: Array) -> float:
     """Give the distance of :func:`reach_gap` alone."""
-    return _nearest_posture(chain.packed, T, FULL_TASK)[0]
+    return _nearest_posture(chain.packed, chain.n, T, FULL_TASK)[0]
 
 
 def _nearest_posture(
     packed: Array,
+    n: int,
     T: Array,
     task: Task,
     deadline: float = math.inf,
@@ -125,14 +126,13 @@ def _nearest_posture(
 
     It is 0 for rounding, and NaN where the time ran out.  The search ends where it is enough.
     """
-    n = len(packed) - 1
     if bounds is None:
         bounds = np.full((2, n), np.inf)
         bounds[0] = -np.inf
     best = np.zeros(n)
     weights = np.array(task[:3], dtype=float)
     if n == 0:
-        return float(np.linalg.norm(weights * (T[:3, 3] - packed[0, 10:]))), best
+        return float(np.linalg.norm(weights * (T[:3, 3] - packed[0, 10:13]))), best
     if not weights.any():
         return 0.0, best
     wanted = np.array((T[:3, 3], weights))

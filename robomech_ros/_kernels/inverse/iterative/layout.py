@@ -13,10 +13,11 @@ STALL = 9  # an attempt ends when six steps leave more than this part of the squ
 WEIGHTS = 10  # six of 0 or 1: rotation about x y z, position x y z of the base
 OPEN = 16  # arm length (m) beyond which a target is far, infinite where no slide is without limits
 SHARP_APART = 17  # as APART, of two solutions that hold to the default tolerances
-ROWS = 18  # from here n numbers each: lower, upper, start, width, stride, turns
+WIDTH = 18  # numbers in a row of the packed chain
+ROWS = 19  # from here n numbers each: lower, upper, start, width, stride, turns
 # lower and upper bound the search; starts lie in [start, start + width], advanced by the
 # stride, a fraction of the width; turns is 1 for a joint whose angle may be wrapped.
-N_ROWS = 6  # then the packed chain, n + 1 rows of 13
+N_ROWS = 6  # then the packed chain, a row for each joint and one more
 
 # Where the numbers stand that one search hands on to its continuation.
 IDLE = 0  # attempts since the last new solution

@@ -131,7 +131,7 @@ def search(data, T, seed, first, restarts, q, found, state):
     """
     n = int(data[at.JOINTS])
     rows = data[at.ROWS : at.ROWS + at.N_ROWS * n].reshape(at.N_ROWS, n)
-    packed = data[at.ROWS + at.N_ROWS * n :].reshape(n + 1, 13)
+    packed = data[at.ROWS + at.N_ROWS * n :].reshape(-1, int(data[at.WIDTH]))
     weights = data[at.WEIGHTS : at.WEIGHTS + 6]
     wanted = min(int(data[at.WANTED]), q.shape[0])
     x = np.empty(n)

@@ -4,6 +4,8 @@ import math
 from typing import Any, NamedTuple
 
 from robomech_ros._kernels.algebra.dense import cholesky_solve
+from robomech_ros._kernels.chain.coupling import drive_count, drive_kind
+from robomech_ros._kernels.chain.layout import SLIDE
 from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import ZERO, inline
 from robomech_ros._kernels.inverse.polishing import pose_difference
@@ -140,14 +142,14 @@ def attempt(packed, T, q, lower, upper, weights, unit, stretch, iterations, stal
     The angular weights are 0 or 1; the linear ones are scaled by ``unit`` (1/m^2).  A slide's
     displacement counts ``stretch`` times less than an angle.  Returns the weighted error.
     """
-    n = packed.shape[0] - 1
+    n = drive_count(packed)
     J, current, e, H, A, v, free = space
     g = v[0]
     step = v[1]
     kept = v[2]
     scales = v[3]
     for i in range(n):
-        scales[i] = 1.0 if packed[i, 0] == 0.0 else 1.0 / stretch
+        scales[i] = 1.0 / stretch if drive_kind(packed, i) == SLIDE else 1.0
     converged = max(CONVERGED / (stretch * stretch), CONVERGED_FAR)
     best = math.inf
     damping = ATTEMPT_DAMPING

@@ -82,9 +82,10 @@ def iterative_data(
     if wanted is None:
         wanted = ITERATIVE_WANTED_REDUNDANT if redundant else MAX_SOLUTIONS
     size = max(reach_bound(chain), 1e-3)
-    turns = chain.types != PRISMATIC
+    turns = chain.turns
     lower, upper, start, end = _box(chain, respect_limits, size)
-    data = np.zeros(at.ROWS + at.N_ROWS * n + 13 * (n + 1))
+    data = np.zeros(at.ROWS + at.N_ROWS * n + chain.packed.size)
+    data[at.WIDTH] = chain.packed.shape[1]
     data[at.JOINTS], data[at.UNIT] = n, (2.0 / size) ** 2
     data[at.POSITION_TOLERANCE] = position_tolerance
     data[at.ORIENTATION_TOLERANCE] = orientation_tolerance
@@ -94,7 +95,7 @@ def iterative_data(
     sharp = ITERATIVE_APART_REDUNDANT if redundant else ITERATIVE_APART
     data[at.SHARP_APART] = sharp
     data[at.APART] = max(sharp, _neighbourhood(position_tolerance, orientation_tolerance))
-    sliding = ~turns & np.isinf(upper - lower)
+    sliding = (chain.types == PRISMATIC) & np.isinf(upper - lower)
     data[at.OPEN] = size if sliding.any() else np.inf
     data[at.WEIGHTS : at.WEIGHTS + 6] = np.roll(np.asarray(task, dtype=float), 3)
     rows = np.stack([lower, upper, start, end - start, low_discrepancy_strides(n), turns])
@@ -108,13 +109,13 @@ def _box(
     chain: SerialChain, respect_limits: bool, size: float
 ) -> tuple[Array, Array, Array, Array]:
     """Give the bounds of a search, and between which joint values its starts are spread."""
-    turns = chain.types != PRISMATIC
+    turns = chain.turns
     lower = np.where(respect_limits, chain.lower, -np.inf)
     upper = np.where(respect_limits, chain.upper, np.inf)
     # A joint that can turn all the way round reaches every angle within its limits.
     all_round = turns & (upper - lower >= 2.0 * np.pi)
     lower, upper = np.where(all_round, -np.inf, lower), np.where(all_round, np.inf, upper)
-    half = np.where(turns, np.pi, size)
+    half = np.where(chain.types == PRISMATIC, size, np.pi)
     start = np.where(
         np.isfinite(lower), lower, np.where(np.isfinite(upper), upper - 2.0 * half, -half)
     )
@@ -174,13 +175,13 @@ def task_data(
     base = packed_chain(turned)[0, 1:]
     back = T[:3, :3].T
     base[:9] = (back @ base[:9].reshape(3, 3)).ravel()
-    base[9:] = back @ base[9:]
+    base[9:12] = back @ base[9:12]
     target = np.eye(4)
     target[:3, 3] = back @ T[:3, 3]
     return turned, target
 
 
 def packed_chain(data: Array) -> Array:
-    """Give the packed chain, shape (n + 1, 13), that stands in the constants of a search."""
+    """Give the packed chain, a row for each joint and one more, that stands in the constants of a search."""
     n = int(data[at.JOINTS])
-    return data[at.ROWS + at.N_ROWS * n :].reshape(n + 1, 13)
+    return data[at.ROWS + at.N_ROWS * n :].reshape(-1, int(data[at.WIDTH]))

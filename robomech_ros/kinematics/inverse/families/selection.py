@@ -18,7 +18,7 @@ from robomech_ros.kinematics.inverse.families.six_joints import (
 )
 from robomech_ros.kinematics.mobility import arm_size, mobility
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import REVOLUTE, unpack_chain
+from robomech_ros.robots.chain_layout import unpack_chain
 
 __all__ = ["REDUNDANT", "Family", "family_of", "iterative_family"]
 
@@ -124,7 +124,7 @@ def family_of(chain: SerialChain) -> Family:
     ----------
     chain : SerialChain
     """
-    for name, number, match in _FAMILIES:
+    for name, number, match in () if chain.coupling else _FAMILIES:
         data = match(chain)
         if data is None:
             continue
@@ -139,7 +139,7 @@ def family_of(chain: SerialChain) -> Family:
 
 def iterative_family(chain: SerialChain, data: Array) -> Family:
     """Give the iterative family with constants made for a request of its own."""
-    turns = (chain.types == REVOLUTE).astype(np.int64)
+    turns = chain.turns.astype(np.int64)
     limits = np.stack((chain.lower, chain.upper))
     return Family("iterative", ITERATIVE, data, turns, limits, certain=False)
 

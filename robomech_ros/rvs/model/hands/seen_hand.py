@@ -90,7 +90,7 @@ class SeenHand(SeenTree):
     def __init__(self, hand: Hand) -> None:
         self.hand = hand
         tree, self._shapes = hand_tree(hand)
-        bases = np.array([finger.packed[0, 10:] for finger in hand.fingers])
+        bases = np.array([finger.packed[0, 10:13] for finger in hand.fingers])
         far = max(_length(finger) for finger in hand.fingers)
         far += float(np.linalg.norm(bases, axis=1).max())
         slide, turn = Travel(-far, far), Travel(-math.pi, math.pi)
@@ -293,7 +293,7 @@ def seen_hand(robot: str | os.PathLike[str]) -> SeenHand:
 
 def _length(finger: SerialChain) -> float:
     """Add up the lengths of a finger stretched out (m)."""
-    fixed = float(np.linalg.norm(finger.packed[1:, 10:], axis=1).sum())
+    fixed = float(np.linalg.norm(finger.packed[1:, 10:13], axis=1).sum())
     slides = [max(abs(finger.lower[k]), abs(finger.upper[k])) for k in range(finger.n)]
     slides = [one for one, unit in zip(slides, finger.units, strict=True) if unit == "m"]
     return fixed + float(sum(one for one in slides if math.isfinite(one)))

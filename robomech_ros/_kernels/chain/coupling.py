@@ -1,0 +1,84 @@
+"""Chains on which joints follow others: from the n drives to the m joints, and back.
+
+The rows of their arrays are those of :mod:`.layout`; others are left as they are.
+"""
+
+from robomech_ros._kernels.chain.layout import COUPLING_WIDTH, PACKED_WIDTH
+from robomech_ros._kernels.compiling.jit import lean
+from robomech_ros._kernels.dynamics.layout import MODEL_WIDTH
+
+__all__ = [
+    "collect",
+    "collect_columns",
+    "collect_square",
+    "drive_count",
+    "drive_kind",
+    "expand",
+    "is_coupled",
+]
+
+
+@lean
+def is_coupled(packed):
+    """Tell whether joints of a chain follow others."""
+    width = packed.shape[1]
+    return width != PACKED_WIDTH and width != MODEL_WIDTH
+
+
+@lean
+def drive_count(packed):
+    """Give the number of drives: that of the joints, unless some follow others."""
+    last = packed.shape[0] - 1
+    return int(packed[last, packed.shape[1] - COUPLING_WIDTH]) if is_coupled(packed) else last
+
+
+@lean
+def drive_kind(packed, i):
+    """Give what the value of drive i is: TURN, SLIDE or ANGLE."""
+    return packed[i, packed.shape[1] - 1] if is_coupled(packed) else packed[i, 0]
+
+
+@lean
+def expand(packed, drives, shifted, out):
+    """Write the values of all joints (m,) to out, or their rates where they are not shifted."""
+    at = packed.shape[1] - COUPLING_WIDTH
+    for i in range(packed.shape[0] - 1):
+        out[i] = packed[i, at + 1] * drives[int(packed[i, at])]
+        if shifted:
+            out[i] += packed[i, at + 2]
+
+
+@lean
+def collect(packed, joints, out):
+    """Add up what the joints (m,) take, by their gains, for the drives (n,)."""
+    at = packed.shape[1] - COUPLING_WIDTH
+    for k in range(drive_count(packed)):
+        out[k] = 0.0
+    for i in range(packed.shape[0] - 1):
+        out[int(packed[i, at])] += packed[i, at + 1] * joints[i]
+
+
+@lean
+def collect_columns(packed, columns, out):
+    """Add up columns (r, m) of the joints, by their gains, to those (r, n) of the drives."""
+    at = packed.shape[1] - COUPLING_WIDTH
+    for r in range(out.shape[0]):
+        for k in range(drive_count(packed)):
+            out[r, k] = 0.0
+        for i in range(packed.shape[0] - 1):
+            out[r, int(packed[i, at])] += packed[i, at + 1] * columns[r, i]
+
+
+@lean
+def collect_square(packed, joints, out):
+    """Turn a matrix of the joints (m, m) into that of the drives (n, n)."""
+    at = packed.shape[1] - COUPLING_WIDTH
+    count = drive_count(packed)
+    for k in range(count):
+        for j in range(count):
+            out[k, j] = 0.0
+    for i in range(packed.shape[0] - 1):
+        k = int(packed[i, at])
+        for j in range(packed.shape[0] - 1):
+            value = packed[i, at + 1] * joints[i, j] * packed[j, at + 1]
+            out[k, int(packed[j, at])] += value
