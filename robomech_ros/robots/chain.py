@@ -212,7 +212,9 @@ class SerialChain(Printed):
         """Give the values (..., m) of all joints (rad or m) at those (..., n) of the drives."""
         if self.coupling is None:
             return q
-        values: Array = self.coupling.gain * np.take(q, self.coupling.drive, -1) + self.coupling.offset
+        values: Array = (
+            self.coupling.gain * np.take(q, self.coupling.drive, -1) + self.coupling.offset
+        )
         return values
 
     def joint_rates(self, qd: Array) -> Array:

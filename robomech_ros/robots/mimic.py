@@ -125,8 +125,9 @@ def joined_drive(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Dri
     parts = [(1.0, leader.drive), *((way.multiplier, joint.drive) for joint, way in ways)]
     static = sum(abs(gain) * max(one.static, one.coulomb) for gain, one in parts)
     coulomb = sum(abs(gain) * one.coulomb for gain, one in parts)
-    decays = [one.stribeck_velocity / abs(gain) for gain, one in parts
-              if gain and one.stribeck_velocity]
+    decays = [
+        one.stribeck_velocity / abs(gain) for gain, one in parts if gain and one.stribeck_velocity
+    ]
     return Drive(
         viscous=sum(gain**2 * one.viscous for gain, one in parts),
         coulomb=coulomb,

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels.inverse.solutions import MARKS, MAX_SOLUTIONS, solve
+from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
+from robomech_ros.kinematics.inverse.closed_form import solve_many
 from robomech_ros.kinematics.inverse.families.iterative import iterative_data
 from robomech_ros.kinematics.inverse.families.selection import Family, family_of, iterative_family
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
@@ -18,7 +19,7 @@ from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_flag
 
-__all__ = ["family_within", "inverse_kinematics_batch", "solve_many"]
+__all__ = ["family_within", "inverse_kinematics_batch"]
 
 Array = NDArray[np.float64]
 
@@ -86,6 +87,9 @@ def inverse_kinematics_batch(
         q, count, *_ = sample_self_motions(
             chain, targets, family, start, number, respect_limits, room
         )
+    elif chain.coupling is not None:
+        room = min(cap or MAX_SOLUTIONS, MAX_SOLUTIONS)
+        q, count = np.full((len(targets), room, chain.n), np.nan), np.zeros(len(targets), np.int64)
     else:
         family = family_within(chain, respect_limits)
         room = min(cap or MAX_SOLUTIONS, MAX_SOLUTIONS)
@@ -117,36 +121,6 @@ def family_within(chain: SerialChain, respect_limits: bool) -> Family:
     if family.closed_form:
         return family
     return iterative_family(chain, iterative_data(chain, respect_limits=respect_limits))
-
-
-def solve_many(
-    chain: SerialChain,
-    targets: Array,
-    family: Family,
-    seed: Array,
-    metric: int,
-    respect_limits: bool,
-    room: int,
-) -> tuple[Array, NDArray[np.int64], tuple[int, ...]]:
-    """Solve poses (m, 4, 4) in one loop; give solutions, counts and the state of the last pose.
-
-    Counts below 1 are those of ``_kernels.inverse.solutions.solve``.
-    """
-    q = np.empty((len(targets), room, chain.n))
-    count = np.empty(len(targets), np.int64)
-    state = solve(
-        family.arm,
-        targets,
-        seed,
-        metric,
-        respect_limits,
-        np.empty((MAX_SOLUTIONS, chain.n)),
-        q,
-        np.empty(MAX_SOLUTIONS),
-        np.empty((MARKS, MAX_SOLUTIONS), np.int64),
-        count,
-    )
-    return q, count, state
 
 
 def _outcome_of_none(

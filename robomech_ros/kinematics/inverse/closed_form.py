@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.one_pose import TOTAL, solve_one_pose
 from robomech_ros._kernels.inverse.ranking import rank, winding_count
-from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
+from robomech_ros._kernels.inverse.solutions import MARKS, MAX_SOLUTIONS, solve
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.families.selection import Family
 from robomech_ros.kinematics.inverse.reasons import (
@@ -27,7 +27,7 @@ from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["rank_windings", "solve_closed_form"]
+__all__ = ["all_postures", "rank_windings", "solve_closed_form", "solve_many"]
 
 # Windings listed for one pose, at most: eight solutions of six joints with three windings each
 # are 5832; a file of limits in thousands of turns must not fill the memory.
@@ -157,3 +157,41 @@ def rank_windings(
         distances,
     )
     return ranked[:count], marks[:count], distances[:count]
+
+
+def solve_many(
+    chain: SerialChain,
+    targets: Array,
+    family: Family,
+    seed: Array,
+    metric: int,
+    respect_limits: bool,
+    room: int,
+) -> tuple[Array, NDArray[np.int64], tuple[int, ...]]:
+    """Solve poses (m, 4, 4) in one loop; give solutions, counts and the state of the last pose.
+
+    Counts below 1 are those of ``_kernels.inverse.solutions.solve``.
+    """
+    q = np.empty((len(targets), room, chain.n))
+    count = np.empty(len(targets), np.int64)
+    state = solve(
+        family.arm,
+        targets,
+        seed,
+        metric,
+        respect_limits,
+        np.empty((MAX_SOLUTIONS, chain.n)),
+        q,
+        np.empty(MAX_SOLUTIONS),
+        np.empty((MARKS, MAX_SOLUTIONS), np.int64),
+        count,
+    )
+    return q, count, state
+
+
+def all_postures(chain: SerialChain, T: Array, family: Family) -> tuple[Array, bool]:
+    """List the postures (k, n) of a pose, limits aside, and tell whether they are provably all."""
+    seed = np.zeros(chain.n)
+    q, count, state = solve_many(chain, T[None], family, seed, 0, False, MAX_SOLUTIONS)
+    _, _, _, singular, unproven = state
+    return q[0, : max(int(count[0]), 0)], family.exact and not singular and not unproven

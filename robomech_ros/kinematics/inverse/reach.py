@@ -72,7 +72,7 @@ def reach_gap(
         attained at the position to about 1e-6 of the arm's length.
     """
     data, target = task_data(chain, T, task=task, respect_limits=False, wanted=1)
-    distance, best = _nearest_posture(packed_chain(data), target, task, deadline)
+    distance, best = _nearest_posture(packed_chain(data), chain.n, target, task, deadline)
     if distance != 0.0 or not chain.n:
         return ReachGap(distance, math.nan)
     if not any(task[3:]):
@@ -104,7 +104,9 @@ def distance_inside_limits(
     data, target = task_data(chain, T, task=task, respect_limits=True, wanted=1)
     enough = least * (1.0 + _SAME)
     packed = packed_chain(data)
-    return _nearest_posture(packed, chain.n, target, task, deadline, bounds=bounds, enough=enough)[0]
+    return _nearest_posture(packed, chain.n, target, task, deadline, bounds=bounds, enough=enough)[
+        0
+    ]
 
 
 def out_of_reach(chain: SerialChain, T: Array) -> float:

@@ -42,7 +42,7 @@ _WHOLE_WEIGHTS = np.ones(6)
 # Families that number the postures of arms that nearly are special ones.
 _MAY_BE_NAMED = ("three-parallel", "general-6r")
 # Those whose postures have nothing but numbers.
-_NUMBERED_FAMILIES = ("short", "iterative")
+_NUMBERED_FAMILIES = ("short", "coupled", "iterative")
 _NUMBERED = bit.ARM_NUMBERED | bit.POSTURE_NUMBERED
 
 

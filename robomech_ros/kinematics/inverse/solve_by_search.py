@@ -11,6 +11,7 @@ from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.ranking import rank
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
 from robomech_ros.kinematics.inverse.closed_form import rank_windings
+from robomech_ros.kinematics.inverse.coupled_joints import solve_coupled_joints
 from robomech_ros.kinematics.inverse.families.iterative import task_data
 from robomech_ros.kinematics.inverse.families.selection import Family, iterative_family
 from robomech_ros.kinematics.inverse.iterative_search import IterativeSearch, iterative_search
@@ -20,6 +21,7 @@ from robomech_ros.kinematics.inverse.reasons import (
     describe_continuum,
     describe_gap,
     explain_limits,
+    explain_unreachable,
     no_solution,
 )
 from robomech_ros.kinematics.inverse.request import Request
@@ -44,8 +46,11 @@ def solve_by_search(
     started = time.monotonic() if started is None else started
     data, target = _task_data(chain, T, request, request.respect_limits)
     family = iterative_family(chain, data)
-    listed = solve_with_virtual_joints(chain, T, request)
-    if listed is not None:
+    if chain.coupling is not None:
+        result = _through_followers(chain, T, request, family)
+        if result is not None:
+            return result
+    elif (listed := solve_with_virtual_joints(chain, T, request)) is not None:
         return ranked_solutions(chain, T, request, replace(family, name="short"), *listed)
     search = iterative_search(data, target, request.seed, timeout=_left(request, started))
     if len(search.q):
@@ -60,6 +65,25 @@ def solve_by_search(
             return explain_limits(chain, T, beyond.q, family, continuum=False, proven=False)
     deadline = math.inf if request.timeout is None else started + request.timeout
     return _explained(chain, T, request, family, search, deadline)
+
+
+def _through_followers(
+    chain: SerialChain, T: Array, request: Request, family: Family
+) -> InverseKinematicsResult | None:
+    """Solve a chain on which joints follow others in closed form; None where a search has to."""
+    listed = solve_coupled_joints(chain, T, request)
+    if listed is None:
+        return None
+    found, complete = listed
+    family = replace(family, name="coupled", certain=complete)
+    if len(found.q):
+        result = ranked_solutions(chain, T, request, family, found, complete)
+        if len(result):
+            return result
+        return explain_limits(chain, T, found.q, family, continuum=False, proven=complete)
+    if not complete or request.is_loose:
+        return None
+    return explain_unreachable(chain, T, family, respect_limits=request.respect_limits)
 
 
 def _left(request: Request, started: float) -> float | None:

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS, UNDECIDED
-from robomech_ros.kinematics.inverse.batch import family_within, solve_many
+from robomech_ros.kinematics.inverse.batch import family_within
+from robomech_ros.kinematics.inverse.closed_form import solve_many
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
 from robomech_ros.kinematics.inverse.redundant_solutions import sample_self_motions

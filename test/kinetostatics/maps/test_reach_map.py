@@ -14,7 +14,7 @@ from robomech_ros.errors import (
     WrongSizeError,
 )
 from robomech_ros.kinematics import inverse_kinematics
-from robomech_ros.kinematics.inverse.batch import solve_many
+from robomech_ros.kinematics.inverse.closed_form import solve_many
 from robomech_ros.kinetostatics import (
     condition_number,
     even_rotations,

@@ -1,0 +1,181 @@
+"""Hollow wrists: four axes through one point, the two in the middle turned by one drive.
+
+With three joints in front, the point follows from the pose as that of any spherical wrist.  The
+angle between the first axis of the wrist and the last gives a trigonometric polynomial of the
+drive, of the second degree where the two in the middle turn alike or oppositely.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.tolerances import SAME_POSTURE
+from robomech_ros.kinematics.forward import forward_kinematics
+from robomech_ros.kinematics.inverse.closed_form import all_postures
+from robomech_ros.kinematics.inverse.families.plain_arms import PlainArm
+from robomech_ros.kinematics.inverse.families.selection import Family, family_of
+from robomech_ros.kinematics.inverse.families.six_joints import chain_of
+from robomech_ros.kinematics.mobility import arm_size
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import REVOLUTE, turn_about_z, unpack_chain
+
+__all__ = ["CoupledWrist", "coupled_wrist", "wrist_postures"]
+
+Array = NDArray[np.float64]
+
+# Axes that miss each other by less than this part of the arm's size meet.
+_MEETS = 1e-9
+# Roots of the polynomial that are off the unit circle by more are not real: those of a double
+# solution are off by the root of rounding.
+_OFF_CIRCLE = 1e-4
+# Axes of the wrist are on one line where their sine is less.
+_ALIGNED = 1e-7
+# Greatest degree of the polynomial.
+_MOST_DEGREE = 8
+
+# A quarter turn about x, and an orientation in which imagined wrists are regular.
+_QUARTER = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+_ORIENTATION = turn_about_z(0.7) @ _QUARTER @ turn_about_z(1.9) @ _QUARTER @ turn_about_z(-0.4)
+
+
+@dataclass(frozen=True, eq=False)
+class CoupledWrist:
+    """An arm of three joints with a hollow wrist.
+
+    Parameters
+    ----------
+    arm : SerialChain
+        The first three joints with an imagined wrist of three about the same point.
+    family : Family
+        That of the arm.
+    front : SerialChain
+        The first three joints, up to the frame of the first of the wrist.
+    turns : ndarray, shape (4, 3, 3)
+        Rotations between the axes of the wrist, and from the last to the tip.
+    centre : ndarray, shape (3,)
+        The point in the frame of the tip (m).
+    gains : tuple of int
+        Turns of the two joints in the middle for one of their drive.
+    """
+
+    arm: SerialChain
+    family: Family
+    front: SerialChain
+    turns: Array
+    centre: Array
+    gains: tuple[int, int]
+
+
+@lru_cache(maxsize=64)
+def coupled_wrist(plain: PlainArm) -> CoupledWrist | None:
+    """Recognise a hollow wrist at the end of an arm; None where there is none."""
+    C, types = unpack_chain(plain.chain.packed), plain.chain.types
+    middle = plain.rows[4:6]
+    if len(types) != 7 or types[3:].any() or np.linalg.matrix_rank(middle) != 1:
+        return None
+    drives = np.flatnonzero(np.abs(middle).max(axis=0))
+    gains = np.round(middle[:, drives[0]])
+    if len(drives) != 1 or (gains != middle[:, drives[0]]).any():
+        return None
+    if not gains.all() or np.abs(gains).sum() > _MOST_DEGREE:
+        return None
+    # The centre in the frame of each joint of the wrist, whose axes all go through it.
+    height = _height_of_meeting(C[4])
+    if height is None:
+        return None
+    centre, size = np.array([0.0, 0.0, height, 1.0]), arm_size(plain.chain)
+    for constant in C[4:7]:
+        if np.hypot(*centre[:2]) > _MEETS * size:
+            return None
+        centre = np.linalg.inv(constant) @ centre
+    if np.hypot(*centre[:2]) > _MEETS * size:
+        return None
+    at_centre = np.eye(4)
+    at_centre[2, 3] = height
+    links = [*C[:3], C[3] @ at_centre, _QUARTER, _QUARTER.T, np.eye(4)]
+    arm = chain_of(np.array(links), [*types[:3], REVOLUTE, REVOLUTE, REVOLUTE])
+    family = family_of(arm)
+    if not family.lists_all:
+        return None
+    tip = np.linalg.inv(C[7]) @ centre
+    front = chain_of(C[:4], types[:3].tolist())
+    return CoupledWrist(arm, family, front, C[4:, :3, :3], tip[:3], (int(gains[0]), int(gains[1])))
+
+
+def _height_of_meeting(constant: Array) -> float | None:
+    """Find where on its z axis a frame is nearest to that of the next; None if both are parallel."""
+    u, d = constant[:3, 2], constant[:3, 3]
+    square = float(u[0] ** 2 + u[1] ** 2)
+    if square < _ALIGNED**2:
+        return None
+    return float(d[2] - u[2] * (u[0] * d[0] + u[1] * d[1]) / square)
+
+
+def wrist_postures(wrist: CoupledWrist, T: Array) -> tuple[Array, bool]:
+    """List all joint values (k, 7) that give a pose, and tell whether they are provably all.
+
+    Parameters
+    ----------
+    wrist : CoupledWrist
+    T : ndarray, shape (4, 4)
+        Of the tip in the base (m).
+    """
+    target = _ORIENTATION.copy()
+    target[:3, 3] = T[:3, :3] @ wrist.centre + T[:3, 3]
+    reached, complete = all_postures(wrist.arm, target, wrist.family)
+    postures: list[Array] = []
+    kept: list[Array] = []
+    for q in reached[:, :3]:
+        if any(np.abs(q - other).max() < SAME_POSTURE for other in kept):
+            continue
+        kept.append(q)
+        front = forward_kinematics(wrist.front, q)
+        wanted = front[:3, :3].T @ T[:3, :3] @ wrist.turns[3].T
+        angles, regular = _wrist_angles(wrist, wanted)
+        complete = complete and regular
+        postures.extend(np.concatenate((q, one)) for one in angles)
+    return np.array(postures).reshape(-1, 7), complete
+
+
+def _wrist_angles(wrist: CoupledWrist, W: Array) -> tuple[list[Array], bool]:
+    """List the angles (4,) of a wrist in an orientation (3, 3), and whether they are all."""
+    found, regular = [], True
+    roots = _drive_angles(wrist, float(W[2, 2]))
+    for angle in roots or []:
+        V = _between(wrist, angle)
+        if min(math.hypot(W[0, 2], W[1, 2]), math.hypot(V[0, 2], V[1, 2])) < _ALIGNED:
+            # First and last axis on one line: only the sum of their turns matters.
+            regular = False
+            U = W @ V.T if W[2, 2] > 0.0 else V.T @ W
+            first = math.atan2(U[1, 0], U[0, 0])
+            last = 0.0
+            if W[2, 2] <= 0.0:
+                first, last = 0.0, first
+        else:
+            first = math.atan2(W[1, 2], W[0, 2]) - math.atan2(V[1, 2], V[0, 2])
+            last = math.atan2(V[2, 1], V[2, 0]) - math.atan2(W[2, 1], W[2, 0])
+        found.append(np.array([first, *(gain * angle for gain in wrist.gains), last]))
+    return found, regular and roots is not None
+
+
+def _between(wrist: CoupledWrist, angle: float) -> Array:
+    """Give the rotation from the first axis of the wrist to the last, at an angle of the drive."""
+    first, second = (turn_about_z(gain * angle)[:3, :3] for gain in wrist.gains)
+    V: Array = wrist.turns[0] @ first @ wrist.turns[1] @ second @ wrist.turns[2]
+    return V
+
+
+def _drive_angles(wrist: CoupledWrist, cosine: float) -> list[float] | None:
+    """List the angles at which first and last axis have a cosine between them; None for all."""
+    degree = sum(map(abs, wrist.gains))
+    count = 2 * degree + 1
+    values = [_between(wrist, 2.0 * math.pi * k / count)[2, 2] for k in range(count)]
+    coefficients = np.roll(np.fft.fft(values) / count, degree)
+    coefficients[degree] -= cosine
+    if np.abs(coefficients).max() < _ALIGNED:
+        return None
+    roots = np.roots(coefficients[::-1])
+    return [float(np.angle(root)) for root in roots if abs(abs(root) - 1.0) < _OFF_CIRCLE]

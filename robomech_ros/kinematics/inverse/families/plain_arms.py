@@ -1,0 +1,133 @@
+"""Chains on which joints follow others, as arms whose joints all move by themselves.
+
+Turns about parallel axes next to each other add up, and an offset between two of them turns by the
+sum up to there.  Offsets that turn alike are put together; what is left is an arm with a joint for
+each different sum.  The rods of a palletizer, which keep its hand level, vanish so: of turns by q,
+-q, r and -r three joints remain, which turn by q, r - q and -r.  Slides along one direction add up
+as well.  Every posture of the chain is one of the arm, whose joint values are ``rows @ q``.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.kinematics.inverse.families.six_joints import chain_of
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC, turn_about_z, unpack_chain
+
+__all__ = ["PlainArm", "plain_arm"]
+
+Array = NDArray[np.float64]
+
+# Axes with such a sine between them are parallel, and offsets (m) of this length are none.
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class PlainArm:
+    """An arm of p joints that takes all postures of a chain of n drives, and others.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        The arm.
+    rows : ndarray, shape (p, n)
+        By which the drives give its joint values.
+    """
+
+    chain: SerialChain
+    rows: Array
+
+
+@lru_cache(maxsize=64)
+def plain_arm(chain: SerialChain) -> PlainArm:
+    """Give the arm with the fewest joints that a chain is a part of.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        With joints that follow others.
+    """
+    assert chain.coupling is not None
+    A, offsets, types = chain.coupling.matrix, chain.coupling.offset, chain.coupling.types
+    constants = unpack_chain(chain.packed)
+    links: list[Array] = []
+    kinds: list[int] = []
+    rows: list[Array] = []
+    before = constants[0]
+    for first, last in _runs(constants, types):
+        run = slice(first, last + 1)
+        poses = [np.eye(4)]
+        for constant in constants[first + 1 : last + 1]:
+            poses.append(poses[-1] @ constant)
+        add_up = _slides if types[first] == PRISMATIC else _turns
+        steps, sums, after = add_up(np.array(poses), A[run], offsets[run])
+        for step, row in zip(steps, sums, strict=True):
+            links.append(before @ step)
+            kinds.append(int(types[first]))
+            rows.append(row)
+            before = np.eye(4)
+        before = before @ after @ constants[last + 1]
+    links.append(before)
+    return PlainArm(chain_of(np.array(links), kinds), np.array(rows).reshape(-1, chain.n))
+
+
+def _runs(constants: Array, types: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
+    """List first and last joint of the turns about parallel axes, and of the slides along them."""
+    first = 0
+    for i in range(1, len(types) + 1):
+        parallel = np.hypot(*constants[i][:2, 2]) < _ROUNDING
+        if i == len(types) or types[i] != types[first] or not parallel:
+            yield first, i - 1
+            first = i
+
+
+def _turns(poses: Array, A: Array, offsets: Array) -> tuple[list[Array], list[Array], Array]:
+    """Add up turns about parallel axes, at these poses in the frame of the first (r, 4, 4).
+
+    Returns the constant in front of each joint that remains, its row, and the last constant.
+    """
+    signs = np.sign(poses[:, 2, 2])
+    sums, angles = np.cumsum(signs[:, None] * A, axis=0), np.cumsum(signs * offsets)
+    # Where the axes are, and how offsets turn: t = sum of R(sum_k) v_k, less R(last) of the last.
+    points = np.zeros((len(poses), 4))
+    points[:, :2] = poses[:, :2, 3]
+    parts: dict[tuple[float, ...], Array] = {}
+    for k in range(len(poses) - 1):
+        offset = turn_about_z(angles[k]) @ (points[k + 1] - points[k])
+        key = tuple(np.round(sums[k], 12) + 0.0)
+        parts[key] = parts.get(key, np.zeros(4)) + offset
+    still, last = (0.0,) * A.shape[1], tuple(np.round(sums[-1], 12) + 0.0)
+    step = parts.pop(still, np.zeros(4))
+    rest = parts.pop(last, np.zeros(4))
+    moved = [(key, part) for key, part in parts.items() if np.linalg.norm(part) > _ROUNDING]
+    if moved or last != still:
+        moved.append((last, np.zeros(4)))
+    steps, rows, before = [], [], np.zeros(A.shape[1])
+    for key, part in moved:
+        steps.append(_shift(step))
+        rows.append(np.array(key) - before)
+        before, step = np.array(key), part
+    # The last frame, at zero, is where the turns by the offsets alone have brought it.
+    turned = turn_about_z(angles[-1])
+    after = _shift(step + rest - turned @ points[-1]) @ turned @ poses[-1]
+    return steps, rows, after
+
+
+def _slides(poses: Array, A: Array, offsets: Array) -> tuple[list[Array], list[Array], Array]:
+    """Add up slides along one direction, drive by drive; the result is that of :func:`_turns`."""
+    signs = np.sign(poses[:, 2, 2])
+    total = signs @ A
+    moving = np.flatnonzero(total)
+    rows = [np.eye(len(total))[drive] * total[drive] for drive in moving]
+    shift = np.array([0.0, 0.0, float(signs @ offsets), 0.0])
+    return [np.eye(4)] * len(rows), rows, _shift(shift) @ poses[-1]
+
+
+def _shift(d: Array) -> Array:
+    result = np.eye(4)
+    result[:3, 3] = d[:3]
+    return result
