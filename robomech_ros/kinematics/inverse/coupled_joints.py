@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.inverse.polishing import polish
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
 from robomech_ros._kernels.tolerances import ACCEPTED, SAME_POSTURE
+from robomech_ros.kinematics.inverse.bent_wrist import bent_postures, bent_wrist
 from robomech_ros.kinematics.inverse.closed_form import all_postures
 from robomech_ros.kinematics.inverse.coupled_wrist import coupled_wrist, wrist_postures
 from robomech_ros.kinematics.inverse.families.plain_arms import PlainArm, plain_arm
@@ -84,6 +85,9 @@ def _postures(arm: PlainArm, T: Array) -> tuple[Array, bool] | None:
     wrist = coupled_wrist(arm)
     if wrist is not None:
         return wrist_postures(wrist, T)
+    bent = bent_wrist(arm)
+    if bent is not None:
+        return bent_postures(bent, T)
     family = family_of(arm.chain)
     if not family.lists_all:
         return None

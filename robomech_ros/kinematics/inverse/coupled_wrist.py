@@ -6,6 +6,7 @@ drive, of the second degree where the two in the middle turn alike or oppositely
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -22,7 +23,7 @@ from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE, turn_about_z, unpack_chain
 
-__all__ = ["CoupledWrist", "coupled_wrist", "wrist_postures"]
+__all__ = ["CoupledWrist", "between_axes", "coupled_wrist", "outer_angles", "wrist_postures"]
 
 Array = NDArray[np.float64]
 
@@ -145,34 +146,47 @@ def _wrist_angles(wrist: CoupledWrist, W: Array) -> tuple[list[Array], bool]:
     found, regular = [], True
     roots = _drive_angles(wrist, float(W[2, 2]))
     for angle in roots or []:
-        V = _between(wrist, angle)
-        if min(math.hypot(W[0, 2], W[1, 2]), math.hypot(V[0, 2], V[1, 2])) < _ALIGNED:
-            # First and last axis on one line: only the sum of their turns matters.
-            regular = False
-            U = W @ V.T if W[2, 2] > 0.0 else V.T @ W
-            first = math.atan2(U[1, 0], U[0, 0])
-            last = 0.0
-            if W[2, 2] <= 0.0:
-                first, last = 0.0, first
-        else:
-            first = math.atan2(W[1, 2], W[0, 2]) - math.atan2(V[1, 2], V[0, 2])
-            last = math.atan2(V[2, 1], V[2, 0]) - math.atan2(W[2, 1], W[2, 0])
-        found.append(np.array([first, *(gain * angle for gain in wrist.gains), last]))
+        middle = [gain * angle for gain in wrist.gains]
+        first, last, alone = outer_angles(W, between_axes(wrist.turns, middle))
+        regular = regular and alone
+        found.append(np.array([first, *middle, last]))
     return found, regular and roots is not None
 
 
-def _between(wrist: CoupledWrist, angle: float) -> Array:
-    """Give the rotation from the first axis of the wrist to the last, at an angle of the drive."""
-    first, second = (turn_about_z(gain * angle)[:3, :3] for gain in wrist.gains)
-    V: Array = wrist.turns[0] @ first @ wrist.turns[1] @ second @ wrist.turns[2]
+def between_axes(turns: Array, angles: Sequence[float]) -> Array:
+    """Give the rotation from the first axis of a wrist to the last, at angles of the middle ones.
+
+    Parameters
+    ----------
+    turns : ndarray, shape (4, 3, 3)
+        Rotations between the axes.
+    angles : sequence of 2 float
+    """
+    first, second = (turn_about_z(angle)[:3, :3] for angle in angles)
+    V: Array = turns[0] @ first @ turns[1] @ second @ turns[2]
     return V
+
+
+def outer_angles(W: Array, V: Array) -> tuple[float, float, bool]:
+    """Find the turns with ``W = Rz(first) V Rz(last)``, and whether there are no others.
+
+    There are where first and last axis are on one line, so that only the sum of the turns matters.
+    """
+    if min(math.hypot(W[0, 2], W[1, 2]), math.hypot(V[0, 2], V[1, 2])) < _ALIGNED:
+        U = W @ V.T
+        return math.atan2(U[1, 0], U[0, 0]), 0.0, False
+    first = math.atan2(W[1, 2], W[0, 2]) - math.atan2(V[1, 2], V[0, 2])
+    last = math.atan2(V[2, 1], V[2, 0]) - math.atan2(W[2, 1], W[2, 0])
+    return first, last, True
 
 
 def _drive_angles(wrist: CoupledWrist, cosine: float) -> list[float] | None:
     """List the angles at which first and last axis have a cosine between them; None for all."""
     degree = sum(map(abs, wrist.gains))
     count = 2 * degree + 1
-    values = [_between(wrist, 2.0 * math.pi * k / count)[2, 2] for k in range(count)]
+    angles = 2.0 * math.pi * np.arange(count) / count
+    middle = np.outer(angles, wrist.gains)
+    values = [between_axes(wrist.turns, pair)[2, 2] for pair in middle]
     coefficients = np.roll(np.fft.fft(values) / count, degree)
     coefficients[degree] -= cosine
     if np.abs(coefficients).max() < _ALIGNED:

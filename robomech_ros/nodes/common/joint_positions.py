@@ -15,7 +15,6 @@ from robomech_ros.nodes.common.loop_positions import LoopPositions
 from robomech_ros.nodes.common.parameters import parameter
 from robomech_ros.nodes.common.robot_description import FrameSettings, RobotModel
 from robomech_ros.robots import SerialChain
-from robomech_ros.robots.following_chain import FollowingChain
 
 if TYPE_CHECKING:
     from robomech_ros.parallel import Mechanism
@@ -23,9 +22,8 @@ if TYPE_CHECKING:
 __all__ = ["JointPositions", "StateSettings", "Way", "is_empty"]
 
 Array = NDArray[np.float64]
-# What moves a link: a chain, one with joints that mimic, or all limbs of a parallel robot.
-_Serial: TypeAlias = SerialChain | FollowingChain
-Way: TypeAlias = "_Serial | Mechanism"
+# What moves a link: a chain, or all limbs of a parallel robot.
+Way: TypeAlias = "SerialChain | Mechanism"
 
 
 @dataclass(frozen=True)
@@ -70,7 +68,7 @@ class JointPositions:
         """Read the positions, shape (n,), that a request must give."""
         if self.loops is not None:
             return self._of(chain, self.loops.read(state, what, self.present_posture()))
-        return self._read(cast(_Serial, chain), state, what)
+        return self._read(cast(SerialChain, chain), state, what)
 
     def present_posture(self) -> Array | None:
         """Give all joints (n,) of a parallel robot as they are, None where they are not known."""
@@ -93,7 +91,7 @@ class JointPositions:
             found = self.loops.complete(drives, "the present state")
         return found
 
-    def _read(self, chain: _Serial, state: JointState, what: str) -> Array:
+    def _read(self, chain: SerialChain, state: JointState, what: str) -> Array:
         whole, size = self._model.chain, len(state.position)
         if not size and len(state.name) == 1 and state.name[0] not in self._model.joint_names:
             return self._model.posture(chain, state.name[0])

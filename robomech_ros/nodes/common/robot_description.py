@@ -23,7 +23,6 @@ from robomech_ros.robots import (
     main_chain,
 )
 from robomech_ros.robots.entry_checks import bare_link
-from robomech_ros.robots.following_chain import FollowingChain, following_chain
 from robomech_ros.robots.group_chains import group_of_chain
 from robomech_ros.robots.semantic import HOME
 from robomech_ros.trajectory.limits import JointLimits, Limits
@@ -179,7 +178,6 @@ class RobotModel:
         #: Units of the positions of all joints, by name.
         self.units = {joint.name: joint.unit for joint in description.joints}
         self.joint_names = tuple(joint.name for joint in description.joints if joint.moves)
-        self._ways: dict[str, FollowingChain] = {}
         self._chains = {self.chain.tip: self.chain, "": self.chain}
         self.fixed_frames = _fixed_frames(description, self.chain.base)
 
@@ -223,7 +221,8 @@ class RobotModel:
         UnknownLinkError
             The robot has no such link.
         RobotDescriptionError
-            There is no chain to it: it is above the base, or a joint between follows another.
+            There is no chain to it: it is above the base, or a joint between is of a kind that a
+            chain cannot have.
         """
         link = self.link_of(link)
         if link not in self._chains:
@@ -237,22 +236,6 @@ class RobotModel:
             return self.chain.with_tip(link)
         except UnknownLinkError:
             return self.description.chain(self.chain.base, link)
-
-    def way_to(self, link: str) -> SerialChain | FollowingChain:
-        """Give what moves any link below the base, joints that mimic others included.
-
-        Raises
-        ------
-        UnknownLinkError, RobotDescriptionError
-            As :meth:`chain_to`, other than for joints that mimic.
-        """
-        try:
-            return self.chain_to(link)
-        except RobotDescriptionError:
-            name = self.link_of(link)
-            if name not in self._ways:
-                self._ways[name] = following_chain(self.description, self.chain.base, name)
-            return self._ways[name]
 
     @property
     def groups(self) -> Mapping[str, Group]:
@@ -291,18 +274,18 @@ class RobotModel:
         """Name the joints of a group, "" being the configured chain."""
         return self.groups[group].joints if group else self.chain.joint_names
 
-    def posture(self, way: SerialChain | FollowingChain, name: str) -> Array:
+    def posture(self, way: SerialChain, name: str) -> Array:
         """Find a named posture of the joints that move a link, shape (n,) (rad or m).
 
-        Where some of those mimic others, or go on behind the configured chain with no such posture
-        of their own, it is one of the configured chain, and the joints outside it rest, or are at
-        their own ``home``.
+        Where some of those go on behind the configured chain with no such posture of their own, it
+        is one of the configured chain, and the joints outside it rest, or are at their own
+        ``home``.
         """
         behind = set(self.chain.joint_names) < set(way.joint_names)
-        if isinstance(way, SerialChain) and not (behind and not self.semantic.gives(way, name)):
+        if not behind or self.semantic.gives(way, name):
             return self.semantic.posture(way, name)
         own = self.semantic.posture(self.chain, name)
-        if isinstance(way, SerialChain) and name == HOME:
+        if name == HOME:
             at_home = dict(zip(way.joint_names, way.home().tolist(), strict=True))
             at_home |= self.semantic.home() | dict(zip(self.chain.joint_names, own, strict=True))
             q = np.array([at_home[joint] for joint in way.joint_names])

@@ -28,7 +28,6 @@ from robomech_ros.kinetostatics.singularities.report import posture_report
 from robomech_ros.nodes.common.error_codes import ShutdownError, answer, guarded
 from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.link_poses import poses_along
 from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.pauses import Turns, Worker
@@ -194,11 +193,11 @@ class KinematicsNode(Node):
 
     @guarded
     async def _solve_fk(self, request: Any, response: Any) -> Any:
-        ways = [self._model.way_to(link) for link in request.links or [""]]
+        ways = [self._model.chain_to(link) for link in request.links or [""]]
         self._check_size("states times links", max(len(request.states), 1) * len(ways))
         patience = self._table.settings.state_timeout
         rows = await self._joints.rows(ways, request.states, patience)
-        poses = [poses_along(way, q) for way, q in zip(ways, rows, strict=True)]
+        poses = [forward_kinematics(way, q) for way, q in zip(ways, rows, strict=True)]
         base, turns = self._model.base_frame, Turns(self)
         for of_state in zip(*poses, strict=True):
             for T in of_state:

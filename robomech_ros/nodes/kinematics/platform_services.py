@@ -16,7 +16,6 @@ from robomech_ros.kinetostatics import point_jacobian
 from robomech_ros.nodes.common.error_codes import OutcomeError, answer, code_of, guarded
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_positions import JointPositions
-from robomech_ros.nodes.common.link_poses import poses_along
 from robomech_ros.nodes.common.message_fields import append_numbers, floats
 from robomech_ros.nodes.common.pauses import Turns, Worker
 from robomech_ros.nodes.common.pose_messages import (
@@ -106,7 +105,7 @@ class PlatformServices:
     @guarded
     async def solve_fk(self, request: Any, response: Any) -> Any:
         """Give poses of links; of drives alone those of all assembly modes."""
-        ways = [self._model.way_to(link) for link in request.links or [""]]
+        ways = [self._model.chain_to(link) for link in request.links or [""]]
         self._check_size("states times links", max(len(request.states), 1) * len(ways))
         patience = self._settings().state_timeout
         if not request.states:
@@ -120,7 +119,7 @@ class PlatformServices:
             at = dict(zip(self.mechanism.joint_names, q, strict=True))
             for way in ways:
                 own = np.array([at[name] for name in way.joint_names])
-                response.poses.append(stamped_pose(poses_along(way, own), base))
+                response.poses.append(stamped_pose(forward_kinematics(way, own), base))
             await turns.end_if_over()
         return answer(response, Code.NONE, text)
 

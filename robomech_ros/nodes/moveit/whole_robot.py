@@ -16,7 +16,6 @@ from robomech_ros.errors import (
 )
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.link_poses import poses_along
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.frames.robot_frames import Place, RobotFrames
 from robomech_ros.nodes.moveit.refusals import RefusedError
@@ -158,7 +157,7 @@ class WholeRobot:
         """
         if self.model.link_of(frame) in self.model.fixed_frames:
             return ()
-        return self.model.way_to(frame).joint_names
+        return self.model.chain_to(frame).joint_names
 
     async def places(self, frames: Iterable[str], patience: float) -> dict[str, Place]:
         """Find the frames of poses; as in MoveIt where they are now, whatever their stamps.
@@ -210,8 +209,8 @@ class WholeRobot:
         fixed = self.model.fixed_frames.get(self.model.link_of(link))
         if fixed is not None:
             return fixed
-        way = self.model.way_to(link)
-        return poses_along(way, np.array([positions[name] for name in way.joint_names]))
+        way = self.model.chain_to(link)
+        return forward_kinematics(way, np.array([positions[name] for name in way.joint_names]))
 
 
 def _middle(lower: float, upper: float) -> float:

@@ -79,9 +79,9 @@ def test_a_posture_of_the_arm_serves_links_of_its_hand():
         ("left_tool", [0.5] * 6),
         ("finger", [0.5] * 6 + [0.0]),
     ):
-        np.testing.assert_array_equal(model.posture(model.way_to(link), "up"), q)
+        np.testing.assert_array_equal(model.posture(model.chain_to(link), "up"), q)
     with pytest.raises(BadValueError, match="posture is 'down', expected one of home, far, up"):
-        model.posture(model.way_to("finger"), "down")
+        model.posture(model.chain_to("finger"), "down")
 
 
 @pytest.mark.parametrize("by_topic", [False, True])
@@ -92,7 +92,7 @@ def test_home_of_an_srdf_serves_links_behind_the_arm_wherever_it_comes_from(by_t
     known = None if by_topic else semantic
     model = RobotModel(description, "left_base", "left_tool", semantic=known)
     model.learn(semantic)
-    tip = model.posture(model.way_to("left_tool"), "home")
+    tip = model.posture(model.chain_to("left_tool"), "home")
     np.testing.assert_array_equal(tip, semantic.posture(model.chain, "home"))
-    finger = model.posture(model.way_to("finger"), "home")
+    finger = model.posture(model.chain_to("finger"), "home")
     np.testing.assert_array_equal(finger, [*tip, 0.02])
