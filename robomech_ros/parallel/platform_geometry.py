@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 # Points nearer to each other than this (of the size; m) are one.
 _SAME, _LEAST = 1e-9, 1e-12
 # Best ratio of singular values over many poses, below which a platform is architecturally
-# singular: 4e-5 at a deviation of 1e-4 from one that is, more than 9e-3 for sound ones.
-SINGULAR_ARCHITECTURE = 1e-3
+# singular: it is about the deviation, over the size, from one that is.  From 5e-5 on poses are found.
+SINGULAR_ARCHITECTURE = 3e-5
 _POSES_TRIED = 64
 # A turn that makes no anchor lie along an axis, so that pivots vanish for no pose people choose.
 _TURN = (0.3, 0.7, -0.5)
@@ -139,11 +139,18 @@ def family_of(base_points: Array, platform_points: Array) -> str:
 
 
 def best_conditioning(scaled: ScaledPlatform) -> float:
-    """Give the best ratio of least to greatest singular value over poses all round."""
+    """Return the best ratio of least to greatest singular value over poses all round.
+
+    Moments are about the centre of the smaller one of base and platform, over its size: the same
+    legs seen from the platform have the same ratio, and a small platform is not a singular one.
+    """
+    sizes = [float(np.sqrt((points**2).sum() / 6.0)) for points in (scaled.a, scaled.b)]
+    a, b = (scaled.a, scaled.b) if sizes[1] <= sizes[0] else (scaled.b, scaled.a)
     rng = np.random.default_rng(6)
     R = matrix_from_rotation_vector(rng.normal(size=(_POSES_TRIED, 3)))
     T = np.ascontiguousarray(assembled(R, rng.normal(size=(_POSES_TRIED, 3))))
     rows = np.empty((_POSES_TRIED, 6, 6))
-    jacobians(scaled.a, scaled.b, T, rows)
+    jacobians(a, b, T, rows)
+    rows[:, :, :3] /= min(sizes)
     values = np.linalg.svd(rows, compute_uv=False)
     return float((values[:, 5] / values[:, 0]).max())

@@ -65,7 +65,8 @@ class FollowedPose:
         Whether it is provably the pose into which the given one moves while the squared lengths
         move along a line: the assembly mode is the same.
     status : Code
-        ``NONE``, or ``SINGULAR`` where a singularity, in which modes meet, is in the way.
+        ``NONE``; ``SINGULAR`` where a singularity, in which modes meet, is in the way;
+        ``NOT_CONVERGED`` where no step is proved any more, which says nothing of the mode.
     part : float
         The part of the way that was gone: 1 at the end.
     steps : int

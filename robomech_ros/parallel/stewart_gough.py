@@ -313,9 +313,11 @@ class StewartGough:
         reached = scaled.poses(pose[None])[0]
         if steps > 0:
             return FollowedPose(reached, True, Code.NONE, 1.0, steps)
-        part = float(report[0])
-        reason = f"a singular pose is in the way, after {part:.3g} of it: assembly modes meet there"
-        return FollowedPose(reached, False, Code.SINGULAR, part, 0, reason)
+        part, regularity = report.tolist()
+        code, what = Code.SINGULAR, "a singular pose is in the way, in which assembly modes meet,"
+        if steps != -1:
+            code, what = Code.NOT_CONVERGED, f"no step is proved (regularity {regularity:.3g})"
+        return FollowedPose(reached, False, code, part, 0, f"{what} after {part:.3g} of it")
 
     def jacobian(self, T: ArrayLike) -> Array:
         r"""Find K of :math:`K t = \dot L`: rows :math:`[(R b_i \times n_i)^T, n_i^T]`.

@@ -7,6 +7,7 @@ from scipy.optimize import brentq
 
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import StewartGough, load_parallel
+from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
 
 
 def golden_poses(data):
@@ -174,6 +175,32 @@ def test_an_architecturally_singular_platform_is_told_at_load(azimuths):
     found = robot.direct(robot.inverse(np.eye(4)) + 1.0)
     assert not found.complete and found.status == Code.SINGULAR_CONTINUUM
     assert "architecturally singular" in found.reason
+
+
+@pytest.mark.parametrize(("base", "top"), [(1.0, 0.003), (0.003, 1.0)])
+def test_a_small_platform_is_regular(base, top):
+    a = base * on_circles([-15, 15, 105, 135, 225, 255], [0] * 6)[0]
+    b = top * on_circles([-45, 45, 75, 165, 195, 285], [0] * 6)[0]
+    robot = StewartGough(a, b)
+    assert robot.family == "6-6 planar" and robot.conditioning > 0.1
+    assert_found(robot, complete=True)
+
+
+def test_a_platform_near_an_architecturally_singular_one_is_solved():
+    a, b = on_circles(*[[-15, 15, 105, 135, 225, 255]] * 2, ratio=0.6)
+    b[:, :2] += 1e-3 * np.random.default_rng(0).normal(size=(6, 2))
+    robot = StewartGough(a, b)
+    assert robot.family == "6-6 planar" and robot.conditioning < 1e-3
+    assert_found(robot)
+
+
+def assert_found(robot, complete=False):
+    """The pose is found whose lengths are given."""
+    T = np.eye(4)
+    T[:3, :3], T[2, 3] = matrix_from_rotation_vector([0.1, -0.05, 0.2]), 1.0
+    found = robot.direct(robot.inverse(T), seed=T)
+    assert np.abs(found.poses[0] - T).max() < 1e-9
+    assert found.complete or not complete
 
 
 def test_a_platform_that_can_move_with_locked_legs_is_told():

@@ -27,9 +27,12 @@ from robomech_ros._kernels.parallel.newton import eliminate, newton, rows, subst
 
 __all__ = ["follow"]
 
-# Part of the largest step that is proved, and the least, of all the way, before it gives up.
-_PART, _LEAST_STEP = 0.9, 1e-5
-_STEPS = 200
+# Part of the largest step that is proved, and the least, of all the way, before it gives up: to a
+# singular pose in the way goes the root of that.
+_PART, _LEAST_STEP = 0.9, 1e-13
+_STEPS = 2000
+# Least ratio of norms, 1 / (|J| |J^-1|), of a pose that is not singular.
+_SINGULAR = 2e-6
 # Rounding of the distance that a step has gone, of the size.
 _ROUNDING = 1e-9
 
@@ -101,28 +104,41 @@ def _inverted(J, order, inverse):
         substitute(J, inverse[i], order)
 
 
+@lean
+def _regularity(J, inverse):
+    """Give 1 / (|J| |J^-1|), by Frobenius."""
+    one, other = 0.0, 0.0
+    for i in range(6):
+        for j in range(6):
+            one += J[i, j] * J[i, j]
+            other += inverse[i, j] * inverse[i, j]
+    return 1.0 / math.sqrt(one * other)
+
+
 @kernel(i8(IN2, IN2, IN1, OUT1, OUT1))
 def follow(A, B, lengths, pose, report):
     """Move a pose (12,) in place until its leg lengths (6,) are those given.
 
     Points are of order one.  The squared lengths move along a line.  Written to ``report`` (2,):
-    the part of the way that was gone, and the largest error of a length.  Returns the number of
-    steps, -1 where a singularity is in the way.
+    the part of the way that was gone, and the ratio of norms where it ends.  Returns the number of
+    steps, -1 where a singularity is in the way, and -2 where no step is proved any more.
     """
     J, order, factors = scratch(6, 6), scratch_integers(6), scratch(6, 6)
     H, inverse = scratch(6, 13), scratch(6, 6)
     now, b, r = scratch(6), scratch(6), scratch(6)
     first, start, aim = scratch(6), scratch(12), scratch(6)
     rows(A, B, pose, J, first)
-    done, step = 0.0, 1.0
+    done, longest, regularity = 0.0, 1.0, 0.0
     for taken in range(1, _STEPS + 1):
         rows(A, B, pose, J, now)
         factors[:] = J
         b[:] = 0.0
         if not eliminate(factors, b, order):
+            regularity = 0.0
             break
         _inverted(factors, order, inverse)
-        step = 1.0 - done
+        regularity = _regularity(J, inverse)
+        step = min(1.0 - done, longest)
         while step >= _LEAST_STEP or step == 1.0 - done:
             for k in range(6):
                 share = done + step
@@ -148,10 +164,14 @@ def follow(A, B, lengths, pose, report):
         radius = (1.0 - math.sqrt(1.0 - 2.0 * bend * size)) / bend
         if not error >= 0.0 or _gone(start, pose) > radius * (1.0 + _ROUNDING) + _ROUNDING:
             pose[:] = start
-            break
+            longest = 0.5 * step
+            if longest < _LEAST_STEP:
+                break
+            continue
+        longest = 1.0
         if step == 1.0 - done:
-            report[0], report[1] = 1.0, error
+            report[0], report[1] = 1.0, regularity
             return taken
         done += step
-    report[0], report[1] = done, math.nan
-    return -1
+    report[0], report[1] = done, regularity
+    return -1 if regularity < _SINGULAR else -2

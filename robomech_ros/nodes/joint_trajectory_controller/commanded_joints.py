@@ -87,6 +87,10 @@ class CommandedJoints:
         Why the present state may not be published, so that the joints hold; empty if it may.
     """
 
+    # The state that is published, and where all joints really are (rad or m).
+    _shown: State
+    _real: FloatArray
+
     def __init__(
         self,
         place: str,

@@ -13,15 +13,16 @@ __all__ = ["gripper_condition", "robot_condition"]
 def robot_condition(robot: SimulatedRobot) -> NodeCondition:
     """Describe the robot.
 
-    A warning while the last trajectory that came was refused, or drives were at their limits since
-    the last motion began.
+    A warning while the last trajectory that came was refused, while its state may not be published,
+    or if drives were at their limits since the last motion began.
     """
     with robot.lock:
         values, saturation = _values(robot), robot.saturation()
         if robot.dynamic:
             values["at effort limits"] = saturation
-        summary = "; ".join(part for part in (_summary(robot), saturation) if part)
-        return NodeCondition(summary, bool(robot.counts.refusal.text or saturation), values)
+        wrong = [part for part in (robot.fault, saturation) if part]
+        summary = "; ".join((_summary(robot), *wrong))
+        return NodeCondition(summary, bool(robot.counts.refusal.text or wrong), values)
 
 
 def gripper_condition(gripper: Gripper) -> NodeCondition:
