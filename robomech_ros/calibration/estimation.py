@@ -10,10 +10,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.calibration import refinement
 from robomech_ros._kernels.compiling.jit import direct
-from robomech_ros.calibration.motions import Spread, check_convention, check_units
+from robomech_ros.calibration.conventions import check_units, misfit, refuse_convention
+from robomech_ros.calibration.freedom import FAR, Freedom, freedom_of, reach_of
 from robomech_ros.calibration.result import HandEyeNoise, HandEyeResult, sensor_covariance
 from robomech_ros.calibration.samples import checked_samples, distinct_samples
-from robomech_ros.calibration.start import agreeing, errors_at, packed, starts
+from robomech_ros.calibration.start import (
+    Start,
+    agreeing,
+    errors_at,
+    inverted,
+    packed,
+    put_on_axis,
+    started,
+    variances_of,
+)
 from robomech_ros.errors import (
     BadValueError,
     ContradictionError,
@@ -34,9 +44,8 @@ _distances = direct(refinement.distances)
 
 # Fewer leave too little to tell noises, or right samples from wrong ones.
 _LEAST_FOR_SHARE, _LEAST_FOR_OUTLIERS, _LEAST_TO_CONTRADICT = 8, 5, 4
-# Squared distance, of six normal numbers, that one sample in 400,000 exceeds; and the median of
-# three.
-_OUTLYING, _MEDIAN = 36.0, 2.366
+# Squared distance, of six normal numbers, that one sample in 400,000 exceeds.
+_OUTLYING = 36.0
 # The same before the noise is known, by medians.
 _GROSS = 100.0
 _ROUNDS = 10
@@ -44,10 +53,6 @@ _LEAST_VARIANCE = 1e-26
 # What misses by less (rad, and the same part of the distances) is no outlier: rounding at the
 # end, and of exact samples what the start leaves.
 _EXACT, _ROUGH = 1e-8, 1e-6
-# What is off by so much (rad, and the same part of the distances) is not noise of a sensor.
-_SUSPICIOUS = 0.02
-# Nor is what is so many times farther away than the hand gets.
-_FAR = 20.0
 # Poses that have nothing to do with each other are a radian apart.
 _CHAOS = 0.3
 _WEAK = 5.0
@@ -57,17 +62,36 @@ _FEW, _USUAL = 4, 0.1
 # Fits farther apart than this (rad) are different ones, and so much (twice the logarithm of the
 # likelihood) the best must be more likely.
 _APART, _CLEARLY = 0.5, 20.0
+# A convention is wrong where another one's misfit is so much less, once both are refined, and
+# need not be refined where it is so much more.
+_BETTER, _WORSE = 1.5, 6.0
 
 
 @dataclass(eq=False)
 class _Fit:
-    """Unknowns (24), noise (3), samples in use (n,) and information (12, 12), as they improve."""
+    """Samples (n, 12), unknowns (24), noise (3), samples in use (n,) and information (12, 12)."""
 
+    A: Array
+    S: Array
+    side: int
     known: bool
+    start: Start
     at: Array
     noise: Array
     use: Array
     information: Array
+    freedom: Freedom
+
+    def refine(self, at: Array, noise: Array, *, known: bool, shared: bool = False) -> None:
+        """Refine unknowns and noise in place, with the information there."""
+        held, into = self.freedom.held, self.information
+        _refine(self.A, self.S, self.use, at, noise, held, self.side, known, shared, into)
+
+    def distances(self, at: Array) -> Array:
+        """Squared distances (n,) of the samples from unknowns, by their noise."""
+        squares = np.empty(len(self.A))
+        _distances(self.A, self.S, at, self.noise, self.side, squares)
+        return squares
 
 
 def hand_eye(
@@ -145,29 +169,32 @@ def hand_eye(
     careful = as_flag("robust", robust)
     given = _variances(noise)
     robot, sensor = checked_samples(robot_poses, sensor_poses)
-    first, back = distinct_samples(robot, sensor)
-    moving = inverse_pose(robot) if kind == "eye-to-hand" else robot
-    parent = "base" if kind == "eye-to-hand" else "hand"
-    A, S = packed(moving[first]), packed(sensor[first])
-    spread = Spread(moving[first], sensor[first])
-    spread.check(parent)
-    fit, others, squares = _started(A, S, given)
-    if _suspicious(squares, S) or _far(fit.at, A):
-        check_units(A, S, squares[1])
-    if _suspicious(squares, S):
-        check_convention(moving[first], sensor[first], kind, squares)
-    _refined(fit, A, S, kind, careful)
-    used = fit.use > 0.0
-    if not used.all():
-        spread = Spread(moving[first][used], sensor[first][used])
-    spread.check(parent, _parts(fit.noise))
-    _check_single(fit, others, A, S, kind)
-    return _result(fit, robot, (packed(moving), packed(sensor)), back, kind)
-
-
-def _parts(noise: Array) -> tuple[float, float]:
-    """Variances of the robot's and of the sensor's rotations."""
-    return float(noise[2] * noise[0]), float((1.0 - noise[2]) * noise[0])
+    side = MOUNTS.index(kind)
+    rows = packed(robot), packed(sensor)
+    first, back = distinct_samples(*rows)
+    if side:
+        rows = inverted(rows[0]), rows[1]
+    A, S = rows[0][first], rows[1][first]
+    voters = agreeing(A, S)
+    fit = _started(A, S, voters, side, given)
+    other = None
+    if len(A) >= _LEAST_TO_CONTRADICT:
+        other = _started(inverted(A), S, voters, side, given)
+    _check_turns(fit, other, kind)
+    both = (fit,) if other is None else (fit, other)
+    check_units(S, voters, [(one.A, one.start) for one in both])
+    _refined(fit, careful)
+    _check_convention(fit, other, kind, careful)
+    if careful and len(A) >= _LEAST_TO_CONTRADICT and fit.noise[0] > _CHAOS**2:
+        raise ContradictionError(
+            "rotation error of the samples",
+            f"{float(np.sqrt(fit.noise[0])):.3g} rad",
+            f"at most {_CHAOS} rad: the robot's and the sensor's poses contradict each other; "
+            "are they of the same moments?",
+        )
+    _check_turns(fit, None, kind)
+    _check_single(fit)
+    return _result(fit, robot, rows, back, kind)
 
 
 def robot_world(
@@ -219,122 +246,144 @@ def _variances(noise: ArrayLike | None) -> Array | None:
     return np.array([turn, shift, squares[2] / turn])
 
 
-def _started(
-    A: Array, S: Array, given: Array | None
-) -> tuple[_Fit, list[Array], tuple[float, float]]:
-    """Start without iteration; also give other places to, and the median squared errors there."""
-    at, *others = starts(A, S, agreeing(A, S))
-    turns, shifts = errors_at(A, S, at)
-    squares = float(np.median(turns)), float(np.median(shifts))
-    fit = _Fit(
-        given is not None, at, _noise(squares, len(A), given), np.ones(len(A)), np.zeros((12, 12))
-    )
-    return fit, others, squares
+def _started(A: Array, S: Array, voters: Array, side: int, given: Array | None) -> _Fit:
+    """Start without iteration."""
+    start = started(A, S, voters, 0.0 if given is None else float(given[0]))
+    noise = np.array([*start.variances, 0.0]) if given is None else given.copy()
+    use, known = np.ones(len(A)), given is not None
+    return _Fit(A, S, side, known, start, start.at.copy(), noise, use, np.zeros((12, 12)), start.freedom)
 
 
-def _noise(squares: tuple[float, float], n: int, given: Array | None = None) -> Array:
-    """Variances of which the median squared errors of n samples speak."""
-    if given is not None:
-        return given.copy()
-    freed = 1.0 / max(1.0 - 2.0 / n, 0.25)
-    turn, shift = (max(one * freed / _MEDIAN, _LEAST_VARIANCE) for one in squares)
-    return np.array([turn, shift, 0.0])
-
-
-def _suspicious(squares: tuple[float, float], S: Array) -> bool:
-    """Whether errors are larger than those of any sensor."""
-    reach = float(np.mean(S[:, 9:] ** 2)) * 3.0
-    return squares[0] > _SUSPICIOUS**2 or squares[1] > _SUSPICIOUS**2 * reach
-
-
-def _far(at: Array, A: Array) -> bool:
-    """Whether sensor or target are farther away than they can be, for the reach of the hand."""
-    reach = float(np.sqrt(3.0 * np.mean(A[:, 9:] ** 2)))
-    return float(np.abs(at[[9, 10, 11, 21, 22, 23]]).max()) > _FAR * reach
-
-
-def _refined(fit: _Fit, A: Array, S: Array, mount: str, robust: bool) -> None:
+def _refined(fit: _Fit, robust: bool) -> None:
     """Refine, leaving out what contradicts the rest, until it is the same samples.
 
-    Raises
-    ------
-    ContradictionError
+    Directions are free or not as the noise of these has it.
     """
-    side = MOUNTS.index(mount)
-    wary = robust and len(A) >= _LEAST_FOR_OUTLIERS
+    _refined_as_free(fit, robust)
+    turns = float(fit.use @ errors_at(fit.A, fit.S, fit.at)[0])
+    freed = 3.0 * fit.use.sum() - 6.0
+    variance = max(turns / freed, _LEAST_VARIANCE, float(fit.noise[0]) if fit.known else 0.0)
+    before = fit.freedom.is_axis
+    fit.freedom = freedom_of(fit.A, fit.S, fit.use, fit.at, variance)
+    if fit.freedom.is_axis and not before:
+        fit.at = fit.start.at.copy()
+        put_on_axis(fit.A, fit.S, fit.use, fit.at, fit.freedom)
+    if fit.freedom.is_axis or before:
+        _refined_as_free(fit, robust)
+
+
+def _refined_as_free(fit: _Fit, robust: bool) -> None:
+    """Refine, leaving out what contradicts the rest, until it is the same samples."""
+    wary = robust and len(fit.A) >= _LEAST_FOR_OUTLIERS
     if wary:
         for _ in range(_ROUNDS):
-            turns, shifts = errors_at(A, S, fit.at)
-            scale = _noise((float(np.median(turns)), float(np.median(shifts))), len(A))
-            gross = turns / scale[0] + shifts / scale[1] > _GROSS
-            if not _left_out(fit, gross & ~_missed_by_less(_ROUGH, A, S, fit.at)):
+            errors = errors_at(fit.A, fit.S, fit.at)
+            turn, shift = variances_of(errors)
+            gross = errors[0] / turn + errors[1] / shift > _GROSS
+            if not _left_out(fit, gross & ~_missed_by_less(_ROUGH, fit, errors)):
                 break
-            _refine(A, S, fit.use, fit.at, fit.noise, side, fit.known, False, fit.information)
+            fit.refine(fit.at, fit.noise, known=fit.known)
     for _ in range(_ROUNDS):
         shared = not fit.known and bool(fit.use.sum() >= _LEAST_FOR_SHARE)
-        _refine(A, S, fit.use, fit.at, fit.noise, side, fit.known, shared, fit.information)
-        squares = np.empty(len(A))
-        _distances(A, S, fit.at, fit.noise, side, squares)
-        if not wary or not _left_out(
-            fit, (squares > _OUTLYING) & ~_missed_by_less(_EXACT, A, S, fit.at)
-        ):
+        fit.refine(fit.at, fit.noise, known=fit.known, shared=shared)
+        wrong = fit.distances(fit.at) > _OUTLYING
+        if not wary or not wrong.any() and fit.use.all():
             break
-    _keep_position_noise(fit, A, S, side)
-    if robust and len(A) >= _LEAST_TO_CONTRADICT and fit.noise[0] > _CHAOS**2:
-        raise ContradictionError(
-            "rotation error of the samples",
-            f"{float(np.sqrt(fit.noise[0])):.3g} rad",
-            f"at most {_CHAOS} rad: the robot's and the sensor's poses contradict each other; "
-            "are they of the same moments?",
-        )
+        if not _left_out(fit, wrong & ~_missed_by_less(_EXACT, fit)):
+            break
+    _keep_position_noise(fit)
 
 
-def _keep_position_noise(fit: _Fit, A: Array, S: Array, side: int) -> None:
+def _keep_position_noise(fit: _Fit) -> None:
     """Refine once more where few samples have let the noise of the positions vanish.
 
     Positions without noise would determine the rotations, too, and without any error.
     """
     if fit.known or fit.use.sum() > _FEW:
         return
-    reach = 3.0 * float(np.mean(S[fit.use > 0.0, 9:] ** 2))
-    least = _USUAL**2 * reach * float(fit.noise[0])
+    least = _USUAL**2 * reach_of(fit.S[fit.use > 0.0]) ** 2 * float(fit.noise[0])
     if fit.noise[1] < least:
         fit.noise[1] = least
-        _refine(A, S, fit.use, fit.at, fit.noise, side, True, False, fit.information)
+        fit.refine(fit.at, fit.noise, known=True)
 
 
-def _check_single(fit: _Fit, others: list[Array], A: Array, S: Array, mount: str) -> None:
+def _check_turns(fit: _Fit, other: _Fit | None, mount: str) -> None:
+    """Refuse motions without turns, in another convention, too.
+
+    Raises
+    ------
+    UndeterminedError
+    """
+    if any(len(one.freedom.directions) < 3 for one in (fit, other) if one is not None):
+        return
+    if fit.start.variances[0] > _CHAOS**2:
+        return
+    A = fit.A[fit.use > 0.0, :9]
+    most = float(np.sqrt(((A - A.mean(axis=0)) ** 2).sum(axis=1).mean() / 2.0))
+    parent = "base" if mount == "eye-to-hand" else "hand"
+    raise UndeterminedError(
+        "rotation of the robot's poses",
+        f"{most:.3g} rad: pure translations",
+        "turns about two axes that are not parallel; the sensor's position in the "
+        f"{parent} frame is free in all directions",
+        np.eye(3).tolist(),
+    )
+
+
+def _check_convention(fit: _Fit, other: _Fit | None, mount: str, robust: bool) -> None:
+    """Refuse samples that another convention fits better.
+
+    Raises
+    ------
+    ContradictionError
+    """
+    if other is None:
+        return
+    reach = reach_of(fit.S)
+    before = misfit(errors_at(fit.A, fit.S, fit.at), reach)
+    if misfit(other.start.errors, reach) > before + _WORSE:
+        return
+    _refined(other, robust)
+    gain = before - misfit(errors_at(other.A, other.S, other.at), reach)
+    if gain > _BETTER:
+        refuse_convention(mount, gain)
+
+
+def _check_single(fit: _Fit) -> None:
     """Refuse half turns that other poses of the sensor fit as well.
 
     Raises
     ------
     UndeterminedError
     """
-    side = MOUNTS.index(mount)
-    squares, unused = np.empty(len(A)), np.empty((12, 12))
-    _distances(A, S, fit.at, fit.noise, side, squares)
-    best = float(fit.use @ squares)
-    for at in others:
-        _refine(A, S, fit.use, at, fit.noise.copy(), side, True, False, unused)
+    if not fit.start.others or fit.freedom.is_axis:
+        return
+    best = float(fit.use @ fit.distances(fit.at))
+    information = fit.information.copy()
+    for at in fit.start.others:
+        fit.refine(at, fit.noise.copy(), known=True)
         apart = float(at[:9] @ fit.at[:9])
-        _distances(A, S, at, fit.noise, side, squares)
-        if apart < 1.0 + 2.0 * np.cos(_APART) and float(fit.use @ squares) - best < _CLEARLY:
+        likely = float(fit.use @ fit.distances(at)) - best < _CLEARLY
+        if apart < 1.0 + 2.0 * np.cos(_APART) and likely:
             raise UndeterminedError(
                 "axes of the robot's rotations",
                 "those of half turns at right angles to each other",
                 "a turn by another angle or about another axis: several sensors fit equally well",
             )
+    fit.information = information
 
 
-def _missed_by_less(limit: float, A: Array, S: Array, at: Array) -> NDArray[np.bool_]:
+def _missed_by_less(limit: float, fit: _Fit, errors: Array | None = None) -> NDArray[np.bool_]:
     """Say which samples miss by less than an angle and that part of the distances."""
-    turns, shifts = errors_at(A, S, at)
-    reach = 1.0 + float(np.mean(A[:, 9:] ** 2 + S[:, 9:] ** 2))
+    turns, shifts = errors_at(fit.A, fit.S, fit.at) if errors is None else errors
+    reach = 1.0 + (reach_of(fit.A) ** 2 + reach_of(fit.S) ** 2) / 3.0
     return np.asarray((turns < limit**2) & (shifts < limit**2 * reach))
 
 
 def _left_out(fit: _Fit, wrong: NDArray[np.bool_]) -> bool:
-    """Leave out samples; say whether they are other ones than before."""
+    """Leave out samples, if most remain; say whether they are other ones than before."""
+    if 2 * wrong.sum() >= len(wrong):
+        return False
     use = np.where(wrong, 0.0, 1.0)
     changed = not np.array_equal(use, fit.use)
     fit.use = use
@@ -362,19 +411,28 @@ def _result(
     X, Z = (
         assembled(part[:9].reshape(3, 3), part[9:].copy()) for part in (fit.at[:12], fit.at[12:])
     )
-    turns, shifts = errors_at(*rows, fit.at)
+    errors = errors_at(*rows, fit.at)
     covariance = sensor_covariance(fit.information, X)
     if not fit.known:
         covariance *= _widening(_freedom(fit))
-    values, axes = np.linalg.eigh(covariance[3:, 3:])
-    weak = values > _WEAK**2 * values[0]
+    free, kept = fit.freedom.directions, np.eye(3)
+    if len(free):
+        kept = np.linalg.eigh(np.outer(free, free))[1][:, :2]
+    values, axes = np.linalg.eigh(kept.T @ covariance[3:, 3:] @ kept)
+    weak = (kept @ axes).T[values > _WEAK**2 * values[0]][::-1]
+    if len(free):
+        still = np.eye(6)
+        still[3:, 3:] = kept @ kept.T
+        covariance = still @ covariance @ still
+        covariance[3:, 3:] += np.outer(free, free) * (FAR * (reach_of(fit.A) or 1.0)) ** 2
     return HandEyeResult(
         sensor=X,
         target=Z,
         covariance=covariance,
-        residuals=np.sqrt(np.stack((turns, shifts), axis=1)),
+        residuals=np.sqrt(errors.T),
         inlier=(fit.use > 0.0)[back],
-        weak_directions=axes.T[weak][::-1].copy(),
+        weak_directions=np.concatenate((free, weak)),
+        free_directions=free,
         noise=HandEyeNoise(*(float(x) for x in (*np.sqrt(fit.noise[:2]), fit.noise[2]))),
         mount=mount,
         information=fit.information,

@@ -56,6 +56,10 @@ class HandEyeResult(Printed):
     weak_directions : ndarray, shape (k, 3)
         Unit vectors, in the frame of ``sensor``'s parent, along which its position is known five
         times worse than along the best; the worst first.
+    free_directions : ndarray, shape (k, 3)
+        The axis, in the same frame, of turns that are all about parallel axes, or none (k = 0):
+        along it the position is not determined and taken to be 0, and its deviation is 20 times
+        the mean distance of the hand's poses.
     noise : HandEyeNoise
         As estimated, or as given.
     mount : str
@@ -72,6 +76,7 @@ class HandEyeResult(Printed):
     residuals: Array
     inlier: NDArray[np.bool_]
     weak_directions: Array
+    free_directions: Array
     noise: HandEyeNoise
     mount: str
     information: Array

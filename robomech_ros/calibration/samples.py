@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.calibration.start import packed
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.poses import as_pose
 
@@ -43,14 +42,14 @@ def checked_samples(robot_poses: ArrayLike, sensor_poses: ArrayLike) -> tuple[Ar
 
 
 def distinct_samples(robot: Array, sensor: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Numbers of samples that differ, in an order of their own, and of each sample among them.
+    """Numbers of samples (n, 12) that differ, in an order of their own, and of each among them.
 
     Raises
     ------
     WrongSizeError
         Fewer than three.
     """
-    rows = np.concatenate((packed(robot), packed(sensor)), axis=1) + 0.0
+    rows = np.concatenate((robot, sensor), axis=1) + 0.0
     keys = [row.tobytes() for row in rows]
     places = {key: k for k, key in enumerate(sorted(set(keys)))}
     first = np.zeros(len(places), np.intp)

@@ -35,8 +35,8 @@ def rotation_error(matrix: ArrayLike) -> Array:
     with np.errstate(over="ignore", invalid="ignore"):
         gram = np.swapaxes(m, -1, -2) @ m
         error = np.abs(gram - np.eye(3)).max(axis=(-1, -2))
-        triple = np.sum(m[..., 0, :] * np.cross(m[..., 1, :], m[..., 2, :]), axis=-1)
-    return np.where(triple > 0.0, error, np.inf)
+        proper = np.linalg.det(m) > 0.0
+    return np.where(proper, error, np.inf)
 
 
 def as_rotation(

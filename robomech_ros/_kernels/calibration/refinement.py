@@ -19,11 +19,12 @@ from robomech_ros._kernels.compiling.jit import (
     i8,
     inline,
     kernel,
+    lean,
     scratch,
 )
 from robomech_ros._kernels.spatial.vectors import dot
 
-__all__ = ["distances", "information_of", "linear_positions", "refine", "residuals"]
+__all__ = ["distances", "information_of", "refine"]
 
 # Least variance (rad^2, m^2): samples without noise would else have weights without bound.
 _LEAST = 1e-26
@@ -34,17 +35,7 @@ _SMALL_SHARE = 0.1
 _WORTH = 2.0  # twice the logarithm of the likelihood that one more parameter gains
 _SETTLED = 1e-3
 _LEAST_FREEDOM = 0.5
-
-
-@kernel(i8(IN2, IN2, OUT1, i8, OUT2))
-def residuals(A, S, at, inverted, out):
-    """Write rotation and position errors (n, 6) in the sensor's frame."""
-    P = scratch(3, 3)
-    for i in range(A.shape[0]):
-        turn, shift, _, _ = residual(A[i], S[i], at, inverted, P)
-        for j in range(3):
-            out[i, j], out[i, 3 + j] = turn[j], shift[j]
-    return 0
+_LEAST_WEIGHT = 1e-10  # of a free direction, as part of the greatest weight
 
 
 @kernel(i8(IN2, IN2, OUT1, OUT1, i8, OUT1))
@@ -58,61 +49,42 @@ def distances(A, S, at, noise, inverted, out):
     return 0
 
 
-@inline
-def _reweigh(A, S, at, weight):
-    P = scratch(3, 3)
-    total = 0.0
-    for i in range(A.shape[0]):
-        if weight[i] > 0.0:
-            _, shift, _, _ = residual(A[i], S[i], at, 0, P)
-            weight[i] = math.sqrt(shift[0] ** 2 + shift[1] ** 2 + shift[2] ** 2)
-            total += weight[i]
-    for i in range(A.shape[0]):
-        if weight[i] > 0.0:
-            weight[i] = 1.0 / (weight[i] + 1e-3 * total / A.shape[0] + 1e-15)
+@lean
+def _hold(at, free, M, g):
+    """Take the free direction out of the normal equations, and put what is known of it there.
 
-
-@kernel(i8(IN2, IN2, OUT1, i8, OUT1))
-def linear_positions(A, S, weight, rounds, at):
-    """Find the positions of X and Z for their rotations: least sums of distances.
-
-    Weights of least squares are made the inverse distances, round by round, from those given.
+    Along the axis free[:3] of X's parent, free[3:6] of Z's, both positions move together: free[6]
+    is the weight of staying where they are; with a small one equations could not be solved.
     """
-    M, b, right = scratch(6, 6), scratch(6), scratch(3)
-    for k in range(rounds):
-        M[:], b[:] = 0.0, 0.0
-        for i in range(A.shape[0]):
-            w = weight[i]
-            for r in range(3):
-                inner = 0.0
-                for c in range(3):
-                    x = at[3 * c] * S[i, 9] + at[3 * c + 1] * S[i, 10] + at[3 * c + 2] * S[i, 11]
-                    inner += A[i, 3 * r + c] * x
-                right[r] = -(A[i, 9 + r] + inner)
-            for r in range(3):
-                M[r, r] += w
-                M[3 + r, 3 + r] += w
-                b[3 + r] -= w * right[r]
-                for c in range(3):
-                    M[3 + r, c] -= w * A[i, 3 * r + c]
-                    b[c] += w * A[i, 3 * r + c] * right[r]
-        for r in range(6):
-            M[r, r] *= 1.0 + 1e-12
-        if not cholesky_solve(M, b, 6):
-            return 1
-        for r in range(3):
-            at[9 + r], at[21 + r] = b[r], b[3 + r]
-        if k + 1 < rounds:
-            _reweigh(A, S, at, weight)
-    return 0
+    if not free[6] > 0.0:
+        return
+    n, product = scratch(12), scratch(12)
+    n[:] = 0.0
+    for j in range(3):
+        for k in range(3):
+            n[3 + j] += math.sqrt(0.5) * at[3 * k + j] * free[k]
+            n[9 + j] += math.sqrt(0.5) * at[12 + 3 * k + j] * free[3 + k]
+    slope, curvature, weight = 0.0, 0.0, free[6]
+    for j in range(UNKNOWNS):
+        product[j] = 0.0
+        weight = max(weight, _LEAST_WEIGHT * M[j, j])
+        for k in range(UNKNOWNS):
+            product[j] += M[max(j, k), min(j, k)] * n[k]
+        slope += g[j] * n[j]
+        curvature += product[j] * n[j]
+    for j in range(UNKNOWNS):
+        g[j] -= slope * n[j]
+        for k in range(j + 1):
+            M[j, k] += (curvature + weight) * n[j] * n[k] - n[j] * product[k] - product[j] * n[k]
 
 
 @inline
-def _settle(samples, at, noise, inverted, M, g, sums):
+def _settle(samples, at, noise, free, inverted, M, g, sums):
     """Take damped Gauss-Newton steps of given noise; M and sums are those of the end."""
     P, J, F, d, trial = scratch(3, 3), scratch(12, 3), scratch(12, 12), scratch(12), scratch(24)
     other, slope, found = scratch(12, 12), scratch(12), scratch(13)
     accumulate(samples, at, noise, inverted, P, J, (M, g, sums))
+    _hold(at, free, M, g)
     damping = 0.0
     for _ in range(_STEPS):
         F[:] = M
@@ -127,6 +99,7 @@ def _settle(samples, at, noise, inverted, M, g, sums):
             gain -= g[j] * d[j]
         moved(at, d, trial)
         accumulate(samples, trial, noise, inverted, P, J, (other, slope, found))
+        _hold(trial, free, other, slope)
         cost = sums[0] + sums[1]
         if found[0] + found[1] <= cost * (1.0 + 1e-12):
             at[:], M[:], g[:], sums[:] = trial, other, slope, found
@@ -161,12 +134,12 @@ def _inverted(M, C):
 
 
 @inline
-def _fit(samples, at, noise, inverted, known, rounds, M, C):
+def _fit(samples, at, noise, free, inverted, known, rounds, M, C):
     """Settle, and estimate the two variances by the redundancy of their residuals, in turn."""
     g, sums = scratch(12), scratch(13)
     determinant = 0.0
     for _ in range(rounds):
-        _settle(samples, at, noise, inverted, M, g, sums)
+        _settle(samples, at, noise, free, inverted, M, g, sums)
         determinant = _inverted(M, C)
         if known or not determinant == determinant:
             break
@@ -177,7 +150,8 @@ def _fit(samples, at, noise, inverted, known, rounds, M, C):
                 taken -= 2.0 * C[j, 6 + k] * sums[4 + 3 * j + k]
         taken /= noise[0]
         turns = max(3.0 * sums[3] - taken, _LEAST_FREEDOM)
-        shifts = max(3.0 * sums[3] - UNKNOWNS + taken, _LEAST_FREEDOM)
+        unknowns = UNKNOWNS - 1.0 * (free[6] > 0.0)
+        shifts = max(3.0 * sums[3] - unknowns + taken, _LEAST_FREEDOM)
         one = max(noise[0] * sums[0] / turns, _LEAST)
         two = max(noise[1] * sums[1] / shifts, _LEAST)
         change = max(abs(math.log(one / noise[0])), abs(math.log(two / noise[1])))
@@ -188,13 +162,13 @@ def _fit(samples, at, noise, inverted, known, rounds, M, C):
 
 
 @inline
-def _shared(samples, at, noise, inverted, M, C):
+def _shared(samples, at, noise, free, inverted, M, C):
     """Find the robot's share of the rotation noise: the most likely one, by bisection.
 
     Gives twice the gain of the logarithm of the restricted likelihood over no share; where a small
     share gains nothing, no other is tried.
     """
-    plain = _fit(samples, at, noise, inverted, False, _BRIEF, M, C)
+    plain = _fit(samples, at, noise, free, inverted, False, _BRIEF, M, C)
     best, middle = plain, 0.0
     kept, trial = scratch(24), scratch(3)
     width = 0.25
@@ -210,7 +184,7 @@ def _shared(samples, at, noise, inverted, M, C):
         if 0.0 < share <= 1.0:
             kept[:], trial[:] = at, noise
             trial[2] = share
-            value = _fit(samples, kept, trial, inverted, False, _BRIEF, M, C)
+            value = _fit(samples, kept, trial, free, inverted, False, _BRIEF, M, C)
             if value < best:
                 best = value
                 at[:], noise[:] = kept, trial
@@ -222,18 +196,18 @@ def _shared(samples, at, noise, inverted, M, C):
     return plain - best
 
 
-@kernel(i8(IN2, IN2, OUT1, OUT1, OUT1, i8, b1, b1, OUT2))
-def refine(A, S, use, at, noise, inverted, known, shared, information):
+@kernel(i8(IN2, IN2, OUT1, OUT1, OUT1, OUT1, i8, b1, b1, OUT2))
+def refine(A, S, use, at, noise, free, inverted, known, shared, information):
     """Refine X and Z (24) and the noise (3) in place; write the information (12, 12).
 
-    Where the robot's share gains less than it costs it is nought.
+    Where the robot's share gains less than it costs it is nought.  For free (7) see `_hold`.
     """
     M, C = scratch(12, 12), scratch(12, 12)
     if shared and not known:
-        gain = _shared((A, S, use), at, noise, inverted, M, C)
+        gain = _shared((A, S, use), at, noise, free, inverted, M, C)
         if gain < _WORTH:
             noise[2] = 0.0
-    value = _fit((A, S, use), at, noise, inverted, known, _ROUNDS, M, C)
+    value = _fit((A, S, use), at, noise, free, inverted, known, _ROUNDS, M, C)
     for j in range(UNKNOWNS):
         for k in range(j + 1):
             information[j, k] = information[k, j] = M[j, k]
