@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.servo.poses import moved_pose, small_motion
+from robomech_ros.servo.poses import moved_pose
 from robomech_ros.servo.resolution import SINGULAR, TwistResolver
 
 __all__ = ["Start", "departures"]
@@ -139,7 +139,7 @@ def _ahead(resolver: TwistResolver, q: Array, twist: Array, way: Array) -> Array
     begun, posture, time = resolver.heading(q, twist).pose, q + _AHEAD * way, 0.0
     for _ in range(_STEPS):
         here = resolver.heading_wholly(posture, twist)
-        off = small_motion(moved_pose(begun, time * twist), here.pose)
+        off = resolver.off(moved_pose(begun, time * twist), here.pose)
         along = float(way @ here.rates)
         if along == 0.0:
             return None

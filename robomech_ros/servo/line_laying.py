@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.servo.departures import Start
-from robomech_ros.servo.poses import moved_pose, small_motion
+from robomech_ros.servo.poses import moved_pose
 from robomech_ros.servo.resolution import Heading, TwistResolver
 
 __all__ = ["LineLaying", "Node"]
@@ -182,6 +182,10 @@ class LineLaying:
         last = self.nodes[-1]
         self._bend = (node.direction - last.direction) / (node.place - last.place)
         self.nodes.append(node)
+        if self._resolver.partial:
+            # What is free is where the joints have brought it.
+            here = node.heading.pose
+            pose = moved_pose(here, self._resolver.off(pose, here))
         self._pose = pose
         self._bound = min(self._bound, self._bound_after(node.heading.condition))
 
@@ -199,7 +203,7 @@ class LineLaying:
             if not heading.possible or float(along @ heading.rates) <= 0.0:
                 return None
             pose = moved_pose(self._pose, 0.5 * time * (held + twist))
-            change = heading.gain @ small_motion(pose, heading.pose)
+            change = heading.gain @ self._resolver.off(pose, heading.pose)
             more = -float(along @ change) / float(along @ heading.rates)
             change = change + more * heading.rates
             if len(heading.null):
@@ -216,7 +220,7 @@ class LineLaying:
         if self.leaving:
             yield
             heading = self._heading(q, twist)
-            off = small_motion(pose, heading.pose)
+            off = self._resolver.off(pose, heading.pose)
             if _norm(off[3:]) > _OFF or _norm(off[:3]) > _OFF_TURNED:
                 return None
         length = _norm((q - last.q) * self.weights)
@@ -284,7 +288,7 @@ class LineLaying:
         straight = float((self.weights**2 * last.direction) @ node.direction)
         if straight < _BENT or not node.heading.possible or not middle.rate:
             return None
-        lost = small_motion(moved_pose(pose, step / middle.rate * twist), node.heading.pose)
+        lost = self._resolver.off(moved_pose(pose, step / middle.rate * twist), node.heading.pose)
         line = twist[3:]
         speed = float(line @ line)
         if speed > 0.0:

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.robots.chain import SerialChain
 from robomech_ros.servo.commands import PoseCommand, TwistCommand
-from robomech_ros.spatial.rotations.axis_angle import rotation_vector_from_matrix
+from robomech_ros.servo.resolution import TwistResolver
 
 __all__ = ["PoseApproach"]
 
@@ -33,12 +32,12 @@ class PoseApproach:
 
     Parameters
     ----------
-    chain : SerialChain
-        The robot.
+    resolver : TwistResolver
+        Of the robot's chain; what it leaves free of the pose is not waited for.
     """
 
-    def __init__(self, chain: SerialChain) -> None:
-        self._chain = chain
+    def __init__(self, resolver: TwistResolver) -> None:
+        self._resolver = resolver
         self._target: Array | None = None
         # The twist of full speed along the line (angular first), and what plans to stop take (1/s).
         self._full: Array = np.zeros(6)
@@ -76,9 +75,11 @@ class PoseApproach:
 
     def _left(self, target: Array, q: Array) -> Array:
         """Give the rotation and the way to a pose (rad and m, in base axes)."""
-        T = forward_kinematics(self._chain, q)
-        turn = rotation_vector_from_matrix(target[:3, :3] @ T[:3, :3].T)
-        return np.concatenate((turn, target[:3, 3] - T[:3, 3]))
+        T = forward_kinematics(self._resolver.chain, q)
+        way = np.concatenate((np.zeros(3), target[:3, 3] - T[:3, 3]))
+        return np.concatenate(
+            (self._resolver.turn_left(target, T), self._resolver.held(way, target)[3:])
+        )
 
     def _on_line(self, command: PoseCommand, left: Array) -> bool:
         if self._target is None or not np.array_equal(self._target, command.target):

@@ -14,6 +14,7 @@ larger.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -26,6 +27,9 @@ from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.kinematics.joint_values import raise_not_finite
 from robomech_ros.kinetostatics.singularities.generic_rank import generic_rank, scaling_length
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.servo.poses import small_motion
+from robomech_ros.spatial.arrays import held_rows
+from robomech_ros.spatial.rotations.axis_angle import rotation_vector_from_matrix
 
 __all__ = ["SINGULAR", "Heading", "Resolution", "TwistResolver"]
 
@@ -47,6 +51,8 @@ _UNCERTAIN = 1e-3
 _AHEAD, _OF_ACCELERATION = 1e-3, 0.4
 # Rates below this part of the largest are rounding, which must not touch a joint at its limit.
 _NO_RATE = 1e-9
+# Postures that show how many components an arm can move.
+_POSTURES = 3
 # The part of a twist that an arm can carry out must be this much of it.
 _SOMETHING = 1e-6
 
@@ -161,7 +167,55 @@ class TwistResolver:
         self._per_length = 1.0 / scaling_length(chain, length)
         self._scale = np.repeat((1.0, self._per_length), 3)
         self._pose = np.empty((4, 4))
+        # Which parts of a twist in axes of the tip are held, angular first; None for all.
+        self._held: Array | None = None
         self.rank = min(generic_rank(chain), chain.n, 6)
+
+    def hold(self, task_mask: Sequence[bool]) -> None:
+        """Hold some components of the tip's pose only, and let the others follow from the joints.
+
+        Parameters
+        ----------
+        task_mask : sequence of six bool
+            x, y, z, rx, ry, rz along and about the axes of the tip; all False for the full pose.
+        """
+        rows = held_rows("task_mask", task_mask)
+        self._held = None if len(rows) in (0, 6) else np.isin(np.arange(6), rows) * 1.0
+        self.rank = min(generic_rank(self.chain), self.chain.n, 6)
+        if self._held is not None:
+            postures = np.random.default_rng(0).uniform(-1.0, 1.0, (_POSTURES, self.chain.n))
+            self.rank = max(int(np.linalg.matrix_rank(self.jacobian(q))) for q in postures)
+
+    @property
+    def partial(self) -> bool:
+        """Whether some components of the pose are free."""
+        return self._held is not None
+
+    def held(self, motion: Array, pose: Array) -> Array:
+        """Return the part of a twist or small motion that is held in the axes of a pose (4, 4)."""
+        return motion if self._held is None else self._projector(pose) @ motion
+
+    def off(self, target: Array, pose: Array) -> Array:
+        """Return the small motion from a pose to another, of what is held; angular first."""
+        return self.held(small_motion(target, pose), pose)
+
+    def turn_left(self, target: Array, pose: Array) -> Array:
+        """Return the rotation vector (rad, base axes) from a pose to another, of what is held."""
+        if self._held is not None and self._held[:3].sum() == 2.0:
+            # The shortest turn that brings the free axis to where it has to be.
+            free = int(np.argmin(self._held[:3]))
+            axis = np.cross(pose[:3, free], target[:3, free])
+            sine, cosine = _norm(axis), float(pose[:3, free] @ target[:3, free])
+            return axis * (math.atan2(sine, cosine) / max(sine, 1e-300))
+        turn = rotation_vector_from_matrix(target[:3, :3] @ pose[:3, :3].T)
+        return self.held(np.concatenate((turn, np.zeros(3))), target)[:3]
+
+    def _projector(self, pose: Array) -> Array:
+        """Return the matrix (6, 6) that keeps of twists in base axes what is held."""
+        assert self._held is not None
+        R, kept = pose[:3, :3], np.zeros((6, 6))
+        kept[:3, :3], kept[3:, 3:] = (R * part @ R.T for part in np.split(self._held, 2))
+        return kept
 
     def scaled(self, twist: Array) -> Array:
         """Give a twist, angular first (rad/s and m/s), its linear part over the length."""
@@ -187,7 +241,7 @@ class TwistResolver:
         condition = _condition(values, rank)
         lower, least = values[0] / self.slow_from, values[0] / self.stop_at
         posture = _Posture(q, left[:, :rank], values[:rank], right, lower, least)
-        scaled = self._scale * twist
+        scaled = self._scale * self.held(twist, self._pose)
         parts = posture.left.T @ scaled
         size = _norm(scaled)
         possible = size == 0.0 or _norm(parts) > _SOMETHING * size
@@ -241,7 +295,7 @@ class TwistResolver:
         least = values[0] / lost_from
         strength = values / np.maximum(values, least) ** 2
         gain = (right[:rank].T * strength) @ left.T * self._scale
-        scaled = self._scale * twist
+        scaled = self._scale * self.held(twist, self._pose)
         missing = _norm(scaled - left @ (left.T @ scaled))
         possible = missing <= _SOMETHING * _norm(scaled)
         pose, null = self._pose.copy(), right[rank:]
@@ -285,7 +339,13 @@ class TwistResolver:
         return found._replace(scale=min(found.scale, scale))
 
     def jacobian(self, q: Array) -> Array:
-        """Give that of a posture (rad or m), its linear rows over the length (6, n)."""
+        """Give that of a posture (rad or m), its linear rows over the length (6, n).
+
+        Where components of the pose are free, nothing moves them.
+        """
+        return self.held(self._whole_jacobian(q), self._pose)
+
+    def _whole_jacobian(self, q: Array) -> Array:
         scaled: Array = np.empty((6, self.chain.n))
         if _jacobian_one(self.chain.packed, q, scaled, self._pose):
             raise_not_finite(self.chain, q)
@@ -298,7 +358,12 @@ class TwistResolver:
         if _rate_one(self.chain.packed, q, rates, scaled):
             raise_not_finite(self.chain, rates, "rates")
         scaled[3:] *= self._per_length
-        return scaled
+        if self._held is None:
+            return scaled
+        whole = self._whole_jacobian(q)
+        kept, x, y, z = self._projector(self._pose), *(whole[:3] @ rates)
+        turning = np.kron(np.eye(2), ((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
+        return kept @ scaled + (turning @ kept - kept @ turning) @ whole
 
     def _split(
         self, posture: _Posture, parts: Array, needed: Array, velocity: Array

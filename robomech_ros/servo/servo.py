@@ -1,5 +1,6 @@
 """The servo itself: the last command, how old it is, and what becomes of it in the next period."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,11 +78,31 @@ class Servo:
         self._resolver = TwistResolver(
             chain, settings.slow_from, settings.stop_at, approach, settings.length
         )
-        self._approach = PoseApproach(chain)
+        self._approach = PoseApproach(self._resolver)
         self._stream: Stream | None = None
         self._command: Command | None = None
         self._twists = TwistFollowing(self._resolver, self.limits, self._period)
         self.paused = False
+        self._mask: tuple[bool, ...] = (False,) * 6
+
+    def hold(self, task_mask: Sequence[bool]) -> None:
+        """Follow twists and poses with some components of the tip's pose only, from now on.
+
+        Parameters
+        ----------
+        task_mask : sequence of six bool
+            Which of x, y, z, rx, ry, rz are held, along and about the axes of the tip, of poses
+            those of the target; all False for the full pose.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError
+            It is no mask.
+        """
+        if tuple(task_mask) != self._mask:
+            self._resolver.hold(task_mask)
+            self._mask = tuple(task_mask)
+            self._twists.restart(None if self._stream is None else self._stream.line)
 
     @property
     def active(self) -> bool:

@@ -9,6 +9,7 @@ from robomech_ros.servo.joining import Joining
 from robomech_ros.servo.leaving import Leaving
 from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.line_laying import LineLaying
+from robomech_ros.servo.line_motion import LineMotion
 from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.motion import Advance
 from robomech_ros.servo.report import ServoReport, motion_report
@@ -44,12 +45,20 @@ class TwistFollowing:
         self._resolver, self._limits, self._period = resolver, limits, period
         # The twist of the period before, in its axes.
         self._last: TwistCommand | None = None
+        # A line laid before what is held of the pose changed; it is left.
+        self._outdated: LineMotion | None = None
         self._joining = Joining()
         self._leaving = Leaving(resolver)
 
     def end(self) -> None:
         """Follow no twist: the next one is another."""
         self._last = None
+
+    def restart(self, line: LineMotion | None) -> None:
+        """Lay lines anew, and leave the present one."""
+        self.end()
+        self._outdated = line
+        self._leaving.forget()
 
     def follow(self, stream: Stream, command: TwistCommand) -> ServoReport:
         """Go on by one period with a twist."""
@@ -65,14 +74,15 @@ class TwistFollowing:
         self._last = command
         found = self._resolver.resolve(position, twist, velocity)
         beyond = found.condition_number >= self._resolver.stop_at
+        outdated = stream.line is not None and stream.line is self._outdated
         if stream.line is not None:
             stream.line.path.begin_period()
         elif stream.at_rest and twist.any() and (found.scale or beyond):
             self._begin_line(stream, command, twist, beyond)
         advance = None
-        if stream.line is not None:
+        if stream.line is not None and not outdated:
             found, advance = self._on_line(stream, position, twist, found)
-        elif not (stream.at_rest or beyond) and found.scale and twist.any():
+        elif not (outdated or stream.at_rest or beyond) and found.scale and twist.any():
             part = min(self._limits.share_of(found.rates)[0], found.scale)
             advance = self._joining.attempt(
                 stream, part, lambda: self._path(command, Start(stream.knot()))

@@ -141,6 +141,7 @@ class Driver:
         if not self._servo.active and not self._begin(now):
             self._sleep(now)
             return
+        self._servo.hold(self._settings().task_mask)
         self._stream.catch_up(now)
         report = self._stream.go_on(now)
         if report is None:

@@ -17,6 +17,7 @@ __all__ = [
 
 SPEED_UNITS = "speed_units"
 UNITLESS = "unitless"
+_DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,13 @@ class ServoNodeSettings(FrameSettings):
         "Largest joint speed of unitless commands, rad/s or m/s",
         1e-6,
         100.0,
+        read_only=False,
+    )
+    free_directions: tuple[str, ...] = parameter(
+        (),
+        "Components of the tip's pose that twists and pose targets leave to the joints, of x, y, z, "
+        "rx, ry, rz along and about the axes of the tip: rz for a tool with an axis, rx, ry, rz "
+        "for positions alone. MoveIt calls them drift dimensions. Empty = none",
         read_only=False,
     )
     lower_singularity_threshold: float = parameter(
@@ -126,6 +134,11 @@ class ServoNodeSettings(FrameSettings):
         "messages",
     )
 
+    @property
+    def task_mask(self) -> tuple[bool, ...]:
+        """Which components of the pose are held, as `Servo.hold` takes them."""
+        return tuple(name not in self.free_directions for name in _DIRECTIONS)
+
 
 def check_settings(settings: ServoNodeSettings) -> None:
     """Refuse what does not fit together.
@@ -138,6 +151,10 @@ def check_settings(settings: ServoNodeSettings) -> None:
     if not slow < stop:
         allowed = f"less than hard_stop_singularity_threshold, {stop:g}"
         raise ParameterError("lower_singularity_threshold", slow, allowed)
+    free = settings.free_directions
+    if not set(free) < set(_DIRECTIONS):
+        allowed = f"a list of some of {', '.join(_DIRECTIONS)}, not all of them"
+        raise ParameterError("free_directions", free, allowed)
 
 
 def longest_lead(settings: ServoNodeSettings) -> int:

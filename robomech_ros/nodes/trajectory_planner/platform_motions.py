@@ -110,7 +110,9 @@ class PlatformMotions:
         """Plan along a path of the platform within a part of the limits of rates."""
         mask = options.pop("task_mask")
         if len(held_rows("task_mask", mask)) not in (0, 6):
-            raise BadValueError("task_mask", mask, "the full pose: a platform has no free direction")
+            raise BadValueError(
+                "task_mask", mask, "the full pose: a platform has no free direction"
+            )
         limits = self._all.scaled(velocity=kept, acceleration=kept, jerk=kept)
         return plan_platform(self.way, path, start, limits=limits, **options)
 

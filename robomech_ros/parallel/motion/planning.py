@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -66,6 +67,7 @@ def plan_platform(
     path: PosePath,
     start: ArrayLike,
     *,
+    task_mask: Sequence[bool] | None = None,
     bounds: PathBounds | None = None,
     limits: JointLimits | Any = None,
     profile: str = "poly345",
@@ -86,6 +88,8 @@ def plan_platform(
         Of the platform in the base, such as `path_through` makes it.
     start : array_like, shape (n,)
         All joints (rad or m), loops closed, at the start of the path.
+    task_mask : sequence of six bool, optional
+        Of the full pose: all or none of them.
     bounds : PathBounds, optional
         As for `plan_along`.  No platform passes a singularity, where the drives do not hold it: a
         condition number of 1e3 always ends the path.
@@ -134,6 +138,7 @@ def plan_platform(
         follower,
         path,
         q,
+        task_mask=task_mask,
         bounds=known,
         profile=profile,
         speeds=speeds,
