@@ -71,9 +71,9 @@ class ServoNodeSettings(FrameSettings):
     )
     free_directions: tuple[str, ...] = parameter(
         (),
-        "Components of the tip's pose that twists and pose targets leave to the joints, of x, y, z, "
-        "rx, ry, rz along and about the axes of the tip: rz for a tool with an axis, rx, ry, rz "
-        "for positions alone. MoveIt calls them drift dimensions. Empty = none",
+        "Components of the tip's pose that twists and pose targets leave to the joints: some of "
+        "x, y, z, rx, ry, rz along and about the axes of the tip, such as rz for a tool with an "
+        "axis, or rx, ry, rz for positions alone (MoveIt's drift dimensions). Empty = none",
         read_only=False,
     )
     lower_singularity_threshold: float = parameter(

@@ -7,14 +7,12 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
 from robomech_ros.cartesian import CartesianPlan
-from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.common.error_codes import OutcomeError
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.trajectory_planner.motions import Planned
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Mechanism, follow_drives, plan_drives, plan_platform
-from robomech_ros.spatial.arrays import held_rows
 from robomech_ros.trajectory import Limits, PosePath
 
 __all__ = ["PlatformMotions"]
@@ -108,11 +106,6 @@ class PlatformMotions:
         self, path: PosePath, start: Array, kept: float, options: dict[str, Any]
     ) -> CartesianPlan:
         """Plan along a path of the platform within a part of the limits of rates."""
-        mask = options.pop("task_mask")
-        if len(held_rows("task_mask", mask)) not in (0, 6):
-            raise BadValueError(
-                "task_mask", mask, "the full pose: a platform has no free direction"
-            )
         limits = self._all.scaled(velocity=kept, acceleration=kept, jerk=kept)
         return plan_platform(self.way, path, start, limits=limits, **options)
 
