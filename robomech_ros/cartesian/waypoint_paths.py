@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal, get_args
 
@@ -10,10 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_choice, real_array
+from robomech_ros.spatial.arrays import as_choice, held_rows, real_array
 from robomech_ros.spatial.poses import as_pose
+from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
 from robomech_ros.spatial.screws.pose_conversions import pose_error
 from robomech_ros.trajectory import PosePath, arc_path, spline_path, straight_path
+from robomech_ros.trajectory.paths.partial_poses import least_turn
 
 __all__ = ["PathKind", "path_through"]
 
@@ -24,7 +27,10 @@ _SAME = 1e-9
 
 
 def path_through(
-    start: ArrayLike, waypoints: ArrayLike, kind: PathKind = "straight"
+    start: ArrayLike,
+    waypoints: ArrayLike,
+    kind: PathKind = "straight",
+    task_mask: Sequence[bool] | None = None,
 ) -> PosePath | None:
     """Lay a path from a pose through others.
 
@@ -39,6 +45,9 @@ def path_through(
     kind : str
         ``"straight"``: lines; ``"spline"``: smooth through all; ``"arc"``: arcs, whose waypoints
         come in pairs (through, to).
+    task_mask : sequence of six bool, optional
+        As for `follow_path`.  Where it holds the position and frees the turn about one axis or
+        all, orientations of waypoints count only as far as they are held.
 
     Returns
     -------
@@ -71,6 +80,8 @@ robomech_ros.trajectory.arc_path
     if not real_array("waypoints", waypoints).size:
         raise WrongSizeError("waypoints", 0, "at least one pose")
     here, others = _checked("start", start, 2), _checked("waypoints", waypoints, 3)
+    if task_mask is not None:
+        others = _with_held_turns(here, others, held_rows("task_mask", task_mask))
     if kind == "arc":
         return replace(_arcs(here, others), waypoints=others)
     poses = np.concatenate([here[None], others])
@@ -92,6 +103,17 @@ def _checked(what: str, poses: ArrayLike, dimensions: int) -> Array:
         expected = "(4, 4)" if dimensions == 2 else "(m, 4, 4)"
         raise WrongSizeError(what, np.shape(poses), expected)
     return np.asarray(poses, dtype=np.float64)
+
+
+def _with_held_turns(start: Array, waypoints: Array, rows: NDArray[np.int64]) -> Array:
+    """Turn each waypoint no farther from the one before than what is held needs."""
+    if len(rows) not in (3, 5) or not np.isin((3, 4, 5), rows).all():
+        return waypoints
+    found, last = waypoints.copy(), start[:3, :3]
+    for pose in found:
+        last = matrix_from_rotation_vector(least_turn(pose[:3, :3], last, rows)) @ last
+        pose[:3, :3] = last
+    return found
 
 
 def _arcs(start: Array, waypoints: Array) -> PosePath:

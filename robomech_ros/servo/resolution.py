@@ -29,7 +29,7 @@ from robomech_ros.kinetostatics.singularities.generic_rank import generic_rank, 
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.servo.poses import small_motion
 from robomech_ros.spatial.arrays import held_rows
-from robomech_ros.spatial.rotations.axis_angle import rotation_vector_from_matrix
+from robomech_ros.trajectory.paths.partial_poses import least_turn
 
 __all__ = ["SINGULAR", "Heading", "Resolution", "TwistResolver"]
 
@@ -201,13 +201,8 @@ class TwistResolver:
 
     def turn_left(self, target: Array, pose: Array) -> Array:
         """Return the rotation vector (rad, base axes) from a pose to another, of what is held."""
-        if self._held is not None and self._held[:3].sum() == 2.0:
-            # The shortest turn that brings the free axis to where it has to be.
-            free = int(np.argmin(self._held[:3]))
-            axis = np.cross(pose[:3, free], target[:3, free])
-            sine, cosine = _norm(axis), float(pose[:3, free] @ target[:3, free])
-            return axis * (math.atan2(sine, cosine) / max(sine, 1e-300))
-        turn = rotation_vector_from_matrix(target[:3, :3] @ pose[:3, :3].T)
+        rows = np.arange(6) if self._held is None else np.flatnonzero(self._held)
+        turn = least_turn(target[:3, :3], pose[:3, :3], rows)
         return self.held(np.concatenate((turn, np.zeros(3))), target)[:3]
 
     def _projector(self, pose: Array) -> Array:

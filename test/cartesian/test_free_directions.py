@@ -110,6 +110,26 @@ def test_a_tool_axis_is_that_of_the_path_also_after_more_than_half_a_turn():
     assert np.abs(ends[1] - ends[0]).max() < 0.5
 
 
+def test_orientations_of_waypoints_count_as_far_as_they_are_held():
+    q = np.array(START["puma560"])
+    here = forward_kinematics(load_robot("puma560"), q)
+    there = here.copy()
+    there[0, 3] += 0.05
+    # Opposite orientations, between which a full path could not choose its way.
+    there[:3, :3] = here[:3, :3] @ np.diag([-1.0, -1.0, 1.0])
+    with pytest.raises(BadValueError, match="opposite orientations"):
+        path_through(here, [there])
+    for mask in (POSITION, TOOL_AXIS):
+        poses = path_through(here, [there], task_mask=mask).sample(np.linspace(0.0, 0.05, 9)).pose
+        np.testing.assert_allclose(poses[:, :3, :3], np.tile(here[:3, :3], (9, 1, 1)), atol=1e-9)
+    tilted = there.copy()
+    tilted[:3, :3] = there[:3, :3] @ Rotation.from_rotvec([0.0, 0.4, 0.0]).as_matrix()
+    end = path_through(here, [tilted], task_mask=TOOL_AXIS).waypoints[0]
+    np.testing.assert_allclose(end[:3, 2], tilted[:3, 2], atol=1e-12)
+    turned = Rotation.from_matrix(here[:3, :3].T @ end[:3, :3]).magnitude()
+    assert turned == pytest.approx(0.4, abs=1e-9)
+
+
 def test_a_singularity_of_what_is_free_does_not_end_a_path():
     chain, q = load_robot("puma560"), np.array([0.1, -0.5, 0.4, 0.3, 0.0, 0.2])  # wrist straight
     path = beside(chain, q, [0.05, 0.0, 0.0])

@@ -156,10 +156,11 @@ def _solved(question: CartesianQuestion, settings: Any) -> _Found:
     """Lay the path, follow it as far as possible, and plan; raise a RobomechError otherwise."""
     with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
         start = forward_kinematics(question.chain, question.start)
-        path = path_through(start, question.waypoints)
+        mask = _POSITION if settings.position_only_ik else None
+        path = path_through(start, question.waypoints, task_mask=mask)
     if path is None:
         return _Found(_standstill(question, settings), 1.0, int(MoveItErrorCodes.SUCCESS), "")
-    followed = _followed(question, path, _POSITION if settings.position_only_ik else None)
+    followed = _followed(question, path, mask)
     plan = plan_followed(
         followed,
         profile="time_optimal",
@@ -171,7 +172,8 @@ def _solved(question: CartesianQuestion, settings: Any) -> _Found:
             settings.sample_period, settings.max_points, settings.max_duration, question.step
         ),
     )
-    fraction = waypoint_fraction(followed, question.waypoints)
+    assert path.waypoints is not None
+    fraction = waypoint_fraction(followed, path.waypoints)
     return _Found(plan, fraction, *_outcome(followed, fraction))
 
 

@@ -56,7 +56,7 @@ class PathRequest:
 
     def path_from(self, pose: NDArray[np.float64]) -> PosePath:
         """Lay the path from a pose (4, 4); refuse waypoints that all are that pose."""
-        path = path_through(pose, self.waypoints, self.kind)
+        path = path_through(pose, self.waypoints, self.kind, self.options["task_mask"])
         if path is None:
             found = f"{len(self.waypoints)} poses equal to the start"
             raise BadValueError("waypoints", found, "at least one other pose")

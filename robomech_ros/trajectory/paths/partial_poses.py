@@ -6,11 +6,13 @@ A q' = b, where b is what the path moves.  Of all solutions the one with the lea
 each divided by a factor that falls from 1 to a tenth near the limits of its joint.
 """
 
+import math
 from collections.abc import Callable
 from functools import lru_cache
 from typing import TypeGuard
 
 import numpy as np
+import numpy.typing as npt
 
 from robomech_ros.spatial.rotations.axis_angle import (
     matrix_from_rotation_vector,
@@ -25,6 +27,7 @@ from robomech_ros.trajectory.sample import FloatArray
 __all__ = [
     "is_partial",
     "least_solution",
+    "least_turn",
     "partial_deviation",
     "partial_rank",
     "partial_rates",
@@ -63,6 +66,28 @@ def partial_deviation(arm: SerialArm, q: FloatArray, pose: FloatArray) -> FloatA
     turn = rotation_vector_from_matrix(R.T @ actual[:3, :3])
     left: FloatArray = -np.concatenate([turn, R.T @ (actual[:3, 3] - pose[:3, 3])])[arm.held]
     return left
+
+
+def least_turn(target: FloatArray, actual: FloatArray, rows: npt.NDArray[np.int64]) -> FloatArray:
+    """Return the least rotation vector (rad, base axes) that brings what is held of a rotation.
+
+    Parameters
+    ----------
+    target, actual : ndarray, shape (3, 3)
+        Where to, and from where.
+    rows : ndarray of int
+        The components that are held: rows 0, 1 and 2 of twists, about axes of the target.
+    """
+    held = np.isin(np.arange(3), rows)
+    if not held.any():
+        return np.zeros(3)
+    if held.sum() != 2:
+        return rotation_vector_from_matrix(target @ actual.T)
+    axis, wanted = actual[:, ~held][:, 0], target[:, ~held][:, 0]
+    normal = np.cross(axis, wanted)
+    sine = float(np.linalg.norm(normal))
+    turn: FloatArray = normal * (math.atan2(sine, float(axis @ wanted)) / max(sine, 1e-300))
+    return turn
 
 
 def partial_step(arm: SerialArm, q: FloatArray, pose: FloatArray) -> FloatArray:

@@ -141,6 +141,20 @@ def test_nothing_is_published_that_an_executor_would_take(puma):
     assert heard == [expected]
 
 
+def test_with_position_only_ik_the_orientation_is_free(graph):
+    options = {"robot_description": "puma560", "state_timeout": 0.0, "position_only_ik": True}
+    graph.start(TrajectoryPlannerNode, **options)
+    # The waypoint turns the link by half a turn within 6 cm.
+    turned = HERE.copy()
+    turned[:3, :3] = HERE[:3, :3] @ np.diag([-1.0, -1.0, 1.0])
+    turned[:3, 3] += STEPS[0]
+    response = compute(graph, waypoints=[stamped_pose(turned, "").pose])
+    _, poses = checked(response)
+    assert response.fraction == 1.0
+    np.testing.assert_allclose(poses[-1, :3, 3], turned[:3, 3], atol=1e-6)
+    assert np.trace(poses[-1, :3, :3].T @ HERE[:3, :3]) > 2.0
+
+
 def test_points_are_no_farther_apart_than_max_step(puma):
     points, _ = checked(compute(puma, max_step=0.002))
     places = forward_kinematics(PUMA, points.positions)[:, :3, 3]

@@ -1,6 +1,7 @@
 """Cartesian plans: on the path, within the limits, told where and why they end."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -63,6 +64,41 @@ def keeps_to(points, chain, start):
     report = verify(points, chain, start=start, start_tolerance=1e-6)
     assert report.ok, report.violation
     assert not points.velocities[-1].any() and not points.accelerations[-1].any()
+
+
+FIVE_START = np.array([0.4, -0.4, 0.7, 0.3, 0.2])
+
+
+@pytest.fixture
+def five(graph, tmp_path):
+    """An arm of five joints, which no straight line with full orientation suits."""
+    file = Path(__file__).parents[2] / "data" / "five_joints.urdf"
+    chain = load_robot(file)
+    limits = tmp_path / "joint_limits.yaml"
+    rows = (
+        f"  {name}: {{has_acceleration_limits: true, max_acceleration: 5.0}}\n"
+        for name in chain.joint_names
+    )
+    limits.write_text("joint_limits:\n" + "".join(rows), encoding="utf-8")
+    options = {"robot_description": str(file), "joint_limits": str(limits)}
+    return chain, lambda **more: graph.start(TrajectoryPlannerNode, **options, **more)
+
+
+@pytest.mark.parametrize("mask", [[True] * 3 + [False] * 3, [True] * 5 + [False]])
+def test_what_the_mask_frees_need_not_follow_the_path(graph, five, mask):
+    chain, start = five
+    start()
+    here = forward_kinematics(chain, FIVE_START)
+    poses = shifted([0.05, 0.0, 0.0], of=here)
+    response = plan(graph, poses, chain, FIVE_START, task_mask=mask)
+    assert (response.error_code, response.fraction) == (ErrorCode.NONE, 1.0), response.error_msg
+    points, tips = dense(response, chain)
+    keeps_to(points, chain, FIVE_START)
+    moved = tips[:, :3, 3] - here[:3, 3]
+    np.testing.assert_allclose(moved[:, 1:], 0.0, atol=1e-6)
+    np.testing.assert_allclose(moved[-1], [0.05, 0.0, 0.0], atol=1e-6)
+    angles = np.arccos(np.clip(tips[:, :3, 2] @ here[:3, 2], -1.0, 1.0))
+    assert angles.max() < 1e-6 if mask[3] else angles.max() > 1e-2
 
 
 PROFILES = ("POLY345", "POLY4567", "CYCLOIDAL", "CUBIC_SPLINE", "RUCKIG", "TIME_OPTIMAL")

@@ -124,6 +124,59 @@ def test_a_wanted_duration_and_a_wanted_period(puma, profile):
     assert 0.1 < steps.max() <= 0.125 + 1e-9
 
 
+GEN3 = load_robot("gen3")
+FROM, TO = np.array([[sign, 0.3, 0.0, 1.5, 0.0, 1.2, 0.0] for sign in (3.0, -3.0)])
+
+
+def plan_gen3(graph, **fields):
+    ends = {"start": joint_state(GEN3.joint_names, FROM), "goal": joint_state(GEN3.joint_names, TO)}
+    return plan(graph, profile=PROFILES["ruckig"], **(ends | fields))
+
+
+def test_continuous_joints_take_the_short_way_and_the_answer_says_so(graph):
+    graph.start(TrajectoryPlannerNode, robot_description="gen3")
+    turn = np.eye(7)[0]
+    response = plan_gen3(graph)
+    points = check(response, GEN3, FROM, TO + 2.0 * np.pi * turn)
+    assert list(response.turns) == [1, 0, 0, 0, 0, 0, 0]
+    assert np.ptp(points.positions[:, 0]) == pytest.approx(2.0 * np.pi - 6.0, abs=1e-9)
+    # Each via point is reached by the short way from the one before.
+    via = [JointTrajectoryPoint(positions=(TO + x * turn).tolist()) for x in (1.0, 3.0, 5.0)]
+    response = plan_gen3(graph, via=via)
+    points = check(response, GEN3, FROM, TO + 4.0 * np.pi * turn)
+    assert response.turns[0] == 2
+    assert points.positions[:, 0].max() < FROM[0] + 2.0 * np.pi
+    # Several turns, where the request wants them.
+    far = TO + 4.0 * np.pi * turn
+    goal = joint_state(GEN3.joint_names, far)
+    points = check(plan_gen3(graph, goal=goal, keep_turns=True), GEN3, FROM, far)
+    assert np.ptp(points.positions[:, 0]) > 6.0
+    response = plan_gen3(graph, goal=goal)
+    check(response, GEN3, FROM, far - 2.0 * np.pi * turn)
+    assert response.turns[0] == -1
+
+
+def test_joints_with_limits_keep_their_turn(puma):
+    goal = START + [0.0, 0.0, 0.0, 0.0, 0.0, 4.0]
+    response = plan(puma, goal=joint_state(PUMA.joint_names, goal))
+    check(response, goal=goal)
+    assert list(response.turns) == [0] * 6
+
+
+def test_a_displacement_that_just_reaches_the_acceleration_limit_is_planned(graph):
+    chain = load_robot("ur5e")
+    graph.start(TrajectoryPlannerNode, robot_description="ur5e")
+    start = np.array([0.46, 0.39, 0.88, -0.88, 0.38, 0.84])
+    goal = np.array([0.5228318530717959, *start[1:]])
+    ends = {
+        "start": joint_state(chain.joint_names, start),
+        "goal": joint_state(chain.joint_names, goal),
+    }
+    response = plan(graph, profile=PROFILES["ruckig"], **ends)
+    points = check(response, chain, start, goal)
+    assert points.times[-1] == pytest.approx(0.4, rel=1e-4)
+
+
 VIA = np.array([[0.2, 0.1, -0.3, 0.9, 0.4, 0.2], [-0.6, 0.5, -1.2, 1.1, 0.3, 1.9]])
 
 

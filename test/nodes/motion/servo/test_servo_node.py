@@ -9,6 +9,8 @@ import pytest
 from action_msgs.msg import GoalStatus
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TransformStamped
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from servo_operator import START, Operator
 from tf2_msgs.msg import TFMessage
@@ -60,6 +62,32 @@ def test_a_stream_continues_itself_and_ends_at_rest(simulated_time, operator):
     ]
     # A node that is held up for longer than a period goes on where its plan to stop has led.
     assert np.mean(continued) > 0.1
+
+
+def test_what_is_free_of_the_pose_changes_at_run_time(operator):
+    hand = operator()
+    first = hand.tip()
+    hand.repeat(hand.twist(linear=(0, 0.2, 0)), lambda: hand.tip()[1, 3] > first[1, 3] + 0.04)
+    hand.until_still()
+    np.testing.assert_allclose(hand.tip()[:3, :3], first[:3, :3], atol=0.01)
+
+    def free(*names):
+        value = ParameterValue(type=ParameterType.PARAMETER_STRING_ARRAY, string_array_value=names)
+        change = Parameter(name="free_directions", value=value)
+        request = SetParameters.Request(parameters=[change])
+        return hand.graph.call(SetParameters, "servo/set_parameters", request).results[0]
+
+    for wrong in (["rw"], ["x", "y", "z", "rx", "ry", "rz"]):
+        refused = free(*wrong)
+        assert not refused.successful
+        assert "not all of them" in refused.reason
+    assert free("rx", "ry", "rz").successful
+    begun = hand.tip()
+    hand.repeat(hand.twist(linear=(0, 0.2, 0)), lambda: hand.tip()[1, 3] > begun[1, 3] + 0.06)
+    hand.until_still()
+    moved = hand.tip()[:3, 3] - begun[:3, 3]
+    assert abs(moved[0]) < 0.01 * moved[1] and abs(moved[2]) < 0.01 * moved[1]
+    assert np.abs(hand.tip()[:3, :3] - begun[:3, :3]).max() > 0.02
 
 
 def test_joints_move_at_the_velocities_commanded_and_the_others_stand(operator):
