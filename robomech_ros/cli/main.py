@@ -16,6 +16,7 @@ _WITH_ROS = "robomech_ros.nodes.commands"
 COMMANDS = {
     "bringup": (_WITH_ROS, "run all nodes for a robot"),
     "call": (_WITH_ROS, "call a service with a request in YAML"),
+    "gripper": (_WITH_ROS, "open or close the gripper of a running robot"),
     "plot": (_HERE, "draw all postures in which an arm takes a pose"),
     "plot-trajectory": (_WITH_ROS, "draw a planned trajectory over time, with its limits"),
     "map": (_HERE, "map which orientations an arm can take where, and how well"),

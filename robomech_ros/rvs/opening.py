@@ -145,9 +145,10 @@ def page_of(
     """Serve the page of an arm of a robot; parameters and errors are those of :func:`view`."""
     require_viser()
     from robomech_ros.rvs.layers import LAYERS
+    from robomech_ros.rvs.layers.gripper import GripperLayer
     from robomech_ros.rvs.page.page import RobotPage
 
-    return RobotPage(description, chain, port=port, host=host, layers=LAYERS)
+    return RobotPage(description, chain, port=port, host=host, layers=[GripperLayer, *LAYERS])
 
 
 def live_page_of(
@@ -171,6 +172,7 @@ def live_page_of(
     """
     require_viser()
     from robomech_ros.rvs.layers import LAYERS, PLATFORM_LAYERS
+    from robomech_ros.rvs.layers.gripper import GripperLayer
     from robomech_ros.rvs.layers.live import LiveLayer
     from robomech_ros.rvs.model.platforms.seen_platform import SeenPlatform
     from robomech_ros.rvs.page.layer import LayerMaker
@@ -179,7 +181,8 @@ def live_page_of(
     live: LayerMaker = partial(LiveLayer, robot=robot)
     where: dict[str, Any] = {"port": port, "host": host, "fixed": True}
     if isinstance(moved, SerialChain):
-        return RobotPage(description, moved, layers=[live, *LAYERS], **where)
+        gripper: LayerMaker = partial(GripperLayer, robot=robot)
+        return RobotPage(description, moved, layers=[live, gripper, *LAYERS], **where)
     return RobotPage(description, SeenPlatform(moved), layers=[live, *PLATFORM_LAYERS], **where)
 
 

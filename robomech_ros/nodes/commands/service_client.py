@@ -1,7 +1,8 @@
 """One call of a service whose type may have to be looked up in the graph."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from difflib import get_close_matches
 from typing import Any
 
@@ -18,7 +19,7 @@ from robomech_ros.nodes.middleware.deep_queues import ask
 from robomech_ros.nodes.middleware.questions import Question
 from robomech_ros.nodes.process.memory import bounded_memory
 
-__all__ = ["NoAnswerError", "call_service"]
+__all__ = ["NoAnswerError", "answer_of", "call_service", "command_node"]
 
 _POLL = 0.02
 # How often it is looked whether the service is still there, s.
@@ -58,14 +59,25 @@ def call_service(service: str, kind: str, values: Mapping[str, Any], timeout: fl
     BadValueError, UnknownFieldError
         The type or a field does not exist, or a value does not fit.
     """
-    deadline = time.monotonic() + timeout
+    with command_node("robomech_call") as node:
+        return answer_of(node, service, kind, values, timeout)
+
+
+@contextmanager
+def command_node(name: str, namespace: str = "") -> Iterator[Node]:
+    """Make a node for one command, in a context of its own.
+
+    Raises
+    ------
+    NoAnswerError
+        ROS was shut down meanwhile.
+    """
     rclpy.init(args=[])
     try:
-        node = Node("robomech_call", enable_rosout=False, start_parameter_services=False)
+        node = Node(name, namespace=namespace, enable_rosout=False, start_parameter_services=False)
         try:
             with bounded_memory():
-                name = f"/{service.removeprefix('/')}"
-                return _answer(node, name, kind, values, deadline, timeout)
+                yield node
         finally:
             node.destroy_node()
     except Exception:
@@ -77,9 +89,10 @@ def call_service(service: str, kind: str, values: Mapping[str, Any], timeout: fl
         rclpy.try_shutdown()
 
 
-def _answer(
-    node: Node, service: str, kind: str, values: Mapping[str, Any], deadline: float, timeout: float
-) -> Any:
+def answer_of(node: Node, name: str, kind: str, values: Mapping[str, Any], timeout: float) -> Any:
+    """Call a service from a node; see :func:`call_service`."""
+    deadline = time.monotonic() + timeout
+    service = f"/{name.removeprefix('/')}"
     interface = interface_class(kind or _type_in_graph(node, service, deadline))
     request = interface.Request()
     fill_message(request, values)

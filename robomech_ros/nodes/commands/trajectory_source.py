@@ -5,15 +5,14 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
-from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.execution.received_trajectory import ReceivedTrajectory, read_waypoints
 from robomech_ros.nodes.commands.message_yaml import fill_message, parse_yaml
+from robomech_ros.nodes.commands.service_client import command_node
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.robot_description import LATCHED
-from robomech_ros.nodes.process.memory import bounded_memory
 from robomech_ros.trajectory import Waypoints
 
 __all__ = ["from_file", "from_topic", "waypoints_of"]
@@ -27,17 +26,11 @@ _POLL = 0.1
 def from_topic(topic: str, timeout: float) -> JointTrajectory | None:
     """Wait for a latched trajectory."""
     received: list[JointTrajectory] = []
-    rclpy.init(args=[])
-    node = Node("robomech_plot", enable_rosout=False, start_parameter_services=False)
-    try:
+    with command_node("robomech_plot") as node:
         node.create_subscription(JointTrajectory, topic, received.append, LATCHED)
         deadline = time.monotonic() + timeout
-        with bounded_memory():
-            while not received and time.monotonic() < deadline:
-                rclpy.spin_once(node, timeout_sec=_POLL)
-    finally:
-        node.destroy_node()
-        rclpy.try_shutdown()
+        while not received and time.monotonic() < deadline:
+            rclpy.spin_once(node, timeout_sec=_POLL)
     return received[0] if received else None
 
 

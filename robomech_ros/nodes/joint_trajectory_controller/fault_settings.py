@@ -5,15 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from robomech_ros.execution.controller.simulated_joints import Faults
+from robomech_ros.nodes.common.gripper_names import listed_names
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 
-__all__ = ["faults_of", "listed_names"]
-
-
-def listed_names(text: str) -> list[str]:
-    """Read names with commas between."""
-    return [name.strip() for name in text.split(",") if name.strip()]
+__all__ = ["faults_of"]
 
 
 def faults_of(

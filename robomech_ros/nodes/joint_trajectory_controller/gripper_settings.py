@@ -2,41 +2,20 @@
 
 from dataclasses import dataclass
 
+from robomech_ros.nodes.common.gripper_names import GripperNames
 from robomech_ros.nodes.common.parameters import parameter
-from robomech_ros.nodes.common.robot_description import RobotSettings
 
 __all__ = ["GripperSettings"]
 
 
 @dataclass(frozen=True)
-class GripperSettings(RobotSettings):
+class GripperSettings(GripperNames):
     """Names as of ros2_control's gripper controllers, with ``gripper_`` before them."""
 
-    gripper_controller: str = parameter(
-        "gripper_controller",
-        "Name below which the gripper has gripper_cmd (GripperCommand), joint_trajectory and "
-        "follow_joint_trajectory, where the robot has a gripper",
-    )
     parallel_gripper_controller: str = parameter(
         "parallel_gripper_controller",
-        "Name below which it has gripper_cmd as a ParallelGripperCommand; another than the one "
-        "above",
-    )
-    gripper_joints: str = parameter(
-        "",
-        "Joints of the gripper, names with commas between. Empty = those of the end effector that "
-        "the SRDF of the parameters has at the end of the chain, else all that move behind the "
-        "last joint of the chain and mimic no other",
-    )
-    gripper_joint: str = parameter(
-        "",
-        "Of these the joint that gripper_cmd moves. Empty = the only one, or both where they are "
-        "two slides",
-    )
-    gripper_finger_links: str = parameter(
-        "",
-        "Two links between which the width of the gripper is measured, with a comma between. "
-        "Empty = the last links behind its joints, where they are two",
+        "Name below which it has gripper_cmd as a ParallelGripperCommand; another than "
+        "gripper_controller",
     )
     gripper_goal_tolerance: float = parameter(
         0.01, "How far a finger joint may be from its goal that has reached it, rad or m", 0.0, 10.0

@@ -13,11 +13,13 @@ from visualization_msgs.msg import Marker, MarkerArray
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.rvs.gripper import GripperClient
 from robomech_ros.nodes.rvs.jogging import Jogger
 from robomech_ros.nodes.rvs.messages import motion_from_trajectory, seen_marker
 from robomech_ros.nodes.rvs.motions import Motions
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.rvs.state_feed import StateFeed
+from robomech_ros.robots.gripper import GripperModel
 from robomech_ros.rvs.model.jog import Beat
 from robomech_ros.rvs.model.live_robot import LiveView, SeenMarker
 
@@ -54,6 +56,7 @@ class RunningRobot:
         self._view = view
         names = model.commanded.joint_names
         self._motions = Motions(node, names, settings, view, self._take_plan)
+        self._gripper = GripperClient(node, model, settings, view)
         self._feed = feed = StateFeed(node, model, settings, view)
         self._jogger = Jogger(node, model, settings, lambda: feed.servo_is_silent, view.show_jog)
         topic = f"{settings.planner}/planned_trajectory"
@@ -80,7 +83,22 @@ class RunningRobot:
     def stop(self) -> None:
         """Stop whatever moves the robot, without waiting for the thread of the node."""
         self._jogger.let_go()
+        self._gripper.stop()
         self._motions.stop()
+
+    @property
+    def gripper(self) -> GripperModel | None:
+        """Its gripper; None if it has none that can be commanded."""
+        return self._gripper.gripper
+
+    @property
+    def gripper_moves(self) -> bool:
+        """Whether a command to the gripper is under way."""
+        return self._gripper.moves
+
+    def move_gripper(self, value: float) -> None:
+        """Open or close the gripper to a value of :attr:`gripper`."""
+        self._gripper.move(value)
 
     def let_plans_wait(self, waiting: bool) -> None:
         """Have plans executed on request only, or each as it is made."""

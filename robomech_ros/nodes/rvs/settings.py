@@ -2,15 +2,15 @@
 
 from dataclasses import dataclass
 
+from robomech_ros.nodes.common.gripper_names import GripperNames
 from robomech_ros.nodes.common.parameters import parameter
-from robomech_ros.nodes.common.robot_description import RobotSettings
 from robomech_ros.rvs.serving.address import GREATEST_PORT, HOST, PORT
 
 __all__ = ["RvsSettings"]
 
 
 @dataclass(frozen=True)
-class RvsSettings(RobotSettings):
+class RvsSettings(GripperNames):
     """Parameters of the node."""
 
     port: int = parameter(PORT, "Port of the page; 0 = a free one", 0, GREATEST_PORT)

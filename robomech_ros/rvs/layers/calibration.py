@@ -52,7 +52,7 @@ class CalibrationLayer:
 
     def controls(self, client: object) -> Controls:
         """Give a browser the folder "Calibration"."""
-        folder = Folder(client.gui, "Calibration", ORDER, expanded=True)  # type: ignore[attr-defined]
+        folder = Folder(client.gui, self._place.units, "Calibration", ORDER, expanded=True)  # type: ignore[attr-defined]
         with folder:
             folder.checkbox("shown", self._shown, self._turn)
             folder.text().content = fact_table("calibration", calibration_facts(self._result))

@@ -13,7 +13,9 @@ from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.page.panel import GIZMO
 from robomech_ros.rvs.page.surroundings import fit_eye, place_eye
 
-__all__ = ["CameraLayer"]
+__all__ = ["CameraLayer", "fit_view"]
+
+Array = NDArray[np.float64]
 
 # Between the joints and what is shown.
 ORDER = 5.5
@@ -38,29 +40,39 @@ class CameraLayer:
 
     def controls(self, client: Any) -> Controls:
         """Give the button."""
-        hint = "Robot, ghosts and plan fill the picture, seen from where you look now"
+        hint = "All that is shown of the robot fills the picture, seen from where you look now"
         button = client.gui.add_button("Fit view", hint=hint, order=ORDER)
 
         @button.on_click
         async def _(_: Any) -> None:
-            self._place.ask("fit view", lambda: fit_eye(client, self._points()))
+            self._place.ask("fit view", lambda: fit_view(self._place, client))
 
         return AllControls([button])
 
     def close(self) -> None:
         """Do nothing: nothing runs."""
 
-    def _points(self) -> NDArray[np.float64]:
-        arm, seen = self._place.moved, self._place.seen
-        postures = [arm.q, *(posture.q for posture in arm.study.postures)]
-        if arm.study.nearest is not None:
-            postures.append(arm.study.nearest)
-        motion = self._place.plan.motion
-        if motion is not None:
-            postures += list(motion.at(np.linspace(motion.times[0], motion.times[-1], SWEEP)))
-        points = seen_points(seen, [arm.positions_of(q) for q in postures])
-        # The arrows of the gizmo, both ways.
-        T = seen.tree.link_poses()[arm.base] @ arm.target
-        ends = GIZMO * seen.reach * np.vstack([T[:3, :3].T, -T[:3, :3].T])
-        room = 0.5 * arm.room * np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0]])
-        return np.vstack([points, T[:3, 3] + ends, T[:3, 3] + room, T[:3, 3] - room])
+    def _points(self) -> Array:
+        return _shown_points(self._place)
+
+
+def fit_view(place: Place, client: Any) -> None:
+    """Let robot, ghosts, plan and what layers show fill a browser (viser.ClientHandle)."""
+    extents = [extent() for extent in place.extents.values()]
+    fit_eye(client, np.vstack([_shown_points(place), *extents]))
+
+
+def _shown_points(place: Place) -> Array:
+    """Return points (k, 3) (m) in the root around the robot, its ghosts, a plan and the gizmo."""
+    arm, seen = place.moved, place.seen
+    postures = [arm.q, *(posture.q for posture in arm.study.postures)]
+    if arm.study.nearest is not None:
+        postures.append(arm.study.nearest)
+    motion = place.plan.motion
+    if motion is not None:
+        postures += list(motion.at(np.linspace(motion.times[0], motion.times[-1], SWEEP)))
+    points = seen_points(seen, [arm.positions_of(q) for q in postures])
+    # The ends of the gizmo's arrows.
+    T = seen.tree.link_poses(arm.positions)[arm.base] @ arm.target
+    ends = arm.gizmo(GIZMO * seen.reach)["scale"] * T[:3, :3].T
+    return np.vstack([points, T[:3, 3] + ends])

@@ -5,7 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.rvs.model.dh_editing import changed_robot, read_change, table_of, yaml_of
+from robomech_ros.rvs.model.dh_editing import (
+    ANGLES,
+    changed_robot,
+    read_change,
+    table_of,
+    yaml_of,
+)
 from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.dh_rows import CHANGE, dh_rows
 from robomech_ros.rvs.page.folder import Folder
@@ -35,18 +41,20 @@ class DHTableLayer:
         self._kept["layer"] = self
         self._folder: Folder | None = None
         self._rows: Any = None
-        self._version, self._typed = 0, False
+        self._version, self._typed, self._degrees = 0, False, False
 
     def show(self) -> None:
         """Bring back the numbers that were typed over and refused."""
-        if self._typed:
+        if self._typed or self._degrees != self._place.units.degrees:
             self._typed = False
             self._version += 1
             self._write()
 
     def controls(self, client: Any) -> Controls:
         """Give a browser the folder "DH table"."""
-        folder = self._folder = Folder(client.gui, "DH table", ORDER, expanded=self._kept["open"])
+        folder = self._folder = Folder(
+            client.gui, self._place.units, "DH table", ORDER, expanded=self._kept["open"]
+        )
         with folder:
             self._rows = folder.text()
             hint = "Joint, parameter and number, as in: 2 a 0.5; a number typed above does it, too"
@@ -63,9 +71,11 @@ class DHTableLayer:
         if self._folder is None or self._folder.removed:
             return
         chain = self._place.chain
-        table = table_of(chain)
+        table, units = table_of(chain), self._place.units
+        self._degrees = units.degrees
+        document = yaml_of(chain, table)
         self._rows.content = dh_rows(
-            table, chain.joint_names, chain.units, yaml_of(chain, table), self._version
+            table, chain.joint_names, chain.units, document, self._version, units
         )
 
     def _change(self, text: str) -> None:
@@ -90,7 +100,10 @@ class DHTableLayer:
     def _take(self, text: str) -> None:
         self._typed = True
         chain = self._place.chain
-        self._replace(*changed_robot(chain, read_change(text, chain.n)))
+        change = read_change(text, chain.n)
+        if change.parameter in ANGLES:
+            change = change._replace(value=change.value / self._place.units.factor("rad"))
+        self._replace(*changed_robot(chain, change))
 
     def _reset(self) -> None:
         self._place.ask(("dh table", "reset"), lambda: self._replace(*self._kept["first"]))

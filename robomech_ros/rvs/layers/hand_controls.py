@@ -11,11 +11,12 @@ from robomech_ros.rvs.model.hands.held_object import SHAPES
 from robomech_ros.rvs.model.hands.seen_hand import SPOT, SeenHand
 from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
+from robomech_ros.rvs.page.units import Units
 
 __all__ = ["LOADS", "HandControls"]
 
-# Among the folders; steps of sliders, and of the numbers of a load.
-ORDER, STEP, LOAD_STEP = 3.5, 0.001, 0.1
+# Among the folders; step of the numbers of a load.
+ORDER, LOAD_STEP = 3.5, 0.1
 MODEL_HINT = "frictionless, with friction, or soft: with a moment about the normal, too"
 # Of sliders from 0: the greatest value, and what it is.
 SHARES = {
@@ -59,20 +60,21 @@ class HandControls:
     Parameters
     ----------
     gui : viser.GuiApi
+    units : Units
     layer : Grasping
     """
 
-    def __init__(self, gui: Any, layer: Grasping) -> None:
-        self._grasp = Folder(gui, "Grasp", ORDER, expanded=True)
+    def __init__(self, gui: Any, units: Units, layer: Grasping) -> None:
+        self._grasp = Folder(gui, units, "Grasp", ORDER, expanded=True)
         with self._grasp:
             self._table = self._grasp.text()
             self._add_object(gui, layer)
             for part, shown in layer.on.items():
                 self._grasp.checkbox(part, shown, partial(layer.choose_part, part))
-        self._contacts = Folder(gui, "Contacts", ORDER + 0.1)
+        self._contacts = Folder(gui, units, "Contacts", ORDER + 0.1)
         with self._contacts:
             for k, name in enumerate(layer.hand.hand.finger_names):
-                self._add_spot(gui, layer, k, name)
+                self._add_spot(layer, k, name)
 
     def write(self, lines: Sequence[tuple[str, str]]) -> None:
         """Show what is known."""
@@ -93,21 +95,20 @@ class HandControls:
         shape = gui.add_dropdown("shape", SHAPES, initial_value=hand.held.shape)
         listen(shape, layer.choose_shape)
         hint = "m: radius of a ball or cylinder, half the side of a box"
-        size = gui.add_slider("size", *hand.sizes, STEP, hand.held.size, hint=hint)
-        listen(size, layer.choose_size)
+        self._grasp.slider("size", "m", hand.sizes, hand.held.size, layer.choose_size, hint)
         model = gui.add_dropdown("contacts", MODELS, initial_value=hand.model, hint=MODEL_HINT)
         listen(model, partial(layer.choose_contact, "model"))
         for name, (most, hint) in SHARES.items():
-            slider = gui.add_slider(name, 0.0, most, STEP, getattr(hand, name), hint=hint)
-            listen(slider, partial(layer.choose_contact, name))
+            choose, value = partial(layer.choose_contact, name), getattr(hand, name)
+            self._grasp.slider(name, "", (0.0, most), value, choose, hint)
         for name, (part, hint) in LOADS.items():
             value = gui.add_vector3(name, hand.load[part].tolist(), step=LOAD_STEP, hint=hint)
             listen(value, partial(layer.choose_load, name))
 
-    def _add_spot(self, gui: Any, layer: Grasping, finger: int, name: str) -> None:
+    def _add_spot(self, layer: Grasping, finger: int, name: str) -> None:
         spot, choose = layer.hand.spots[finger], partial(layer.choose_spot, finger)
         self._contacts.checkbox(f"{name} touches", spot.touches, partial(choose, "touches"))
         for what, (low, high, unit) in SPOT.items():
             label = f"{name} {what}"
-            slider = gui.add_slider(label, low, high, STEP, getattr(spot, what), hint=unit)
-            self._contacts.listen(slider, partial(choose, what))
+            value = getattr(spot, what)
+            self._contacts.slider(label, unit, (low, high), value, partial(choose, what))

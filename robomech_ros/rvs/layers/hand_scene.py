@@ -21,12 +21,12 @@ __all__ = ["HandScene"]
 
 Array = NDArray[np.float64]
 
-BODY, BODY_OPACITY = (120, 150, 190), 0.35
+BODY, BODY_OPACITY = (120, 150, 190), 0.25
 # Cones of fingers that touch, and of those that do not reach; and of those without friction.
-CONE, FAR_CONE, CONE_OPACITY = (60, 160, 90), (150, 150, 150), 0.4
+CONE, FAR_CONE, CONE_OPACITY = (60, 160, 90), (150, 150, 150), 0.35
 NARROWEST = 0.04
 # Length of the side of a cone, and of the longest arrow, in sizes of the object.
-SIDE, LONGEST = 0.7, 1.3
+SIDE, LONGEST = 0.35, 0.8
 # Of arrows: forces of fingers, load, and what separates; each of force and of moment.
 FORCE = ((20, 110, 60), (20, 110, 60))
 LOAD = ((225, 120, 20), (190, 140, 60))

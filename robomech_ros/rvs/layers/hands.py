@@ -70,7 +70,7 @@ class HandLayer:
 
     def controls(self, client: Any) -> Controls:
         """Give a browser the folders "Grasp" and "Contacts"."""
-        self._controls = HandControls(client.gui, self)
+        self._controls = HandControls(client.gui, self._place.units, self)
         self.show()
         return self._controls
 

@@ -42,13 +42,16 @@ class LiveLayer:
         # Whether ghosts and gizmo are to be hidden: the robot has left where they are.
         self._behind = False
         self._names = place.moved.state_joints
+        self._fingers: dict[str, float] = {}
         self._onlookers = Onlookers()
         # How often Stop was clicked; what was asked before a click is not done after it.
         self._stops, self._stopping = 0, threading.Lock()
         self._controls: LiveControls | None = None
         self._waiting, self._wants_markers = False, False
         gui = place.server.gui
-        self._news = News(gui, ("state", "servo", "jog", "result", "dropped"))
+        self._news = News(
+            gui, place.units, ("state", "servo", "jog", "result", "dropped", "gripper")
+        )
         hint = "Stops whatever moves the robot; every browser may"
         stop = gui.add_button("Stop", color="red", hint=hint, order=-0.15)
 
@@ -157,9 +160,19 @@ class LiveLayer:
         with self._place.server.atomic():
             self._nodes.move(positions)
         q = np.array([positions[name] for name in self._names])
+        self._show_fingers(positions)
         if self._goal.robot_is_at(q, time.monotonic()):
             self._place.ask("goal", self._follow)
         self._leave_behind(self._goal.is_behind)
+
+    def _show_fingers(self, positions: Mapping[str, float]) -> None:
+        """Give the goal the fingers of the robot, if they have moved."""
+        gripper = self._robot.gripper
+        names = () if gripper is None else [joint.name for joint in gripper.joints]
+        fingers = {name: positions[name] for name in names if name in positions}
+        if fingers != self._fingers:
+            self._fingers, arm = fingers, self._place.arm
+            self._place.ask("fingers", lambda: arm.others.update(fingers))
 
     def show_state(self, text: str) -> None:
         """Say what is wrong with the joint states; empty for nothing."""
@@ -178,6 +191,12 @@ class LiveLayer:
     def show_result(self, text: str, *, failed: bool = False) -> None:
         """Say what came of a request."""
         self._news.say("result", text, failed)
+
+    def show_gripper(self, text: str, *, failed: bool = False) -> None:
+        """Say what the gripper does, or why it does not."""
+        self._news.say("gripper", text, failed)
+        # Its slider goes to where it is.
+        self._place.ask("gripper", lambda: None)
 
     def show_jog(self, text: str) -> None:
         """Say why a jog has ended, or does not begin; empty for nothing."""

@@ -43,8 +43,8 @@ class LiveMoverLayer:
         self._stance: Stance | None = None
         self._support: Any = None
         self._onlookers = Onlookers()
-        self._news = News(gui, ("state", "jog", "result"))
-        self._table = gui.add_html("", order=0.5)
+        self._news = News(gui, place.units, ("state", "jog", "result"))
+        self._table = place.units.html(gui, order=0.5)
         self._controls: MoverControls | None = None
         place.offered["trail"] = Switch(lambda: self._shown, self._turn)
         hint = "Commands the robot to stand; every browser may"
@@ -80,7 +80,9 @@ class LiveMoverLayer:
 
     def controls(self, client: Any) -> MoverControls:
         """Give the browser that commands its controls."""
-        self._controls = MoverControls(client, self._followed, self._robot, self, trail=self._shown)
+        self._controls = MoverControls(
+            client, self._place.units, self._followed, self._robot, self, trail=self._shown
+        )
         return self._controls
 
     def close(self) -> None:

@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 from robomech_ros.rvs.model.planning import WAYS
 from robomech_ros.rvs.model.player import FASTEST, SLOWEST, Player
+from robomech_ros.rvs.page.units import Units
 from robomech_ros.trajectory import PROFILES
 
 __all__ = ["MotionControls", "Played"]
@@ -67,13 +68,14 @@ class MotionControls:
     ----------
     client : viser.ClientHandle
         The browser.
+    units : Units
     layer : Played
     curves : sequence of str
         Names of what can be drawn.
     """
 
-    def __init__(self, client: Any, layer: Played, curves: Sequence[str]) -> None:
-        self._layer, self._gui, self._gone = layer, client.gui, False
+    def __init__(self, client: Any, units: Units, layer: Played, curves: Sequence[str]) -> None:
+        self._layer, self._gui, self._units, self._gone = layer, client.gui, units, False
         self._folder = client.gui.add_folder("Motion", order=40, expand_by_default=False)
         with self._folder:
             self._add_planning()
@@ -100,7 +102,7 @@ class MotionControls:
 
     def _add_planning(self) -> None:
         gui, layer = self._gui, self._layer
-        self._status = gui.add_html("")
+        self._status = self._units.html(gui)
         for label, which in ((START, "start"), (GOAL, "goal")):
             button = gui.add_button(label, hint=f"The present posture is the {which} of a plan")
             self._on_click(button, partial(layer.remember, which))

@@ -69,6 +69,7 @@ class MotionLayer:
         self._asked: Motion | None = None
         self._plan: SweptPlan | None = None
         self._drawn: MotionCurves | None = None
+        self._degrees = False
         self._controls: MotionControls | None = None
         self._computing = Worker()
         self._beating = threading.Event()
@@ -81,6 +82,8 @@ class MotionLayer:
     def show(self) -> None:
         """Follow the plan of the page."""
         motion = self._place.plan.motion
+        if self._degrees != self._place.units.degrees:
+            self._draw()
         if motion is not self._asked:
             self._asked = motion
             if motion is None:
@@ -90,7 +93,7 @@ class MotionLayer:
 
     def controls(self, client: Any) -> Controls:
         """Give the browser that commands the folder Motion."""
-        self._controls = MotionControls(client, self, CURVES)
+        self._controls = MotionControls(client, self._place.units, self, CURVES)
         return self._controls
 
     def close(self) -> None:
@@ -209,10 +212,11 @@ class MotionLayer:
         self._move()
 
     def _draw(self) -> None:
-        text = ""
+        text, units = "", self._place.units
+        self._degrees = units.degrees
         if self._drawn is not None and self.curves != NO_CURVES:
             names = [self._robot.joint_names[k] for k in driven_joints(self._robot)]
-            text = curves_picture(names, self._drawn, self.curves)
+            text = curves_picture(names, self._drawn, self.curves, units)
         self._picture.content = text
 
     def _say(self, sentence: str, warns: bool) -> None:

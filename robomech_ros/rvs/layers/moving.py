@@ -58,15 +58,15 @@ class MovingLayer:
     def controls(self, client: Any) -> Controls:
         """Give a browser the folder "Drive" or "Walk"."""
         robot, verb = self._robot, self._robot.verb
-        folder = self._folder = Folder(client.gui, verb.capitalize(), ORDER, expanded=True)
+        folder = self._folder = Folder(
+            client.gui, self._place.units, verb.capitalize(), ORDER, expanded=True
+        )
         with folder:
             for name, unit, k in AXES:
                 most = float(robot.most[k])
                 if most > 0.0:
-                    slider = client.gui.add_slider(
-                        name, -most, most, 0.01, float(robot.command[k]), hint=unit
-                    )
-                    folder.listen(slider, partial(self._command, name, k))
+                    command = partial(self._command, name, k)
+                    folder.slider(name, unit, (-most, most), float(robot.command[k]), command)
             hint = f"On: {verb}s as commanded, within the limits. Off: stops within them"
             folder.checkbox(verb, self._follows, self._switch, hint)
             folder.checkbox("trail", self._shown, self._show_trail)

@@ -72,7 +72,9 @@ class PlatformLayer:
 
     def controls(self, client: Any) -> Controls:
         """Give a browser the folder "Platform"."""
-        folder = self._folder = Folder(client.gui, "Platform", ORDER, expanded=True)
+        folder = self._folder = Folder(
+            client.gui, self._place.units, "Platform", ORDER, expanded=True
+        )
         with folder:
             listed = client.gui.add_dropdown("ghosts", LISTS, initial_value=self._kind)
             folder.listen(listed, self._list_other)

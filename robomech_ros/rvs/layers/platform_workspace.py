@@ -62,7 +62,7 @@ class PlatformWorkspaceLayer:
 
     def controls(self, client: Any) -> Controls:
         """Give a browser the folder "Workspace"."""
-        folder = self._folder = Folder(client.gui, "Workspace", ORDER)
+        folder = self._folder = Folder(client.gui, self._place.units, "Workspace", ORDER)
         with folder:
             for label, hint in LABELS.items():
                 folder.checkbox(label, self._parts[label].on, partial(self._switch, label), hint)

@@ -108,7 +108,7 @@ class UnderstandLayer:
     def controls(self, client: Any) -> Controls:
         """Give a browser the folder "Understand"."""
         gui, switches = client.gui, self._switches
-        folder = self._folder = Folder(gui, "Understand", ORDER)
+        folder = self._folder = Folder(gui, self._place.units, "Understand", ORDER)
         with folder:
             self._table = folder.text()
             for name, label in LABELS.items():

@@ -52,7 +52,7 @@ class WalkingLayer:
 
     def controls(self, client: Any) -> Controls:
         """Give a browser the folder "Feet"."""
-        folder = self._folder = Folder(client.gui, "Feet", ORDER, expanded=True)
+        folder = self._folder = Folder(client.gui, self._place.units, "Feet", ORDER, expanded=True)
         with folder:
             hint = "In which it walks on as soon as it stands"
             gaits = self._robot.gaits

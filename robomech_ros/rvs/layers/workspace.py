@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinetostatics import ReachMap
-from robomech_ros.rvs.model.eye import seen_points
+from robomech_ros.rvs.layers.camera import fit_view
 from robomech_ros.rvs.model.reach_points import (
     DENSITIES,
     MEASURES,
@@ -27,7 +27,6 @@ from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Place, Switch
-from robomech_ros.rvs.page.surroundings import fit_eye
 from robomech_ros.rvs.page.tables import small_text
 from robomech_ros.rvs.page.workspace_legends import map_legend, section_text
 from robomech_ros.rvs.page.workspace_nodes import WorkspaceNodes
@@ -41,6 +40,8 @@ Array = NDArray[np.float64]
 ORDER = 20
 # What can be shown, and its label.
 LABELS = {"boundary": "boundary", "reach_map": "reach map", "cut": "cut open"}
+# What stands around the robot, and so around an eye that is near it.
+AROUND = ("boundary", "reach_map")
 # So many joints take any orientation somewhere.
 ALL_ORIENTATIONS = 6
 # Label of the text field with a point of the section; clicks on the section write into it.
@@ -90,7 +91,10 @@ class WorkspaceLayer:
         self._wanted, self._running = 0, False
         self._drawn: dict[str, Any] = {}
         self._folder: Folder | None = None
-        self._browser: int | None = None
+        self._client: Any = None
+        # Whether the eye is to move back, as soon as what was switched on is drawn around it.
+        self._around_eye = False
+        place.extents["workspace"] = self._extent
         for name, label in LABELS.items():
             is_on = partial(getattr, self._switches, name)
             place.offered[label] = Switch(is_on, partial(self._turn, name))
@@ -106,12 +110,18 @@ class WorkspaceLayer:
         self._show_boundary()
         self._show_points()
         self._write()
+        if self._around_eye and self._extent_is_drawn():
+            self._around_eye = False
+            fit_view(self._place, self._client)
+
+    def _extent_is_drawn(self) -> bool:
+        return self._folder is not None and not self._folder.removed and len(self._nodes.extent) > 0
 
     def controls(self, client: Any) -> Controls:
         """Give a browser the folder "Workspace"."""
         gui, switches = client.gui, self._switches
-        self._browser = client.client_id
-        folder = self._folder = Folder(gui, "Workspace", ORDER)
+        self._client, self._around_eye = client, False
+        folder = self._folder = Folder(gui, self._place.units, "Workspace", ORDER)
         with folder:
             hint = "Where the number of postures changes, as a section and as a surface"
             folder.checkbox("boundary", switches.boundary, self._switch("boundary"), hint)
@@ -137,7 +147,7 @@ class WorkspaceLayer:
             self._legend = folder.text()
             hint = "Leave a sector open, so that one sees inside"
             folder.checkbox("cut open", switches.cut, self._switch("cut"), hint)
-            self._see = folder.button("See all of it", lambda: self._ask_to_see(client))
+            self._see = folder.button("See all of it", self._ask_to_see)
         self._drawn.pop("plot", None)
         self._write()
         return folder
@@ -160,6 +170,7 @@ class WorkspaceLayer:
                 else:
                     as_flag(name.replace("_", " "), value)
                 self._set(name, value)
+                self._around_eye |= value is True and name in AROUND
 
             self._place.ask((self, name), switched)
 
@@ -194,7 +205,7 @@ class WorkspaceLayer:
             self._place.arm.drag(T)
 
         folder = self._folder
-        if folder is not None and not folder.removed and client.client_id == self._browser:
+        if folder is not None and not folder.removed and client.client_id == self._client.client_id:
             self._place.ask((self, "point"), go)
 
     def _ask_for_map(self) -> None:
@@ -205,6 +216,7 @@ class WorkspaceLayer:
             switches, T, wanted = self._switches, self._place.arm.tip, self._wanted
             chosen = (switches.orientations, switches.density)
             self._running, self._said = True, "Beginning ..."
+            self._around_eye = True
             self._mapper.submit("map", lambda: self._compute_map(chosen, T, wanted))
 
         self._place.ask((self, "map"), begin)
@@ -217,16 +229,13 @@ class WorkspaceLayer:
 
         self._place.ask((self, "cancel"), cancel)
 
-    def _ask_to_see(self, client: Any) -> None:
-        def see() -> None:
-            extent = self._nodes.extent
-            if len(extent):
-                place = self._place
-                T = place.seen.tree.link_poses()[place.chain.base]
-                robot = seen_points(place.seen, [place.arm.positions])
-                fit_eye(client, np.vstack([extent @ T[:3, :3].T + T[:3, 3], robot]))
+    def _ask_to_see(self) -> None:
+        self._place.ask((self, "see"), lambda: fit_view(self._place, self._client))
 
-        self._place.ask((self, "see"), see)
+    def _extent(self) -> Array:
+        """Return points (k, 3) in the root around what is shown (m)."""
+        T = self._place.seen.tree.link_poses()[self._place.chain.base]
+        return self._nodes.extent @ T[:3, :3].T + T[:3, 3]
 
     def _leave_off(self) -> None:
         self._wanted += 1

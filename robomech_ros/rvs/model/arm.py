@@ -49,10 +49,16 @@ class SeenArm:
         Of n joints.
     q : array_like, shape (n,), optional
         Where it is to begin with (rad or m); default its home.
+
+    Attributes
+    ----------
+    others : dict of str to float
+        Joints beside the chain, such as those of a gripper (rad or m).
     """
 
     def __init__(self, chain: SerialChain, q: ArrayLike | None = None) -> None:
         self.chain = chain
+        self.others: dict[str, float] = {}
         self._q = chain.home() if q is None else self.checked(q)
         self._curve: SelfMotionCurve | None = None
         self._look_around()
@@ -105,8 +111,8 @@ class SeenArm:
         return self.positions_of(self._q)
 
     def positions_of(self, q: Array) -> dict[str, float]:
-        """Name the joints of a posture (n,)."""
-        return dict(zip(self.chain.joint_names, q.tolist(), strict=True))
+        """Name the joints of a posture (n,), and those beside the arm."""
+        return {**self.others, **dict(zip(self.chain.joint_names, q.tolist(), strict=True))}
 
     @property
     def faulty_links(self) -> tuple[str, ...]:

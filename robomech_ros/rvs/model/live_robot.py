@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros.robots.gripper import GripperModel
 from robomech_ros.rvs.model.jog import Beat
 from robomech_ros.rvs.motion import Motion
 
@@ -88,6 +89,9 @@ class LiveView(Protocol):
     def show_jog(self, text: str) -> None:
         """Say why a jog has ended, or does not begin; empty for nothing."""
 
+    def show_gripper(self, text: str, *, failed: bool = False) -> None:
+        """Say what the gripper does, or why it does not."""
+
     def show_plan(self, motion: Motion) -> None:
         """Show a planned motion."""
 
@@ -112,6 +116,17 @@ class LiveRobot(Protocol):
 
     def stop(self) -> None:
         """Stop whatever moves the robot."""
+
+    @property
+    def gripper(self) -> GripperModel | None:
+        """Its gripper; None if it has none that can be commanded."""
+
+    @property
+    def gripper_moves(self) -> bool:
+        """Whether a command to the gripper is under way."""
+
+    def move_gripper(self, value: float) -> None:
+        """Open or close the gripper to a value of :attr:`gripper`."""
 
     def let_plans_wait(self, waiting: bool) -> None:
         """Have plans executed on request only, or each as it is made."""

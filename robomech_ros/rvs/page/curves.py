@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from robomech_ros.rvs.model.ghosts import PALETTE
 from robomech_ros.rvs.model.motion_curves import MotionCurves, Quantity
 from robomech_ros.rvs.page.tables import short_name
+from robomech_ros.rvs.page.units import RADIANS, Units
 
 __all__ = ["ALL", "cursor_rule", "curves_picture"]
 
@@ -34,7 +35,7 @@ _CURSOR = (
 )
 
 
-def curves_picture(joints: Sequence[str], curves: MotionCurves, shown: str) -> str:
+def curves_picture(joints: Sequence[str], curves: MotionCurves, shown: str, units: Units) -> str:
     """Draw curves of a motion as HTML; a cursor is in it, which :func:`cursor_rule` places.
 
     Parameters
@@ -44,12 +45,13 @@ def curves_picture(joints: Sequence[str], curves: MotionCurves, shown: str) -> s
     curves : MotionCurves
     shown : str
         The name of a quantity, or ``ALL``.
+    units : Units, optional
     """
     chosen = [one for one in curves.quantities if shown in (ALL, one.name)]
     names = {one.name for one in chosen}
     height = AMONG_OTHERS if len(names) > 1 else ALONE
     parts = [_legend(joints)]
-    parts += [_panel(one, curves.times, height) for one in chosen]
+    parts += [_panel(one, curves.times, height, units) for one in chosen]
     if chosen:
         parts.append(_ends(f"0 s|{curves.times[-1]:.2f} s"))
     if shown in (ALL, "torque"):
@@ -75,7 +77,7 @@ def _legend(joints: Sequence[str]) -> str:
     return f'<div style="line-height:1.5;padding-bottom:0.2em">{entries}</div>'
 
 
-def _panel(quantity: Quantity, times: Array, height: int) -> str:
+def _panel(quantity: Quantity, times: Array, height: int, units: Units) -> str:
     low, high, limits = _range(quantity)
     span = max(float(times[-1]), 1e-9)
     chosen = np.unique(np.linspace(0, len(times) - 1, POINTS).astype(np.int64))
@@ -93,10 +95,11 @@ def _panel(quantity: Quantity, times: Array, height: int) -> str:
             if low < limit < high:
                 lines.append(_level(float(y(np.array(limit))), colour, "7 5", 0.75))
         lines.append(_polyline(x, y(quantity.values[chosen, k]), colour, joint))
-    head = f"<b>{quantity.name}</b> ({html.escape(quantity.unit)})"
+    unit, factor = units.name(quantity.unit), units.factor(quantity.unit)
+    head = f"<b>{quantity.name}</b> ({html.escape(unit)})"
     return (
         f'<div style="display:flex;justify-content:space-between"><span>{head}</span>'
-        f'<span style="{_FAINT}">{_number(low)} to {_number(high)}{limits}</span></div>'
+        f'<span style="{_FAINT}">{factor * low:.3g} to {factor * high:.3g}{limits}</span></div>'
         f'<div style="position:relative;height:{height}px;margin-bottom:0.25em;'
         f'border:1px solid rgba(128,128,128,0.45);border-radius:3px" data-quantity='
         f'"{quantity.name}"><svg viewBox="0 0 {WIDTH} {HEIGHT}" preserveAspectRatio="none" '
@@ -143,7 +146,3 @@ def _ends(text: str) -> str:
 
 def _colour(joint: int) -> str:
     return f"rgb{PALETTE[joint % len(PALETTE)]}"
-
-
-def _number(value: float) -> str:
-    return f"{value:.3g}"

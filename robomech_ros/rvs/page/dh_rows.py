@@ -9,12 +9,14 @@ from urllib.parse import quote
 from robomech_ros.robots import DHTable
 from robomech_ros.rvs.page.fact_table import SMALL
 from robomech_ros.rvs.page.fields import script_that_fills
+from robomech_ros.rvs.page.units import Units
 
 __all__ = ["CHANGE", "dh_rows"]
 
 # Label of the text field that a change is written into.
 CHANGE = "Change DH"
-_TITLES = (("a", "a (m)"), ("b", "b (m)"), ("alpha", "α (rad)"), ("theta", "θ (rad)"))
+# Parameters, what they are called, and their units.
+_TITLES = (("a", "a", "m"), ("b", "b", "m"), ("alpha", "α", "rad"), ("theta", "θ", "rad"))
 _CHANGED = (
     "var t=event.target,text=t.dataset.dh?t.dataset.dh+' '+t.value.trim():'';"
     f"{script_that_fills(CHANGE)}"
@@ -29,30 +31,36 @@ _DIGITS, _NOTHING = 6, 1e-12
 
 
 def dh_rows(
-    table: DHTable, names: Sequence[str], units: Sequence[str], document: str, version: int
+    table: DHTable,
+    names: Sequence[str],
+    joint_units: Sequence[str],
+    document: str,
+    version: int,
+    units: Units,
 ) -> str:
     """Write the table; a number that is typed goes into the text field of changes.
 
     Parameters
     ----------
     table : DHTable
-    names, units : sequence of str
+    names, joint_units : sequence of str
         Of the joints; a joint adds its value to theta where it turns, to b where it slides.
     document : str
         What is saved.
     version : int
         Another number brings back what was typed over.
+    units : Units
     """
-    head = "".join(f"<th>{title}</th>" for _, title in _TITLES)
+    head = "".join(f"<th>{title} ({units.name(unit)})</th>" for _, title, unit in _TITLES)
     rows = []
-    for k, (name, unit) in enumerate(zip(names, units, strict=True)):
-        moved = "b" if unit == "m" else "theta"
+    for k, (name, joint_unit) in enumerate(zip(names, joint_units, strict=True)):
+        moved = "b" if joint_unit == "m" else "theta"
         cells = [
             f'<td style="padding:0.05em">{"+" if key == moved else ""}'
             f'<input data-dh="{k + 1} {key}" aria-label="{key} of joint {k + 1}" '
-            f'value="{_number(float(getattr(table, key)[k]))}" style="{_CELL}'
+            f'value="{_number(units.factor(unit) * float(getattr(table, key)[k]))}" style="{_CELL}'
             f'{";width:85%" if key == moved else ""}"></td>'
-            for key, _ in _TITLES
+            for key, _, unit in _TITLES
         ]
         rows.append(f'<tr><td title="{html.escape(name)}">{k + 1}</td>{"".join(cells)}</tr>')
     href = "data:text/yaml;charset=utf-8," + quote(document)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from robomech_ros.rvs.page.units import AngleSlider, Units, UnitText
+
 __all__ = ["Folder"]
 
 
@@ -15,6 +17,8 @@ class Folder:
     ----------
     gui : viser.GuiApi
         Of one browser.
+    units : Units
+        Of the page.
     label : str
     order : float
         Among the folders of the page.
@@ -22,8 +26,10 @@ class Folder:
         Whether it is open at first.
     """
 
-    def __init__(self, gui: Any, label: str, order: float, *, expanded: bool = False) -> None:
-        self._gui = gui
+    def __init__(
+        self, gui: Any, units: Units, label: str, order: float, *, expanded: bool = False
+    ) -> None:
+        self._gui, self._units = gui, units
         self._folder = gui.add_folder(label, order=order, expand_by_default=expanded)
         self._handles: list[Any] = []
         self._boxes: dict[str, Any] = {}
@@ -36,11 +42,25 @@ class Folder:
     def __exit__(self, *raised: object) -> None:
         self._folder.__exit__(*raised)
 
-    def text(self) -> Any:
-        """Add HTML, empty at first."""
-        handle = self._gui.add_html("")
+    def text(self) -> UnitText:
+        """Add HTML, empty at first, whose angles are in the unit of the page."""
+        handle = self._units.html(self._gui)
         self._handles.append(handle)
         return handle
+
+    def slider(
+        self,
+        label: str,
+        unit: str,
+        ends: tuple[float, float],
+        value: float,
+        changed: Callable[[Any], None],
+        hint: str = "",
+    ) -> AngleSlider:
+        """Add a slider for a value of a unit between two ends; its changes are in this unit."""
+        slider = self._units.slider(self._gui, label, unit, ends, value, hint or f"{unit}")
+        self.listen(slider, changed)
+        return slider
 
     def checkbox(
         self, label: str, checked: bool, changed: Callable[[Any], None], hint: str | None = None

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.arm import SeenArm
@@ -14,6 +17,7 @@ from robomech_ros.rvs.model.seen_plan import SeenPlan
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.robot_nodes import RobotNodes
+from robomech_ros.rvs.page.units import Units
 
 __all__ = ["Layer", "LayerMaker", "Place", "Switch"]
 
@@ -89,6 +93,11 @@ class Place:
         then on; gives the nodes of the robot and of the goal.
     path : callable
         Gives the name of the node of a link.
+    units : Units
+        In which angles are written.
+    extents : dict
+        Where layers put callables that give points (k, 3) (m) in the root, which are to be in the
+        picture.
     """
 
     server: Any
@@ -107,6 +116,8 @@ class Place:
     reveal: Callable[[bool], None]
     separate: Callable[[], tuple[RobotNodes, RobotNodes]]
     path: Callable[[str], str]
+    units: Units
+    extents: dict[str, Callable[[], NDArray[np.float64]]] = field(default_factory=dict)
 
     @property
     def arm(self) -> SeenArm:

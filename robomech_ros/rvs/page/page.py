@@ -20,6 +20,7 @@ from robomech_ros.rvs.page.layer import Layer, LayerMaker, Place, Switch
 from robomech_ros.rvs.page.panel import AT_FIRST, Panel
 from robomech_ros.rvs.page.stage import BASE, Stage
 from robomech_ros.rvs.page.theme import set_theme
+from robomech_ros.rvs.page.units import Units
 from robomech_ros.rvs.serving.server import guarded_server
 from robomech_ros.rvs.serving.worker import Worker
 
@@ -60,6 +61,7 @@ class RobotPage:
         self._dark: set[int] = set()
         self._revealed = True
         self._kept: dict[str, Any] = {}
+        self._units = Units()
         arm: Moved = SeenArm(moved) if isinstance(moved, SerialChain) else moved
         seen = seen_robot(description)
         self._layers: list[Layer] = []
@@ -103,7 +105,7 @@ class RobotPage:
         self._arm, self._reach = arm, seen.reach
         self._panel: Panel | None = None
         viser = self._server.viser
-        self._stage = Stage(viser, seen, arm)
+        self._stage = Stage(viser, seen, arm, self._units)
         self._stage.ghosts.on_click(self._clicked)
         for what, shown in self._switches.items():
             self._stage.switch(what, shown)
@@ -127,6 +129,7 @@ class RobotPage:
             reveal=self._reveal,
             separate=self._stage.separate,
             path=self._stage.path,
+            units=self._units,
         )
         self._layers = [make(place) for make in self._makers]
         self._stage.show(arm, ())
@@ -226,7 +229,7 @@ class RobotPage:
     def _make_controls(self, client: Any) -> Controls:
         self._panel = None
         shown = self._shown_to(client.client_id)
-        panel = Panel(client, self._arm, self, BASE, self._reach, shown)
+        panel = Panel(client, self._arm, self, BASE, self._reach, shown, self._units)
         controls = AllControls([panel, *(layer.controls(client) for layer in self._layers)])
         self._panel = panel
         self._show_or_hide("gizmo")
@@ -252,6 +255,7 @@ class RobotPage:
         else:
             self._switches[what] = shown
             self._show_or_hide(what)
+            self._units.turn(self._switches["degrees"])
         if self._panel is not None:
             self._panel.switch(what, shown)
 

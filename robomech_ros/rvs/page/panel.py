@@ -13,18 +13,25 @@ from robomech_ros.rvs.model.moved import Moved
 from robomech_ros.rvs.page.robot_nodes import placed
 from robomech_ros.rvs.page.tables import TAKE, short_name
 from robomech_ros.rvs.page.theme import set_theme
+from robomech_ros.rvs.page.units import STEP, Units
 from robomech_ros.spatial import pose_from_position_quaternion
 
 __all__ = ["AT_FIRST", "GIZMO", "Commands", "Panel"]
 
 Array = NDArray[np.float64]
 
-# Steps of sliders and decimals of their fields (rad or m), which have room for no more; and the
-# size of the gizmo in reaches of the robot.
-STEP, DECIMALS = 0.001, 4
+# Size of the gizmo in reaches of the robot.
 GIZMO = 0.28
+HINT = "drag to move"
 # What can be shown, and whether it is at first.
-AT_FIRST = {"ghosts": True, "frames": False, "joint axes": False, "ground": True, "gizmo": True}
+AT_FIRST = {
+    "ghosts": True,
+    "frames": False,
+    "joint axes": False,
+    "ground": True,
+    "gizmo": True,
+    "degrees": False,
+}
 
 
 class Commands(Protocol):
@@ -67,6 +74,7 @@ class Panel:
         Of the robot (m).
     switches : mapping of str to bool
         What is shown, as :data:`AT_FIRST`, and whether the page is dark.
+    units : Units
     """
 
     def __init__(
@@ -77,8 +85,9 @@ class Panel:
         base: str,
         reach: float,
         switches: Mapping[str, bool],
+        units: Units,
     ) -> None:
-        self._client, self._commands = client, commands
+        self._client, self._commands, self._units = client, commands, units
         self._handles: list[Any] = []
         self._boxes: dict[str, Any] = {}
         self._held = False
@@ -88,7 +97,7 @@ class Panel:
             take = gui.add_text(TAKE, "", hint=hint, order=3)
             self._keep(take, lambda: commands.take(take.value))
         self._sliders = self._add_joints(arm)
-        self._self_motion = self._add_self_motion() if arm.self_motion() is not None else None
+        self._self_motion = self._add_self_motion(arm) if arm.self_motion() is not None else None
         self._add_switches(switches)
         self._gizmo = client.scene.add_transform_controls(
             f"{base}/target",
@@ -98,6 +107,7 @@ class Panel:
             **placed(arm.target),
         )
         self._handles.append(self._gizmo)
+        self._hint = self._add_hint(f"{base}/target/hint", GIZMO * reach)
         self._listen_to_gizmo()
         self.update(arm, None)
 
@@ -120,11 +130,10 @@ class Panel:
         with folder:
             for joint, name in enumerate(arm.joint_names):
                 low, high = arm.travel(joint)
-                hint = f"{name}: {low:.4g} to {high:.4g} {arm.units[joint]}"
-                slider = gui.add_slider(
-                    short_name(name), low, high, STEP, float(arm.values[joint]), hint=hint
-                )
-                slider.precision = DECIMALS
+                unit, value = arm.units[joint], float(arm.values[joint])
+                hint = f"{name}: {low:.4g} to {high:.4g} {unit}"
+                label, ends = short_name(name), (low, high)
+                slider = self._units.slider(gui, label, unit, ends, value, hint)
                 self._keep(slider, partial(self._move, joint, slider))
                 sliders.append(slider)
             home = gui.add_button("Home")
@@ -135,14 +144,14 @@ class Panel:
 
         return sliders
 
-    def _add_self_motion(self) -> Any:
+    def _add_self_motion(self, arm: Moved) -> Any:
         gui = self._client.gui
         folder = gui.add_folder("Self-motion", order=5)
         self._handles.append(folder)
         with folder:
-            hint = "Moves the arm while its tip stays: length of the way in joint space, rad or m"
-            slider = gui.add_slider("along it", -1.0, 1.0, STEP, 0.0, hint=hint)
-            slider.precision = DECIMALS
+            unit = arm.units[0] if len(set(arm.units)) == 1 else ""
+            hint = "Moves the arm while its tip stays: length of the path in joint space, rad or m"
+            slider = self._units.slider(gui, "along it", unit, (-1.0, 1.0), 0.0, hint)
             self._keep(slider, lambda: self._commands.slide(slider.value))
         return slider
 
@@ -174,6 +183,20 @@ class Panel:
         if self._gizmo.visible != shown:
             self._gizmo.visible = shown
 
+    def _add_hint(self, name: str, size: float) -> Any:
+        """Write beside the gizmo that it can be dragged, until it is."""
+        hint = self._client.scene.add_label(
+            name,
+            HINT,
+            position=(0.0, 0.0, size),
+            anchor="bottom-center",
+            font_screen_scale=0.75,
+            depth_test=False,
+            visible=self._gizmo.visible,
+        )
+        self._handles.append(hint)
+        return hint
+
     def _listen_to_gizmo(self) -> None:
         gizmo = self._gizmo
 
@@ -181,7 +204,7 @@ class Panel:
         async def _(event: Any) -> None:
             # What the page sends after the end was on its way before.
             if event.phase == "start":
-                self._held = True
+                self._held, self._hint.visible = True, False
             elif event.phase == "end":
                 self._held = False
                 self._commands.release()
@@ -201,23 +224,17 @@ class Panel:
         for joint, slider in enumerate(self._sliders):
             # The one that moves may be farther already than what it asked for.
             if source != joint:
-                _set(slider, float(arm.values[joint]))
+                slider.value = float(arm.values[joint])
         if not self._held:
             place = placed(arm.target)
             self._gizmo.position, self._gizmo.wxyz = place["position"], place["wxyz"]
             if self._self_motion is not None and source != "self-motion":
                 curve = arm.self_motion()
                 if curve is not None:
-                    self._self_motion.min = min(curve.low, -STEP)
-                    self._self_motion.max = max(curve.high, STEP)
-                    _set(self._self_motion, 0.0)
+                    self._self_motion.between(min(curve.low, -STEP), max(curve.high, STEP))
+                    self._self_motion.value = 0.0
 
     def remove(self) -> None:
         """Take the controls from the browser."""
         for handle in reversed(self._handles):
             handle.remove()
-
-
-def _set(slider: Any, value: float) -> None:
-    if slider.value != value:
-        slider.value = value

@@ -12,6 +12,7 @@ from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
 from robomech_ros.rvs.page.robot_nodes import RobotNodes, placed
 from robomech_ros.rvs.page.surroundings import add_surroundings
 from robomech_ros.rvs.page.tables import notice, posture_table, summary
+from robomech_ros.rvs.page.units import Units
 
 __all__ = ["BASE", "Stage", "add_base"]
 
@@ -31,10 +32,11 @@ class Stage:
     seen : SeenRobot
     moved : Moved
         The arm of it that is moved, or its platform.
+    units : Units
     """
 
-    def __init__(self, server: Any, seen: SeenRobot, moved: Moved) -> None:
-        self._server, self._seen = server, seen
+    def __init__(self, server: Any, seen: SeenRobot, moved: Moved, units: Units) -> None:
+        self._server, self._seen, self._units = server, seen, units
         scene, gui = server.scene, server.gui
         with server.atomic():
             # Beside the scene, not over it.
@@ -43,8 +45,8 @@ class Stage:
             self._robot = self._arm = RobotNodes(scene, seen)
             add_base(scene, seen, moved.base)
             self.ghosts = GhostNodes(scene, BASE, moved.ghosts(seen), seen.reach)
-            self._summary = gui.add_html("", order=0)
-            self._notice = gui.add_html("", order=1)
+            self._summary = units.html(gui, order=0)
+            self._notice = units.html(gui, order=1)
             self._table = gui.add_html("", order=2)
 
     def show(self, arm: Moved, notices: Sequence[str]) -> None:
@@ -64,7 +66,7 @@ class Stage:
             self.ghosts.show(ghosts)
             self._summary.content = summary(arm)
             self._notice.content = notice([*self._seen.missing, *notices])
-            self._table.content = posture_table(study.postures, colours, arm.units)
+            self._table.content = posture_table(study.postures, colours, arm.units, self._units)
 
     def separate(self) -> tuple[RobotNodes, RobotNodes]:
         """Draw the arm as a goal, translucent, beside the robot, which the caller moves.

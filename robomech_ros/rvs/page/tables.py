@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import html
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from robomech_ros.rvs.model.ghosts import Rgb
 from robomech_ros.rvs.model.moved import Moved
 from robomech_ros.rvs.model.postures import Posture
 from robomech_ros.rvs.page.fields import script_that_fills
+from robomech_ros.rvs.page.units import Units
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 
 __all__ = [
@@ -77,18 +79,22 @@ def small_text(sentences: Sequence[str], *, escaped: bool = False) -> str:
     return f'<div style="{STYLE}">{"".join(f"<div>{line}</div>" for line in lines)}</div>'
 
 
-def posture_table(postures: Sequence[Posture], colours: Sequence[Rgb], units: Sequence[str]) -> str:
+def posture_table(
+    postures: Sequence[Posture], colours: Sequence[Rgb], joint_units: Sequence[str], units: Units
+) -> str:
     """Write the table of the postures, whose rows take one by a click, as HTML."""
     if not postures:
         return ""
-    unit = "rad" if len(set(units)) == 1 and units[0] == "rad" else "rad or m"
-    titles = ("", "posture", f"move ({unit})", f"to limit ({unit})", "condition")
+    # Lengths of different kinds together cannot be written in degrees.
+    unit = joint_units[0] if len(set(joint_units)) == 1 else "in rad or m"
+    shown = units.name(unit).removeprefix("in ")
+    titles = ("", "posture", f"move ({shown})", f"to limit ({shown})", "condition")
     head = "".join(
         f'<th style="{_CELL};font-weight:600{";text-align:left" if k == 1 else ""}">{title}</th>'
         for k, title in enumerate(titles)
     )
     rows = [
-        _row(number, posture, colour)
+        _row(number, posture, colour, partial(units.number, unit=unit, decimals=3))
         for number, (posture, colour) in enumerate(zip(postures, colours, strict=True), start=1)
     ]
     table = (
@@ -98,8 +104,9 @@ def posture_table(postures: Sequence[Posture], colours: Sequence[Rgb], units: Se
     return f'<div style="{STYLE}" data-postures>{table}</div>'
 
 
-def _row(number: int, posture: Posture, colour: Rgb) -> str:
+def _row(number: int, posture: Posture, colour: Rgb, write: Callable[[float], str]) -> str:
     here = posture.is_here
+    margin = "none" if math.isinf(posture.margin) else write(posture.margin)
     swatch = (
         f'<span style="display:inline-block;min-width:1.5em;border-radius:0.7em;color:#fff;'
         f'text-align:center;background:rgb{colour}">{number}</span>'
@@ -107,8 +114,8 @@ def _row(number: int, posture: Posture, colour: Rgb) -> str:
     cells = [
         f'<td style="{_CELL}">{swatch}</td>',
         f'<td style="{_CELL};text-align:left">{html.escape(posture.name)}</td>',
-        f'<td style="{_CELL}">{"here" if here else f"{posture.distance:.3f}"}</td>',
-        f'<td style="{_CELL}">{_margin(posture.margin)}</td>',
+        f'<td style="{_CELL}">{"here" if here else write(posture.distance)}</td>',
+        f'<td style="{_CELL}">{margin}</td>',
         f'<td style="{_CELL}">{_condition(posture.condition)}</td>',
     ]
     weight = "600" if here else "400"
@@ -117,10 +124,6 @@ def _row(number: int, posture: Posture, colour: Rgb) -> str:
         f'style="cursor:pointer;font-weight:{weight};border-top:1px solid rgba(128,128,128,0.25)">'
         f"{''.join(cells)}</tr>"
     )
-
-
-def _margin(value: float) -> str:
-    return "none" if math.isinf(value) else f"{value:.3f}"
 
 
 def _condition(value: float) -> str:

@@ -17,7 +17,7 @@ __all__ = ["WorkspaceNodes"]
 
 Array = NDArray[np.float64]
 
-SURFACE_COLOUR, OPACITY = (60, 130, 200), 0.28
+SURFACE_COLOUR, OPACITY = (60, 130, 200), 0.16
 ROLE_COLOURS = {"outer": (25, 95, 190), "inner": (205, 45, 45), "interior": (130, 130, 140)}
 # Thickness of curves, in reaches, and sides of the cubes at points, in distances between these.
 THICKNESS, CUBE = 0.004, 0.3

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from sensor_msgs.msg import JointState
 
-from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.errors import BadValueError, RobomechError, UnknownJointError
 from robomech_ros.execution.controller.simulated_joints import Faults, SimulatedJoints
 from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
 from robomech_ros.execution.gripper.finger_motion import (
@@ -21,15 +21,16 @@ from robomech_ros.execution.gripper.finger_plant import Contact, FingerPlant
 from robomech_ros.execution.gripper.fingers import Fingers, GripSettings
 from robomech_ros.execution.gripper.received_command import CommandReader
 from robomech_ros.execution.joints import Joints
+from robomech_ros.nodes.common.gripper_names import known_finger_joints, listed_names
 from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
-from robomech_ros.nodes.joint_trajectory_controller.fault_settings import listed_names
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 from robomech_ros.robots import Joint
-from robomech_ros.robots.fingers import FingerOpening, finger_ends, finger_joints
+from robomech_ros.robots.fingers import FingerOpening, finger_ends
+from robomech_ros.robots.gripper import commanded_fingers
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
 
@@ -50,13 +51,7 @@ def gripper_of(
         Parameters do not fit the robot.
     """
     _check_places(settings)
-    names: Sequence[str] = listed_names(settings.gripper_joints)
-    if not names and settings.robot_description_semantic:
-        names = model.semantic.tool_joints(model.chain)
-    try:
-        joints = finger_joints(model.description, model.chain, names)
-    except RobomechError as error:
-        raise ParameterError("gripper_joints", settings.gripper_joints, str(error)) from None
+    joints = known_finger_joints(model, settings)
     return Gripper(model, joints, settings, clock, lock) if joints else None
 
 
@@ -251,11 +246,8 @@ def _at_rest(model: RobotModel, names: Sequence[str]) -> FloatArray:
 
 
 def _commanded(joints: Sequence[Joint], named: str) -> tuple[str, ...]:
-    names = tuple(joint.name for joint in joints)
-    if named:
-        if named not in names:
-            allowed = f"one of {', '.join(names)}, or empty"
-            raise ParameterError("gripper_joint", named, allowed)
-        return (named,)
-    slides = len(joints) == 2 and all(joint.type == "prismatic" for joint in joints)
-    return names if len(names) == 1 or slides else ()
+    try:
+        return tuple(joint.name for joint in commanded_fingers(joints, named))
+    except UnknownJointError as error:
+        allowed = f"one of {', '.join(error.available)}, or empty"
+        raise ParameterError("gripper_joint", named, allowed) from None

@@ -13,6 +13,7 @@ from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.live.hold_field import HoldField
 from robomech_ros.rvs.page.live.jog_pad import hold_pad
 from robomech_ros.rvs.page.live.trunk_controls import TrunkControls
+from robomech_ros.rvs.page.units import Units
 from robomech_ros.spatial.arrays import as_choice
 
 __all__ = ["MoverCommands", "MoverControls"]
@@ -42,6 +43,7 @@ class MoverControls:
     ----------
     client : viser.ClientHandle
         The browser.
+    units : Units
     followed : Followed
     robot : LiveMover
     commands : MoverCommands
@@ -52,6 +54,7 @@ class MoverControls:
     def __init__(
         self,
         client: Any,
+        units: Units,
         followed: Followed,
         robot: LiveMover,
         commands: MoverCommands,
@@ -61,7 +64,7 @@ class MoverControls:
         self.client_id = client.client_id
         self._followed, self._robot, self._commands = followed, robot, commands
         gui = client.gui
-        self.folder = Folder(gui, followed.verb.capitalize(), ORDER, expanded=True)
+        self.folder = Folder(gui, units, followed.verb.capitalize(), ORDER, expanded=True)
         with self.folder:
             hint = "Part of the greatest jogging speed, a parameter of the node"
             self._speed = self.folder.listen(
@@ -74,7 +77,7 @@ class MoverControls:
                 gait = gui.add_dropdown("gait", ("", *followed.gaits), hint=hint)
                 self.folder.listen(gait, self._choose(followed.gaits))
             if followed.shifts:
-                TrunkControls(gui, self.folder, followed.shifts, robot.move_trunk, commands.refuse)
+                TrunkControls(self.folder, followed.shifts, robot.move_trunk, commands.refuse)
             self.folder.checkbox("trail", trail, commands.show_trail)
             self.folder.button("Clear trail", commands.clear_trail)
 

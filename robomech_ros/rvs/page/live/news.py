@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from robomech_ros.rvs.page.tables import STYLE, WARN
+from robomech_ros.rvs.page.units import Units
 
 __all__ = ["News", "Onlookers"]
 
@@ -19,12 +20,13 @@ class News:
     ----------
     gui : viser.GuiApi
         Of all browsers.
+    units : Units
     lines : sequence of str
         Their names, from above; also attributes, as ``data-state``.
     """
 
-    def __init__(self, gui: Any, lines: Sequence[str]) -> None:
-        self._html = gui.add_html("", order=-0.2)
+    def __init__(self, gui: Any, units: Units, lines: Sequence[str]) -> None:
+        self._html = units.html(gui, order=-0.2)
         self._speaking = threading.Lock()
         self._lines = dict.fromkeys(lines, "")
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.numerics.arrays import finite_number
@@ -13,16 +12,12 @@ from robomech_ros.rvs.page.folder import Folder
 
 __all__ = ["TrunkControls"]
 
-STEP = 1e-3
-
 
 class TrunkControls:
     """What a folder has for the trunk.
 
     Parameters
     ----------
-    gui : viser.GuiApi
-        Of one browser.
     folder : Folder
         That is entered.
     shifts : sequence of Shift
@@ -35,7 +30,6 @@ class TrunkControls:
 
     def __init__(
         self,
-        gui: Any,
         folder: Folder,
         shifts: Sequence[Shift],
         ask: Callable[[list[float]], None],
@@ -45,8 +39,10 @@ class TrunkControls:
         self._sliders = []
         for shift in shifts:
             hint = f"Beside the level pose, {shift.unit}"
-            slider = gui.add_slider(shift.name, -shift.most, shift.most, STEP, 0.0, hint=hint)
-            self._sliders.append(folder.listen(slider, lambda _: None))
+            ends = (-shift.most, shift.most)
+            self._sliders.append(
+                folder.slider(shift.name, shift.unit, ends, 0.0, lambda _: None, hint)
+            )
         hint = "Over feet that stay; what would tip the robot or overstretch a leg is refused"
         folder.button("Move trunk", self._move, hint)
         folder.button("Level trunk", self._level)

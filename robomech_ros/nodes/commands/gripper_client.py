@@ -1,0 +1,152 @@
+"""One motion of the gripper of a running robot."""
+
+import dataclasses
+import time
+from typing import Any
+
+import rclpy
+from control_msgs.action import GripperCommand
+from rclpy.node import Node
+from rclpy.task import Future
+from std_msgs.msg import String
+
+from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.nodes.commands.service_client import NoAnswerError, answer_of, command_node
+from robomech_ros.nodes.common.gripper_goals import gripper_goal, gripper_outcome
+from robomech_ros.nodes.common.gripper_names import GripperNames, known_finger_joints, known_gripper
+from robomech_ros.nodes.common.robot_description import LATCHED, TOPIC, RobotModel
+from robomech_ros.nodes.common.semantic_source import SemanticSource
+from robomech_ros.nodes.middleware.deep_queues import ask_action
+from robomech_ros.parallel.described import load_described
+from robomech_ros.robots.gripper import GripperModel
+
+__all__ = ["NoGripperError", "move_gripper"]
+
+OPEN, CLOSE = "open", "close"
+_POLL = 0.1
+
+
+class NoGripperError(RobomechError):
+    """A robot has no gripper that one value moves; the text says why."""
+
+
+def move_gripper(wanted: str, namespace: str, controller: str, timeout: float) -> tuple[str, bool]:
+    """Open or close the gripper, and wait until it is there or stopped.
+
+    Parameters
+    ----------
+    wanted : str
+        ``open``, ``close``, or a width (m); a position (rad or m) if the width is not known.
+    namespace : str
+        Of the robot's nodes.
+    controller : str
+        Name of the node whose parameters say which joints are the gripper.
+    timeout : float
+        s.
+
+    Returns
+    -------
+    text : str
+        Where the gripper is.
+    reached : bool
+        Whether that is what was wanted.
+
+    Raises
+    ------
+    BadValueError
+        It is no width, or the gripper is never so wide.
+    NoGripperError
+        The robot has no gripper.
+    NoAnswerError
+        A node or the robot's description is missing, or there is no answer in time.
+    """
+    number = None if wanted in (OPEN, CLOSE) else _number(wanted)
+    deadline = time.monotonic() + timeout
+    with command_node("robomech_gripper", namespace) as node:
+        settings = _settings(node, f"{controller}/get_parameters", timeout)
+        gripper = _gripper(_model(node, settings, deadline, timeout), settings)
+        if number is None:
+            number = _end(gripper, wanted)
+        goal, name = gripper_goal(gripper, number), f"{settings.gripper_controller}/gripper_cmd"
+        client = ask_action(node, GripperCommand, name)
+        if not client.wait_for_server(timeout_sec=max(0.0, deadline - time.monotonic())):
+            raise NoAnswerError(f"action '{name}' is not there after {timeout:g} s")
+        missing = f"action '{name}' did not answer within {timeout:g} s"
+        handle = _done(node, client.send_goal_async(goal), deadline, missing)
+        if not handle.accepted:
+            return f"'{name}' rejected the goal; its log and /diagnostics say why", False
+        answer = _done(node, handle.get_result_async(), deadline, missing)
+        return gripper_outcome(gripper, answer.result)
+
+
+def _number(wanted: str) -> float:
+    try:
+        return float(wanted)
+    except ValueError:
+        raise BadValueError("width", wanted, "open, close or a number in m") from None
+
+
+def _settings(node: Node, service: str, timeout: float) -> GripperNames:
+    """Ask the controller which joints are the gripper, and what commands it."""
+    names = [field.name for field in dataclasses.fields(GripperNames)]
+    full = node.resolve_service_name(service)
+    answer = answer_of(node, full, "rcl_interfaces/srv/GetParameters", {"names": names}, timeout)
+    texts: list[Any] = [
+        tuple(value.string_array_value) if name == "groups" else value.string_value
+        for name, value in zip(names, answer.values, strict=False)
+    ]
+    return GripperNames(**dict(zip(names, texts, strict=False)))
+
+
+def _model(node: Node, settings: GripperNames, deadline: float, timeout: float) -> RobotModel:
+    """Load the robot of the topic robot_description."""
+    received: list[String] = []
+    node.create_subscription(String, TOPIC, received.append, LATCHED)
+    while not received:
+        if time.monotonic() > deadline:
+            topic = node.resolve_topic_name(TOPIC)
+            raise NoAnswerError(f"nothing received on '{topic}' within {timeout:g} s")
+        rclpy.spin_once(node, timeout_sec=_POLL)
+    loaded = load_described(received[0].data)
+    source = SemanticSource(
+        node, settings.robot_description_semantic, settings.groups, settings.group
+    )
+    semantic = source.semantic(loaded.description)
+    ends = settings.base_link, settings.tip_link
+    return RobotModel(loaded.description, *ends, settings.frame_prefix, semantic, settings.group)
+
+
+def _gripper(model: RobotModel, settings: GripperNames) -> GripperModel:
+    gripper = known_gripper(model, settings)
+    if gripper is not None:
+        return gripper
+    name, joints = model.chain.name, known_finger_joints(model, settings)
+    if not joints:
+        raise NoGripperError(
+            f"robot '{name}' has no gripper: no joint moves behind '{model.chain.joint_names[-1]}'"
+        )
+    names = ", ".join(joint.name for joint in joints)
+    text = "give the controller the parameter gripper_joint"
+    raise NoGripperError(f"the gripper of '{name}' has the joints {names}: {text}")
+
+
+def _end(gripper: GripperModel, wanted: str) -> float:
+    low, high = gripper.ends
+    if gripper.opening is None:
+        name, unit = gripper.joints[0].name, gripper.unit
+        raise BadValueError(
+            "width",
+            wanted,
+            f"a position of joint '{name}', {low:.4g} to {high:.4g} {unit}; for widths give the "
+            "controller the parameter gripper_finger_links",
+        )
+    return high if wanted == OPEN else low
+
+
+def _done(node: Node, future: Future, deadline: float, missing: str) -> Any:
+    """Wait for an answer."""
+    left = max(0.0, deadline - time.monotonic())
+    rclpy.spin_until_future_complete(node, future, timeout_sec=left)
+    if not future.done():
+        raise NoAnswerError(missing)
+    return future.result()

@@ -1,0 +1,86 @@
+"""Which joints of a robot are its gripper, and what commands them, as parameters say."""
+
+from dataclasses import dataclass
+
+from robomech_ros.errors import RobomechError, UnknownJointError
+from robomech_ros.nodes.common.parameters import ParameterError, parameter
+from robomech_ros.nodes.common.robot_description import RobotModel, RobotSettings
+from robomech_ros.robots import Joint
+from robomech_ros.robots.fingers import finger_joints
+from robomech_ros.robots.gripper import GripperModel, gripper_model
+
+__all__ = ["GripperNames", "known_finger_joints", "known_gripper", "listed_names"]
+
+
+@dataclass(frozen=True)
+class GripperNames(RobotSettings):
+    """Parameters of every node that knows the gripper."""
+
+    gripper_controller: str = parameter(
+        "gripper_controller",
+        "Name below which the gripper has gripper_cmd (GripperCommand), joint_trajectory and "
+        "follow_joint_trajectory, where the robot has a gripper",
+    )
+    gripper_joints: str = parameter(
+        "",
+        "Joints of the gripper, names with commas between. Empty = those of the end effector that "
+        "the SRDF of the parameters has at the end of the chain, else all that move behind the "
+        "last joint of the chain and mimic no other",
+    )
+    gripper_joint: str = parameter(
+        "",
+        "Of these the joint that gripper_cmd moves. Empty = the only one, or both where they are "
+        "two slides",
+    )
+    gripper_finger_links: str = parameter(
+        "",
+        "Two links between which the width of the gripper is measured, with a comma between. "
+        "Empty = the last links behind its joints, where they are two",
+    )
+
+
+def listed_names(text: str) -> list[str]:
+    """Read names with commas between."""
+    return [name.strip() for name in text.split(",") if name.strip()]
+
+
+def _names(model: RobotModel, settings: GripperNames) -> list[str]:
+    names = listed_names(settings.gripper_joints)
+    if not names and settings.robot_description_semantic:
+        names = list(model.semantic.tool_joints(model.chain))
+    return names
+
+
+def known_finger_joints(model: RobotModel, settings: GripperNames) -> tuple[Joint, ...]:
+    """Find the joints of the gripper behind the chain; none if the robot has no gripper.
+
+    Raises
+    ------
+    ParameterError
+        The parameter gripper_joints does not fit the robot.
+    """
+    try:
+        return finger_joints(model.description, model.chain, _names(model, settings))
+    except RobomechError as error:
+        raise ParameterError("gripper_joints", settings.gripper_joints, str(error)) from None
+
+
+def known_gripper(model: RobotModel, settings: GripperNames) -> GripperModel | None:
+    """Return the gripper that one value moves; None if the robot has none.
+
+    Raises
+    ------
+    ParameterError
+        Parameters do not fit the robot.
+    """
+    known_finger_joints(model, settings)
+    links = listed_names(settings.gripper_finger_links)
+    names = _names(model, settings)
+    try:
+        return gripper_model(model.description, model.chain, names, settings.gripper_joint, links)
+    except UnknownJointError as error:
+        allowed = f"one of {', '.join(error.available)}, or empty"
+        raise ParameterError("gripper_joint", settings.gripper_joint, allowed) from None
+    except RobomechError as error:
+        value = settings.gripper_finger_links
+        raise ParameterError("gripper_finger_links", value, str(error)) from None

@@ -1,0 +1,118 @@
+"""Opens and closes the gripper of a running robot, by its action."""
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+
+from robomech_ros.nodes.common.gripper_goals import gripper_goal, gripper_outcome
+from robomech_ros.nodes.common.gripper_names import known_gripper
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.middleware.deep_queues import ask_action
+from robomech_ros.nodes.rvs.settings import RvsSettings
+from robomech_ros.rvs.model.live_robot import LiveView
+
+__all__ = ["GripperClient"]
+
+
+class GripperClient:
+    """Commands the gripper; methods may be called from any thread.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the client.
+    model : RobotModel
+        The robot.
+    settings : RvsSettings
+    view : LiveView
+        Shows what came of it.
+
+    Attributes
+    ----------
+    gripper : GripperModel or None
+        None if the robot has none, or control_msgs is not installed.
+    """
+
+    def __init__(
+        self, node: Node, model: RobotModel, settings: RvsSettings, view: LiveView
+    ) -> None:
+        self._node, self._view = node, view
+        self._lock = threading.Lock()
+        # Number of the latest command, and the handle of its goal.
+        self._number = 0
+        self._handle: Any = None
+        self._name = f"{settings.gripper_controller}/gripper_cmd"
+        self.gripper = None if model.mechanism is not None else known_gripper(model, settings)
+        self.moves = False
+        if self.gripper is None:
+            return
+        try:
+            from control_msgs.action import GripperCommand
+        except ImportError as error:
+            self.gripper = None
+            node.get_logger().info(f"no slider for the gripper: {error}")
+        else:
+            self._client = ask_action(node, GripperCommand, self._name)
+
+    def move(self, value: float) -> None:
+        """Open or close to a value of the gripper, instead of what it does."""
+        with self._lock:
+            self._number += 1
+            number, self.moves = self._number, True
+        self._soon(lambda: self._send(number, value))
+
+    def stop(self) -> None:
+        """Slow down and hold."""
+        with self._lock:
+            self._number += 1
+            handle, self._handle, self.moves = self._handle, None, False
+        if handle is not None:
+            self._soon(handle.cancel_goal_async)
+
+    def _soon(self, what: Callable[[], object]) -> None:
+        """Have something done on the thread that serves the node."""
+        executor = self._node.executor
+        if executor is not None:
+            executor.create_task(what)
+
+    def _send(self, number: int, value: float) -> None:
+        # Of several values that wait, the latest counts.
+        if number != self._number:
+            return
+        assert self.gripper is not None
+        if not self._client.server_is_ready():
+            self._end(number, f"Gripper: nobody serves '{self._name}'.", failed=True)
+            return
+        sent = self._client.send_goal_async(gripper_goal(self.gripper, value))
+        sent.add_done_callback(lambda future: self._take_handle(number, future.result()))
+
+    def _take_handle(self, number: int, handle: Any) -> None:
+        if not handle.accepted:
+            self._end(number, f"Gripper: '{self._name}' rejected the goal.", failed=True)
+            return
+        with self._lock:
+            latest = number == self._number
+            if latest:
+                self._handle = handle
+        if not latest:
+            # Stopped before the goal was accepted; a newer goal replaces it anyway.
+            handle.cancel_goal_async()
+            return
+        handle.get_result_async().add_done_callback(
+            lambda future: self._take_result(number, future.result())
+        )
+
+    def _take_result(self, number: int, answer: Any) -> None:
+        assert self.gripper is not None
+        text, reached = gripper_outcome(self.gripper, answer.result)
+        self._end(number, f"Gripper: {text}.", failed=not reached)
+
+    def _end(self, number: int, text: str, *, failed: bool) -> None:
+        """Say what came of a command, unless there is a newer one."""
+        with self._lock:
+            if number != self._number:
+                return
+            self._handle, self.moves = None, False
+        self._view.show_gripper(text, failed=failed)
