@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from importlib.util import find_spec
 
 from robomech_ros.nodes.commands.call import EXIT_NO_ANSWER, EXIT_REFUSED, seconds_to_wait
 
@@ -30,17 +31,16 @@ def run(args: argparse.Namespace) -> int:
     Returns 0 if it got there, 1 if something stopped it or the messages are missing, 3 if nobody
     answered.
     """
-    from robomech_ros.nodes.commands.gripper_client import move_gripper
     from robomech_ros.nodes.commands.service_client import NoAnswerError
 
-    try:
-        text, reached = move_gripper(args.width, args.namespace, args.controller, args.timeout)
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] != "control_msgs":
-            raise
+    if find_spec("control_msgs") is None:
         hint = "control_msgs is missing, which has GripperCommand; 'make compat' builds it"
         print(f"robomech gripper: {hint}", file=sys.stderr)
         return EXIT_REFUSED
+    from robomech_ros.nodes.commands.gripper_client import move_gripper
+
+    try:
+        text, reached = move_gripper(args.width, args.namespace, args.controller, args.timeout)
     except NoAnswerError as error:
         print(f"robomech gripper: {error}", file=sys.stderr)
         return EXIT_NO_ANSWER

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 from robomech_ros.hands.contacts import MODELS
 from robomech_ros.rvs.model.hands.held_object import SHAPES
-from robomech_ros.rvs.model.hands.seen_hand import SPOT, SeenHand
+from robomech_ros.rvs.model.hands.seen_hand import SPOT
 from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.units import Units
@@ -29,31 +29,6 @@ LOADS = {
 }
 
 
-class Grasping(Protocol):
-    """What the folders show and ask for; each request returns at once."""
-
-    hand: SeenHand
-    on: dict[str, bool]
-
-    def choose_shape(self, value: Any) -> None:
-        """Let the fingers touch an object of another shape."""
-
-    def choose_size(self, value: Any) -> None:
-        """Let the fingers touch a larger or smaller object (m)."""
-
-    def choose_contact(self, name: str, value: Any) -> None:
-        """Change the model of contacts, or a number of it."""
-
-    def choose_load(self, name: str, value: Any) -> None:
-        """Change the force (N) or the moment (N m) of the load."""
-
-    def choose_spot(self, finger: int, name: str, value: Any) -> None:
-        """Change whether and where a finger touches."""
-
-    def choose_part(self, part: str, value: Any) -> None:
-        """Show a part of the scene, or not."""
-
-
 class HandControls:
     """The folders "Grasp" and "Contacts" of one browser.
 
@@ -61,16 +36,16 @@ class HandControls:
     ----------
     gui : viser.GuiApi
     units : Units
-    layer : Grasping
+    layer : HandLayer
     """
 
-    def __init__(self, gui: Any, units: Units, layer: Grasping) -> None:
+    def __init__(self, gui: Any, units: Units, layer: Any) -> None:
         self._grasp = Folder(gui, units, "Grasp", ORDER, expanded=True)
         with self._grasp:
             self._table = self._grasp.text()
             self._add_object(gui, layer)
-            for part, shown in layer.on.items():
-                self._grasp.checkbox(part, shown, partial(layer.choose_part, part))
+            for part in layer.on:
+                layer.switches.add_to(self._grasp, part)
         self._contacts = Folder(gui, units, "Contacts", ORDER + 0.1)
         with self._contacts:
             for k, name in enumerate(layer.hand.hand.finger_names):
@@ -81,16 +56,12 @@ class HandControls:
         if not self._grasp.removed:
             self._table.content = fact_table("grasp", lines)
 
-    def mark(self, part: str, shown: bool) -> None:
-        """Mark what is shown."""
-        self._grasp.mark(part, shown)
-
     def remove(self) -> None:
         """Take the folders from the browser."""
         self._contacts.remove()
         self._grasp.remove()
 
-    def _add_object(self, gui: Any, layer: Grasping) -> None:
+    def _add_object(self, gui: Any, layer: Any) -> None:
         hand, listen = layer.hand, self._grasp.listen
         shape = gui.add_dropdown("shape", SHAPES, initial_value=hand.held.shape)
         listen(shape, layer.choose_shape)
@@ -105,7 +76,7 @@ class HandControls:
             value = gui.add_vector3(name, hand.load[part].tolist(), step=LOAD_STEP, hint=hint)
             listen(value, partial(layer.choose_load, name))
 
-    def _add_spot(self, layer: Grasping, finger: int, name: str) -> None:
+    def _add_spot(self, layer: Any, finger: int, name: str) -> None:
         spot, choose = layer.hand.spots[finger], partial(layer.choose_spot, finger)
         self._contacts.checkbox(f"{name} touches", spot.touches, partial(choose, "touches"))
         for what, (low, high, unit) in SPOT.items():

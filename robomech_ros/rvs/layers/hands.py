@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,8 @@ from robomech_ros.rvs.model.hands.grasp import Grasp, Line, quality_line, study_
 from robomech_ros.rvs.model.hands.held_object import SHAPES
 from robomech_ros.rvs.model.hands.seen_hand import SPOT, SeenHand
 from robomech_ros.rvs.page.audience import Controls
-from robomech_ros.rvs.page.layer import Place, Switch
+from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag
 
@@ -48,10 +48,7 @@ class HandLayer:
         self._separates = False
         self._quality: Line = ("quality", "looking ...")
         self._controls: HandControls | None = None
-        for part in PARTS:
-            place.offered[part] = Switch(
-                partial(self.on.__getitem__, part), partial(self._turn, part)
-            )
+        self.switches = Switches(place, {part: part for part in PARTS}, self.on)
         self.show()
 
     def show(self) -> None:
@@ -139,16 +136,7 @@ class HandLayer:
 
         self._place.ask((self, finger, name), chosen, (finger, name))
 
-    def choose_part(self, part: str, value: Any) -> None:
-        """Show a part of the scene, or not."""
-        self._place.ask((self, part), lambda: self._turn(part, as_flag(part, value)))
-
     # What happens inside.
-
-    def _turn(self, part: str, on: bool) -> None:
-        self.on[part] = on
-        if self._controls is not None:
-            self._controls.mark(part, on)
 
     def _find(self, grasp: Grasp, key: object) -> None:
         """Find the quality, on the thread of the layer."""

@@ -11,11 +11,11 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.rvs.model.running.followed import Followed
 from robomech_ros.rvs.model.running.live_mover import LiveMover, Stance
 from robomech_ros.rvs.page.fact_table import fact_table
-from robomech_ros.rvs.page.layer import Place, Switch
+from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.page.live.mover_controls import MoverControls
 from robomech_ros.rvs.page.live.news import News, Onlookers
 from robomech_ros.rvs.page.path_nodes import PathNode
-from robomech_ros.spatial.arrays import as_flag
+from robomech_ros.rvs.page.switches import Switches
 
 __all__ = ["LiveMoverLayer"]
 
@@ -39,14 +39,13 @@ class LiveMoverLayer:
         place.switch("gizmo", False)
         scene, gui = place.server.scene, place.server.gui
         self._trail = PathNode(scene, f"{place.base}/trail", TRAIL, place.seen.reach)
-        self._shown = True
+        self.switches = Switches(place, {"trail": "trail"}, {"trail": True})
         self._stance: Stance | None = None
         self._support: Any = None
         self._onlookers = Onlookers()
         self._news = News(gui, place.units, ("state", "jog", "result"))
         self._table = place.units.html(gui, order=0.5)
         self._controls: MoverControls | None = None
-        place.offered["trail"] = Switch(lambda: self._shown, self._turn)
         hint = "Commands the robot to stand; every browser may"
         stop = gui.add_button("Stop", color="red", hint=hint, order=-0.15)
 
@@ -63,7 +62,7 @@ class LiveMoverLayer:
     def show(self) -> None:
         """Show trail and feet."""
         points = self._followed.trail.points
-        self._trail.show(points if self._shown else points[:0])
+        self._trail.show(points if self.switches["trail"] else points[:0])
         if self._stance is not None:
             self._show_feet(self._stance)
 
@@ -80,25 +79,14 @@ class LiveMoverLayer:
 
     def controls(self, client: Any) -> MoverControls:
         """Give the browser that commands its controls."""
-        self._controls = MoverControls(
-            client, self._place.units, self._followed, self._robot, self, trail=self._shown
-        )
+        self._controls = MoverControls(client, self._place.units, self._followed, self._robot, self)
         return self._controls
 
     def close(self) -> None:
         """End what is jogged."""
         self._robot.let_go()
 
-    def _turn(self, shown: bool) -> None:
-        self._shown = shown
-        if self._controls is not None:
-            self._controls.folder.mark("trail", shown)
-
     # Of the controls.
-
-    def show_trail(self, shown: Any) -> None:
-        """Show the trail, or not."""
-        self._place.ask((self, "trail"), lambda: self._turn(as_flag("trail", shown)))
 
     def clear_trail(self) -> None:
         """Begin a new trail."""

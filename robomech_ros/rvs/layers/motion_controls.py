@@ -5,14 +5,14 @@ from __future__ import annotations
 import html
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 from robomech_ros.rvs.model.planning import WAYS
-from robomech_ros.rvs.model.player import FASTEST, SLOWEST, Player
+from robomech_ros.rvs.model.player import FASTEST, SLOWEST
 from robomech_ros.rvs.page.units import Units
 from robomech_ros.trajectory import PROFILES
 
-__all__ = ["MotionControls", "Played"]
+__all__ = ["MotionControls"]
 
 # Steps of the slider of the time (s), and of the speed; decimals that their fields have room for.
 STEP, SPEED_STEP, DECIMALS = 0.01, 0.1, 2
@@ -23,44 +23,6 @@ _STATUS = (
 _WARNS = ' style="border-left:3px solid #d9480f;padding-left:0.6em"'
 
 
-class Played(Protocol):
-    """What the folder shows and asks for; requests are to be made on the thread of the page."""
-
-    player: Player
-    way: str
-    profile: str
-    curves: str
-    sweep: bool
-    along: bool
-    traced: dict[str, bool]
-    status: str
-    warns: bool
-
-    def ask(self, kind: object, request: Callable[[], None]) -> None:
-        """Have a request done on the thread of the page."""
-
-    def remember(self, which: str) -> None:
-        """Take the present posture as start or goal, and plan if both are there."""
-
-    def choose_plan(self, way: str, profile: str) -> None:
-        """Plan in another way."""
-
-    def forget(self) -> None:
-        """Forget the plan, its start and its goal."""
-
-    def seek(self, seconds: float) -> None:
-        """Go to a time of the plan (s)."""
-
-    def play_or_pause(self) -> None:
-        """Play, or stay where it is."""
-
-    def choose_curves(self, name: str) -> None:
-        """Draw this quantity, all, or none."""
-
-    def choose_seen(self) -> None:
-        """Show the sweep and the traces that are chosen."""
-
-
 class MotionControls:
     """The controls of one browser.
 
@@ -69,12 +31,12 @@ class MotionControls:
     client : viser.ClientHandle
         The browser.
     units : Units
-    layer : Played
+    layer : MotionLayer
     curves : sequence of str
         Names of what can be drawn.
     """
 
-    def __init__(self, client: Any, units: Units, layer: Played, curves: Sequence[str]) -> None:
+    def __init__(self, client: Any, units: Units, layer: Any, curves: Sequence[str]) -> None:
         self._layer, self._gui, self._units, self._gone = layer, client.gui, units, False
         self._folder = client.gui.add_folder("Motion", order=40, expand_by_default=False)
         with self._folder:

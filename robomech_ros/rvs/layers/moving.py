@@ -11,9 +11,10 @@ from robomech_ros.rvs.model.kinds.moving import AXES, Moving
 from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Place, Switch
+from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.page.moving.stepping import Stepping
 from robomech_ros.rvs.page.path_nodes import PathNode
+from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.spatial.arrays import as_flag
 
 __all__ = ["MovingLayer"]
@@ -37,12 +38,11 @@ class MovingLayer:
         scene = place.server.scene
         self._trail = PathNode(scene, f"{place.base}/trail", TRAIL, place.seen.reach)
         self._ahead = PathNode(scene, f"{place.base}/way_ahead", AHEAD, place.seen.reach)
-        self._shown = True
+        self._switches = Switches(place, {"trail": "trail"}, {"trail": True})
         # Whether it is to follow the command; if not, it stops.
         self._follows = False
         self._folder: Folder | None = None
         self._table: Any = None
-        place.offered["trail"] = Switch(lambda: self._shown, self._turn)
         self.stepping = Stepping(place, robot.period, self._go_on, lambda: robot.moved_joint)
 
     def show(self) -> None:
@@ -50,7 +50,7 @@ class MovingLayer:
         robot = self._robot
         if not robot.stands:
             self.stepping.begin()
-        self._trail.show(robot.trail if self._shown else robot.trail[:0])
+        self._trail.show(robot.trail if self._switches["trail"] else robot.trail[:0])
         self._ahead.show(robot.way_ahead())
         if self._folder is not None and not self._folder.removed:
             self._table.content = fact_table(robot.kind, robot.facts())
@@ -69,7 +69,7 @@ class MovingLayer:
                     folder.slider(name, unit, (-most, most), float(robot.command[k]), command)
             hint = f"On: {verb}s as commanded, within the limits. Off: stops within them"
             folder.checkbox(verb, self._follows, self._switch, hint)
-            folder.checkbox("trail", self._shown, self._show_trail)
+            self._switches.add_to(folder, "trail")
             folder.button("Clear trail", self._clear)
             self._table = folder.text()
         self.show()
@@ -96,14 +96,6 @@ class MovingLayer:
                 self.stepping.begin()
 
         self._place.ask((self, "follow"), switched)
-
-    def _show_trail(self, value: Any) -> None:
-        self._place.ask((self, "trail"), lambda: self._turn(as_flag("trail", value)))
-
-    def _turn(self, shown: bool) -> None:
-        self._shown = shown
-        if self._folder is not None:
-            self._folder.mark("trail", shown)
 
     def _clear(self) -> None:
         self._place.ask((self, "clear"), self._robot.forget)

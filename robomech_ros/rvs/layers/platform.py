@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -13,10 +12,11 @@ from robomech_ros.rvs.model.understanding import twist_arrows
 from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Place, Switch
+from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.rvs.serving.worker import Worker
-from robomech_ros.spatial.arrays import as_choice, as_flag
+from robomech_ros.spatial.arrays import as_choice
 
 __all__ = ["PlatformLayer"]
 
@@ -39,6 +39,7 @@ class PlatformLayer:
         self._place, self._worker = place, Worker()
         self._kind = LISTS[0]
         self._on = {"numbers": True, "arrows": False}
+        self._switches = Switches(place, LABELS, self._on)
         self._asked: Any = None
         self._list: PlatformList | None = None
         self._facts: PlatformFacts | None = None
@@ -48,10 +49,6 @@ class PlatformLayer:
         self._free = TwistNodes(scene, f"{base}/free_", reach)
         self._folder: Folder | None = None
         self._table: Any = None
-        for name, label in LABELS.items():
-            place.offered[label] = Switch(
-                partial(self._on.__getitem__, name), partial(self._turn, name)
-            )
         # At once, so that the eye holds all ghosts from the beginning.
         q = place.platform.q
         self._asked = (q, self._kind, True)
@@ -78,8 +75,8 @@ class PlatformLayer:
         with folder:
             listed = client.gui.add_dropdown("ghosts", LISTS, initial_value=self._kind)
             folder.listen(listed, self._list_other)
-            for name, label in LABELS.items():
-                folder.checkbox(label, self._on[name], self._switch(name))
+            for name in LABELS:
+                self._switches.add_to(folder, name)
             self._table = folder.text()
         self.show()
         return folder
@@ -94,20 +91,6 @@ class PlatformLayer:
             self._list = None
 
         self._place.ask((self, "ghosts"), switched)
-
-    def _switch(self, name: str) -> Callable[[Any], None]:
-        def asked(value: Any) -> None:
-            def switched() -> None:
-                self._on[name] = as_flag(LABELS[name], value)
-
-            self._place.ask((self, name), switched)
-
-        return asked
-
-    def _turn(self, name: str, on: bool) -> None:
-        self._on[name] = on
-        if self._folder is not None:
-            self._folder.mark(LABELS[name], on)
 
     def _found(self, q: Any, kind: str, judged: bool) -> tuple[PlatformList, PlatformFacts | None]:
         """Find what is shown of a posture."""

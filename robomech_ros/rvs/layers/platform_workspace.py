@@ -13,9 +13,9 @@ from robomech_ros.rvs.model.platforms.reach import PlatformReach, platform_reach
 from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.fact_table import SMALL
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Place, Switch
+from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.serving.worker import Worker
-from robomech_ros.spatial.arrays import as_flag
 
 __all__ = ["PlatformWorkspaceLayer"]
 
@@ -47,8 +47,8 @@ class PlatformWorkspaceLayer:
         self._parts = {label: _Part(label) for label in LABELS}
         self._folder: Folder | None = None
         self._text: Any = None
-        for label, part in self._parts.items():
-            place.offered[label] = Switch(partial(getattr, part, "on"), partial(self._turn, label))
+        self._on = dict.fromkeys(LABELS, False)
+        self._switches = Switches(place, {label: label for label in LABELS}, self._on, self._set)
 
     def show(self) -> None:
         """Follow the robot, where it is wanted."""
@@ -65,7 +65,7 @@ class PlatformWorkspaceLayer:
         folder = self._folder = Folder(client.gui, self._place.units, "Workspace", ORDER)
         with folder:
             for label, hint in LABELS.items():
-                folder.checkbox(label, self._parts[label].on, partial(self._switch, label), hint)
+                self._switches.add_to(folder, label, hint)
             self._text = folder.text()
         self.show()
         return folder
@@ -74,18 +74,10 @@ class PlatformWorkspaceLayer:
         """Stop what runs."""
         self._worker.close(wait=False)
 
-    def _switch(self, label: str, value: Any) -> None:
-        self._place.ask((self, label, "on"), lambda: self._set(label, as_flag(label, value)))
-
-    def _turn(self, label: str, on: bool) -> None:
-        self._set(label, on)
-        if self._folder is not None:
-            self._folder.mark(label, on)
-
-    def _set(self, label: str, on: bool) -> None:
+    def _set(self, label: str, _: bool) -> None:
         part = self._parts[label]
-        part.on = on
-        if not on:
+        part.on = self._on[label]
+        if not part.on:
             part.reach, part.reason, part.asked = None, "", np.empty(0)
             self._draw(part)
 

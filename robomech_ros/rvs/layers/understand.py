@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -27,11 +24,12 @@ from robomech_ros.rvs.model.understanding import (
 from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Place, Switch
+from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.page.robot_nodes import placed
+from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.rvs.serving.worker import Worker
-from robomech_ros.spatial.arrays import as_choice, as_flag
+from robomech_ros.spatial.arrays import as_choice
 
 __all__ = ["UnderstandLayer"]
 
@@ -48,22 +46,6 @@ LABELS = {
 LOST, WEAKEST = ((225, 40, 45), (190, 50, 190)), ((235, 165, 60), (190, 140, 220))
 
 
-@dataclass
-class Switches:
-    """What is shown; the next robot shows the same."""
-
-    numbers: bool = False
-    velocity: bool = False
-    force: bool = False
-    part: str = "translation"
-    lost: bool = False
-
-    @property
-    def judges(self) -> bool:
-        """Whether the posture is judged, for which the characteristic length is needed."""
-        return self.numbers or self.lost
-
-
 class UnderstandLayer:
     """The layer.
 
@@ -74,7 +56,10 @@ class UnderstandLayer:
 
     def __init__(self, place: Place) -> None:
         self._place = place
-        self._switches: Switches = place.kept.setdefault("understand", Switches())
+        # The next robot shows the same.
+        first = {"on": dict.fromkeys(LABELS, False), "part": "translation"}
+        self._kept: dict[str, Any] = place.kept.setdefault("understand", first)
+        self._switches = Switches(place, LABELS, self._kept["on"])
         self._worker = Worker()
         self._facts: ArmFacts | None = None
         self._next: NextSingularity | None = None
@@ -84,39 +69,38 @@ class UnderstandLayer:
         self._arrows = TwistNodes(place.server.scene, f"{place.base}/lost_", place.seen.reach)
         self._folder: Folder | None = None
         self._table: Any = None
-        for name, label in LABELS.items():
-            is_on = partial(getattr, self._switches, name)
-            place.offered[label] = Switch(is_on, partial(self._turn, name))
 
     def show(self) -> None:
         """Follow the arm."""
-        switches, q = self._switches, self._place.arm.q
+        q = self._place.arm.q
         found = {kind: self._show_ellipsoid(kind) for kind in COLOURS}
         judged = None
-        if switches.judges:
+        if self._judges:
             self._find_facts()
-        if switches.judges and self._facts is not None:
+        if self._judges and self._facts is not None:
             length = self._facts.length
             judged = posture_facts(self._place.chain, q, length)
-            if switches.numbers and not np.array_equal(q, self._asked_at):
+            if self._switches["numbers"] and not np.array_equal(q, self._asked_at):
                 self._asked_at = q
                 self._worker.submit("next", lambda: self._search(q, length))
-        self._show_arrows(judged if switches.lost else None)
+        self._show_arrows(judged if self._switches["lost"] else None)
         if self._folder is not None and not self._folder.removed:
             self._table.content = fact_table("understand", self._lines(judged, found))
 
     def controls(self, client: Any) -> Controls:
         """Give a browser the folder "Understand"."""
-        gui, switches = client.gui, self._switches
+        gui = client.gui
         folder = self._folder = Folder(gui, self._place.units, "Understand", ORDER)
         with folder:
             self._table = folder.text()
-            for name, label in LABELS.items():
-                folder.checkbox(label, getattr(switches, name), self._switch(name))
+            for name in LABELS:
+                self._switches.add_to(folder, name)
                 if name == "force":
                     parts = tuple(ROWS)
-                    part = gui.add_dropdown("ellipsoids of", parts, initial_value=switches.part)
-                    folder.listen(part, self._switch("part"))
+                    part = gui.add_dropdown(
+                        "ellipsoids of", parts, initial_value=self._kept["part"]
+                    )
+                    folder.listen(part, self._choose_part)
             folder.button("Go to the least condition number", self._go)
         self.show()
         return folder
@@ -125,23 +109,16 @@ class UnderstandLayer:
         """Stop what runs."""
         self._worker.close(wait=False)
 
-    def _switch(self, name: str) -> Callable[[Any], None]:
-        def asked(value: Any) -> None:
-            def switched() -> None:
-                if name == "part":
-                    as_choice("ellipsoids of", value, tuple(ROWS))
-                else:
-                    as_flag(name, value)
-                setattr(self._switches, name, value)
+    @property
+    def _judges(self) -> bool:
+        """Whether the posture is judged, for which the characteristic length is needed."""
+        return self._switches["numbers"] or self._switches["lost"]
 
-            self._place.ask((self, name), switched)
+    def _choose_part(self, value: Any) -> None:
+        def chosen() -> None:
+            self._kept["part"] = as_choice("ellipsoids of", value, tuple(ROWS))
 
-        return asked
-
-    def _turn(self, name: str, on: bool) -> None:
-        setattr(self._switches, name, on)
-        if self._folder is not None:
-            self._folder.mark(LABELS[name], on)
+        self._place.ask((self, "part"), chosen)
 
     def _find_facts(self) -> None:
         """Have the facts found, once for the robot."""
@@ -185,14 +162,14 @@ class UnderstandLayer:
         self._place.arm.move_to(facts.best.q)
 
     def _show_ellipsoid(self, kind: str) -> DrawnEllipsoid | None:
-        wanted = getattr(self._switches, kind)
+        wanted = self._switches[kind]
         node = self._nodes.get(kind)
         if not wanted:
             if node is not None:
                 node.visible = False
             return None
         arm, reach = self._place.arm, self._place.seen.reach
-        drawn = drawn_ellipsoid(arm.chain, arm.q, kind, self._switches.part, reach)
+        drawn = drawn_ellipsoid(arm.chain, arm.q, kind, self._kept["part"], reach)
         if node is None:
             node = self._nodes[kind] = self._add_ellipsoid(kind)
         place = placed(drawn.pose)
@@ -227,11 +204,11 @@ class UnderstandLayer:
         """Write what is known."""
         lines: list[tuple[str, str]] = []
         facts = self._facts
-        if self._switches.judges and facts is None:
+        if self._judges and facts is None:
             lines.append(("", "Looking for the characteristic length ..."))
-        if self._switches.numbers and facts is not None and judged is not None:
+        if self._switches["numbers"] and facts is not None and judged is not None:
             lines += _of_arm(facts) + _of_posture(judged, self._next)
-        if self._switches.lost and judged is not None:
+        if self._switches["lost"] and judged is not None:
             what, colours = "takes the greatest effort", "amber, rotations about lilac"
             if judged.report.singular:
                 what, colours = "the tip cannot do", "red, rotations about purple"

@@ -8,9 +8,10 @@ from robomech_ros.rvs.model.walking.seen_walker import SeenWalker
 from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Place, Switch
+from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.page.moving.support_nodes import SupportNodes
-from robomech_ros.spatial.arrays import as_choice, as_flag
+from robomech_ros.rvs.page.switches import Switches
+from robomech_ros.spatial.arrays import as_choice
 
 __all__ = ["WalkingLayer"]
 
@@ -31,16 +32,15 @@ class WalkingLayer:
             raise TypeError("the page shows no walking machine")
         self._place, self._robot = place, place.moved
         self._nodes = SupportNodes(place.server.scene, place.base, place.seen.reach)
-        self._shown = True
+        self._switches = Switches(place, {SHOWN: SHOWN}, {SHOWN: True})
         self._folder: Folder | None = None
         self._gait: Any = None
         self._table: Any = None
-        place.offered[SHOWN] = Switch(lambda: self._shown, self._turn)
 
     def show(self) -> None:
         """Follow the machine."""
         robot = self._robot
-        if self._shown:
+        if self._switches[SHOWN]:
             support = robot.support
             self._nodes.show(support, support.margin >= robot.bound)
         else:
@@ -61,7 +61,7 @@ class WalkingLayer:
             )
             folder.listen(self._gait, self._choose)
             hint = "Of the feet that stand, and the way from the mass centre to its nearest edge"
-            folder.checkbox(SHOWN, self._shown, self._show_polygon, hint)
+            self._switches.add_to(folder, SHOWN, hint)
             self._table = folder.text()
         self.show()
         return folder
@@ -74,11 +74,3 @@ class WalkingLayer:
             self._robot.choose_gait(as_choice("gait", value, self._robot.gaits))
 
         self._place.ask((self, "gait"), chosen)
-
-    def _show_polygon(self, value: Any) -> None:
-        self._place.ask((self, SHOWN), lambda: self._turn(as_flag(SHOWN, value)))
-
-    def _turn(self, shown: bool) -> None:
-        self._shown = shown
-        if self._folder is not None:
-            self._folder.mark(SHOWN, shown)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,12 +25,13 @@ from robomech_ros.rvs.model.workspace_views import SectionView, section_view, wh
 from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Place, Switch
+from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.tables import small_text
 from robomech_ros.rvs.page.workspace_legends import map_legend, section_text
 from robomech_ros.rvs.page.workspace_nodes import WorkspaceNodes
 from robomech_ros.rvs.serving.worker import Worker
-from robomech_ros.spatial.arrays import as_choice, as_flag
+from robomech_ros.spatial.arrays import as_choice
 
 __all__ = ["POINT", "WorkspaceLayer"]
 
@@ -50,12 +50,9 @@ _HINT = "Two numbers in m, as 0.5, 0.2; a click on the section writes them. The 
 
 
 @dataclass
-class Switches:
-    """What is shown; the next robot shows the same, but for the map, which is of one robot."""
+class Choices:
+    """What a map is like; that of the next robot is like it."""
 
-    boundary: bool = False
-    reach_map: bool = False
-    cut: bool = True
     orientations: str = ORIENTATIONS[0]
     density: str = "medium"
     measure: str = MEASURES[0]
@@ -76,8 +73,11 @@ class WorkspaceLayer:
     def __init__(self, place: Place) -> None:
         self._place = place
         usual = ORIENTATIONS[place.chain.n < ALL_ORIENTATIONS]
-        first = Switches(orientations=usual)
-        self._switches: Switches = place.kept.setdefault("workspace", first)
+        # The next robot shows the same, but for the map, which is of one robot.
+        self._chosen: Choices = place.kept.setdefault("map", Choices(orientations=usual))
+        self._on: dict[str, bool] = place.kept.setdefault(
+            "workspace", {"boundary": False, "reach_map": False, "cut": True}
+        )
         # A map may take minutes, in which the boundary is not to wait.
         self._worker, self._mapper = Worker(), Worker()
         scene, reach = place.server.scene, place.seen.reach
@@ -95,16 +95,13 @@ class WorkspaceLayer:
         # Whether the eye is to move back, as soon as what was switched on is drawn around it.
         self._around_eye = False
         place.extents["workspace"] = self._extent
-        for name, label in LABELS.items():
-            is_on = partial(getattr, self._switches, name)
-            place.offered[label] = Switch(is_on, partial(self._turn, name))
+        self._switches = Switches(place, LABELS, self._on, self._switched)
 
     # What a page calls.
 
     def show(self) -> None:
         """Follow the arm."""
-        switches = self._switches
-        if switches.boundary and not self._asked:
+        if self._on["boundary"] and not self._asked:
             self._asked = True
             self._worker.submit("section", self._find)
         self._show_boundary()
@@ -119,17 +116,17 @@ class WorkspaceLayer:
 
     def controls(self, client: Any) -> Controls:
         """Give a browser the folder "Workspace"."""
-        gui, switches = client.gui, self._switches
+        gui = client.gui
         self._client, self._around_eye = client, False
         folder = self._folder = Folder(gui, self._place.units, "Workspace", ORDER)
         with folder:
             hint = "Where the number of postures changes, as a section and as a surface"
-            folder.checkbox("boundary", switches.boundary, self._switch("boundary"), hint)
+            self._switches.add_to(folder, "boundary", hint)
             self._plot, self._ring = folder.text(), folder.text()
             self._point = folder.listen(gui.add_text(POINT, "", hint=_HINT), self._typed)
             self._text = folder.text()
             hint = "What the tip reaches, at points of a grid; a click on a point takes it there"
-            folder.checkbox("reach map", switches.reach_map, self._switch("reach_map"), hint)
+            self._switches.add_to(folder, "reach_map", hint)
             choices = {
                 "orientations": ("orientations", ORIENTATIONS),
                 "points": ("density", tuple(DENSITIES)),
@@ -137,8 +134,8 @@ class WorkspaceLayer:
             }
             self._choices = [
                 folder.listen(
-                    gui.add_dropdown(label, values, initial_value=getattr(switches, name)),
-                    self._switch(name),
+                    gui.add_dropdown(label, values, initial_value=getattr(self._chosen, name)),
+                    self._choose(name, values),
                 )
                 for label, (name, values) in choices.items()
             ]
@@ -146,7 +143,7 @@ class WorkspaceLayer:
             self._cancel = folder.button("Cancel", self._ask_to_cancel)
             self._legend = folder.text()
             hint = "Leave a sector open, so that one sees inside"
-            folder.checkbox("cut open", switches.cut, self._switch("cut"), hint)
+            self._switches.add_to(folder, "cut", hint)
             self._see = folder.button("See all of it", self._ask_to_see)
         self._drawn.pop("plot", None)
         self._write()
@@ -160,30 +157,18 @@ class WorkspaceLayer:
 
     # What browsers ask for.
 
-    def _switch(self, name: str) -> Callable[[Any], None]:
-        choices = {"orientations": ORIENTATIONS, "density": tuple(DENSITIES), "measure": MEASURES}
-
+    def _choose(self, name: str, values: tuple[str, ...]) -> Callable[[Any], None]:
         def asked(value: Any) -> None:
-            def switched() -> None:
-                if name in choices:
-                    as_choice(name, value, choices[name])
-                else:
-                    as_flag(name.replace("_", " "), value)
-                self._set(name, value)
-                self._around_eye |= value is True and name in AROUND
+            def chosen() -> None:
+                setattr(self._chosen, name, as_choice(name, value, values))
 
-            self._place.ask((self, name), switched)
+            self._place.ask((self, name), chosen)
 
         return asked
 
-    def _turn(self, name: str, on: bool) -> None:
-        self._set(name, on)
-        if self._folder is not None:
-            self._folder.mark(LABELS[name], on)
-
-    def _set(self, name: str, value: Any) -> None:
-        setattr(self._switches, name, value)
-        if not self._switches.reach_map:
+    def _switched(self, name: str, asked: bool) -> None:
+        self._around_eye |= asked and self._on[name] and name in AROUND
+        if not self._on["reach_map"]:
             self._leave_off()
 
     def _typed(self, text: Any) -> None:
@@ -210,14 +195,14 @@ class WorkspaceLayer:
 
     def _ask_for_map(self) -> None:
         def begin() -> None:
-            if not self._switches.reach_map:
-                raise BadValueError("reach map", "off", "on, before it is computed")
+            if not self._on["reach_map"]:
+                raise RobomechError("Turn on the reach map before computing it.")
             self._leave_off()
-            switches, T, wanted = self._switches, self._place.arm.tip, self._wanted
-            chosen = (switches.orientations, switches.density)
+            chosen, T, wanted = self._chosen, self._place.arm.tip, self._wanted
+            how = (chosen.orientations, chosen.density)
             self._running, self._said = True, "Beginning ..."
             self._around_eye = True
-            self._mapper.submit("map", lambda: self._compute_map(chosen, T, wanted))
+            self._mapper.submit("map", lambda: self._compute_map(how, T, wanted))
 
         self._place.ask((self, "map"), begin)
 
@@ -284,35 +269,35 @@ class WorkspaceLayer:
     # What is shown, on the thread of the page.
 
     def _show_boundary(self) -> None:
-        view, switches = self._view, self._switches
-        if view is None or not switches.boundary:
+        view = self._view
+        if view is None or not self._on["boundary"]:
             if self._drawn.pop("boundary", None) is not None:
                 self._nodes.hide_boundary()
             return
-        if self._drawn.get("boundary") != switches.cut:
-            self._drawn["boundary"] = switches.cut
-            self._nodes.show_boundary(view, cut=switches.cut)
+        if self._drawn.get("boundary") != self._on["cut"]:
+            self._drawn["boundary"] = self._on["cut"]
+            self._nodes.show_boundary(view, cut=self._on["cut"])
         self._nodes.place_section(view.plane(self._place.arm.tip))
 
     def _show_points(self) -> None:
-        switches, found = self._switches, self._map
-        if found is None or not switches.reach_map:
+        found, measure = self._map, self._chosen.measure
+        if found is None or not self._on["reach_map"]:
             if self._drawn.pop("points", None) is not None:
                 self._nodes.hide_points()
                 self._shown = None
             return
-        wanted = (found, switches.measure, switches.cut)
+        wanted = (found, measure, self._on["cut"])
         if self._drawn.get("points") != wanted:
             self._drawn["points"] = wanted
-            self._shown = reach_points(found, switches.measure, cut=switches.cut)
+            self._shown = reach_points(found, measure, cut=self._on["cut"])
             self._nodes.show_points(self._shown)
 
     def _write(self) -> None:
         folder = self._folder
         if folder is None or folder.removed:
             return
-        view, switches = self._view, self._switches
-        section = view if switches.boundary else None
+        view, on = self._view, self._on
+        section = view if on["boundary"] else None
         if self._drawn.get("plot", self) is not section:
             self._drawn["plot"] = section
             fill = script_that_fills(POINT)
@@ -322,18 +307,18 @@ class WorkspaceLayer:
         )
         self._point.visible = section is not None
         self._text.content = ""
-        if switches.boundary:
+        if on["boundary"]:
             self._text.content = section_text(section, self._refused)
         for handle in (*self._choices, self._compute):
-            handle.visible = switches.reach_map
+            handle.visible = on["reach_map"]
         self._see.visible = bool(len(self._nodes.extent))
         self._cancel.visible = self._running
-        self._legend.content = self._map_text() if switches.reach_map else ""
+        self._legend.content = self._map_text() if on["reach_map"] else ""
 
     def _map_text(self) -> str:
         parts = [small_text([self._said])] if self._said else []
         if self._shown is not None and self._map is not None:
-            parts.append(map_legend(self._map, self._shown, self._switches.measure))
+            parts.append(map_legend(self._map, self._shown, self._chosen.measure))
         return "".join(parts)
 
 

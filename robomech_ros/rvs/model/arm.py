@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,34 +13,23 @@ from robomech_ros.kinetostatics import SelfMotionCurve, self_motion_curve
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.robots import PRISMATIC, SerialChain
 from robomech_ros.rvs.model.ghosts import Ghosts
+from robomech_ros.rvs.model.moved import OPEN_TURN, ROUNDING, Moved, Travel
 from robomech_ros.rvs.model.postures import PoseStudy, study_pose
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.spatial import as_pose
 
 __all__ = ["SeenArm", "Travel"]
 
-# Half the travel of sliders of joints without a limit: rad, and m.
-OPEN_TURN, OPEN_SLIDE = 2.0 * math.pi, 1.0
-# A typed number may be beyond a limit by this much, rounding of what is shown (rad or m): fields
-# have four decimals.
-ROUNDING = 6e-5
+# Half the travel of sliders of sliding joints without a limit (m).
+OPEN_SLIDE = 1.0
 # Conditions that a pose puts; an arm with fewer joints hardly ever takes one exactly.
 CONDITIONS = 6
 
 Array = NDArray[np.float64]
 
 
-class Travel(NamedTuple):
-    """Between what a joint's slider moves (rad or m)."""
-
-    low: float
-    high: float
-
-
-class SeenArm:
+class SeenArm(Moved):
     """An arm with its present posture and the pose that its tip is to take.
-
-    Not for several threads at a time.
 
     Parameters
     ----------
@@ -57,44 +45,13 @@ class SeenArm:
     """
 
     def __init__(self, chain: SerialChain, q: ArrayLike | None = None) -> None:
+        joints = chain.joint_names
+        super().__init__(chain.name, chain.base, chain.tip, joints, chain.units, joints)
         self.chain = chain
         self.others: dict[str, float] = {}
         self._q = chain.home() if q is None else self.checked(q)
         self._curve: SelfMotionCurve | None = None
         self._look_around()
-
-    # Of what is seen of it, see ``Moved``.
-    lists_postures, room = True, 0.0
-
-    @property
-    def name(self) -> str:
-        """What the arm is called."""
-        return self.chain.name
-
-    @property
-    def base(self) -> str:
-        """The link in which its poses are."""
-        return self.chain.base
-
-    @property
-    def end(self) -> str:
-        """The link that is dragged."""
-        return self.chain.tip
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """The joints, which sliders move."""
-        return self.chain.joint_names
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Of the joints."""
-        return self.chain.units
-
-    @property
-    def state_joints(self) -> tuple[str, ...]:
-        """The joints of a posture."""
-        return self.chain.joint_names
 
     def follow(self, q: Array) -> None:
         """Be where a robot is (rad or m), at the limits where that is outside."""
@@ -105,23 +62,9 @@ class SeenArm:
         """Positions of the joints (rad or m)."""
         return self._q
 
-    @property
-    def positions(self) -> dict[str, float]:
-        """The joints by name (rad or m)."""
-        return self.positions_of(self._q)
-
     def positions_of(self, q: Array) -> dict[str, float]:
         """Name the joints of a posture (n,), and those beside the arm."""
-        return {**self.others, **dict(zip(self.chain.joint_names, q.tolist(), strict=True))}
-
-    @property
-    def faulty_links(self) -> tuple[str, ...]:
-        """Links to be marked: none of an arm."""
-        return ()
-
-    def gizmo(self, scale: float) -> dict[str, Any]:
-        """Give the options of the gizmo: a size (m), and all handles."""
-        return {"scale": scale}
+        return {**self.others, **super().positions_of(q)}
 
     @property
     def q(self) -> Array:
@@ -132,11 +75,6 @@ class SeenArm:
     def study(self) -> PoseStudy:
         """What is known of the pose that the tip has or is dragged to."""
         return self._study
-
-    @property
-    def target(self) -> Array:
-        """Where the gizmo is: ``T_base_tip`` (m), shape (4, 4)."""
-        return self._study.target
 
     @property
     def tip(self) -> Array:
@@ -174,13 +112,7 @@ class SeenArm:
         return SeenArm(chain, self._q if inside else None)
 
     def set_joint(self, joint: int, value: float) -> None:
-        """Move one joint (rad or m).
-
-        Raises
-        ------
-        BadValueError
-            It is no finite number, or outside the limits: the arm stays where it is.
-        """
+        """Move one joint; see ``Moved``."""
         values = self._q.copy()
         what = f"joint '{self.chain.joint_names[joint]}'"
         values[joint] = finite_number(what, value, self.chain.units[joint])
@@ -229,22 +161,6 @@ class SeenArm:
         """Let go of the gizmo: where the arm could not follow, it goes back to the tip."""
         self._look_around()
 
-    def take(self, number: int) -> None:
-        """Take one of the postures, counted from 0; the nearest where there is none.
-
-        Raises
-        ------
-        BadValueError
-            There is none of this number.
-        """
-        known = [posture.q for posture in self._study.postures]
-        if not known and self._study.nearest is not None:
-            known = [self._study.nearest]
-        if number not in range(len(known)):
-            expected = f"1 to {len(known)}" if known else "nothing: there is none"
-            raise BadValueError("posture", number + 1, expected)
-        self.move_to(known[int(number)])
-
     def self_motion(self) -> SelfMotionCurve | None:
         """Give how the arm can move while its tip stays; None if it cannot.
 
@@ -255,17 +171,12 @@ class SeenArm:
         return self._curve
 
     def slide(self, length: float) -> None:
-        """Move along the self-motion (rad or m from where it begins), as far as limits allow.
-
-        Raises
-        ------
-        BadValueError
-            It is no finite number, or the arm has no self-motion.
-        """
+        """Move along the self-motion; see ``Moved``."""
         wanted = finite_number("self-motion", length, "rad or m")
         curve = self.self_motion()
         if curve is None:
-            raise BadValueError("self-motion", length, "an arm of more than six joints")
+            super().slide(length)
+            return
         self._q = curve.at(wanted)
         self._study = study_pose(self.chain, self.tip, self._q)
 

@@ -13,7 +13,7 @@ from robomech_ros.robots import SerialChain
 from robomech_ros.robots.urdf.shapes import Shape
 from robomech_ros.spatial import quaternion_from_matrix
 
-__all__ = ["PALETTE", "GhostMaker", "GhostPieces", "Ghosts"]
+__all__ = ["PALETTE", "GhostMaker", "GhostPieces", "Ghosts", "NoGhosts"]
 
 Array = NDArray[np.float64]
 Rgb = tuple[int, int, int]
@@ -154,3 +154,18 @@ class Ghosts:
         same = shift + 0.5 * length * tilt < SAME * radius
         again: NDArray[np.bool_] = np.tril(np.moveaxis(same, -1, 0), -1).any(axis=-1).T
         return again
+
+
+class NoGhosts:
+    """Ghosts of a robot that has none."""
+
+    pieces = 0
+
+    def placed(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> GhostPieces:
+        """Place no piece."""
+        empty = np.empty((0, 3))
+        return GhostPieces(empty, np.empty((0, 4)), empty, np.empty((0, 3), dtype=np.uint8))
+
+    def middles(self, postures: Sequence[Array]) -> Array:
+        """Write no number."""
+        return np.empty((0, 3))

@@ -35,7 +35,9 @@ _CURSOR = (
 )
 
 
-def curves_picture(joints: Sequence[str], curves: MotionCurves, shown: str, units: Units) -> str:
+def curves_picture(
+    joints: Sequence[str], curves: MotionCurves, shown: str, units: Units = RADIANS
+) -> str:
     """Draw curves of a motion as HTML; a cursor is in it, which :func:`cursor_rule` places.
 
     Parameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from robomech_ros.rvs.page.theme import set_theme
 from robomech_ros.rvs.page.units import STEP, Units
 from robomech_ros.spatial import pose_from_position_quaternion
 
-__all__ = ["AT_FIRST", "GIZMO", "Commands", "Panel"]
+__all__ = ["AT_FIRST", "GIZMO", "Panel"]
 
 Array = NDArray[np.float64]
 
@@ -34,31 +34,6 @@ AT_FIRST = {
 }
 
 
-class Commands(Protocol):
-    """What a panel asks for; each returns at once."""
-
-    def set_joint(self, joint: int, value: float) -> None:
-        """Move a joint (rad or m)."""
-
-    def drag(self, T: Callable[[], Array]) -> None:
-        """Bring the tip to a pose, which is made when its turn comes."""
-
-    def release(self) -> None:
-        """Let go of the gizmo."""
-
-    def take(self, text: str) -> None:
-        """Take the posture of this number, from 1."""
-
-    def slide(self, length: float) -> None:
-        """Move along the self-motion (rad or m)."""
-
-    def home(self) -> None:
-        """Go to where the robot began."""
-
-    def show(self, what: str, shown: bool) -> None:
-        """Show a part of the scene, or not; "dark" is how the page looks."""
-
-
 class Panel:
     """The controls of one browser.
 
@@ -67,7 +42,7 @@ class Panel:
     client : viser.ClientHandle
         The browser.
     arm : Moved
-    commands : Commands
+    page : RobotPage
     base : str
         Node at the base of the arm.
     reach : float
@@ -81,13 +56,13 @@ class Panel:
         self,
         client: Any,
         arm: Moved,
-        commands: Commands,
+        page: Any,
         base: str,
         reach: float,
         switches: Mapping[str, bool],
         units: Units,
     ) -> None:
-        self._client, self._commands, self._units = client, commands, units
+        self._client, self._page, self._units = client, page, units
         self._handles: list[Any] = []
         self._boxes: dict[str, Any] = {}
         self._held = False
@@ -95,7 +70,7 @@ class Panel:
         if arm.lists_postures:
             hint = "Number of a posture; a click on its row or its ghost takes it, too"
             take = gui.add_text(TAKE, "", hint=hint, order=3)
-            self._keep(take, lambda: commands.take(take.value))
+            self._keep(take, lambda: page.take(take.value))
         self._sliders = self._add_joints(arm)
         self._self_motion = self._add_self_motion(arm) if arm.self_motion() is not None else None
         self._add_switches(switches)
@@ -140,7 +115,7 @@ class Panel:
 
             @home.on_click
             async def _(_: Any) -> None:
-                self._commands.home()
+                self._page.home()
 
         return sliders
 
@@ -152,7 +127,7 @@ class Panel:
             unit = arm.units[0] if len(set(arm.units)) == 1 else ""
             hint = "Moves the arm while its tip stays: length of the path in joint space, rad or m"
             slider = self._units.slider(gui, "along it", unit, (-1.0, 1.0), 0.0, hint)
-            self._keep(slider, lambda: self._commands.slide(slider.value))
+            self._keep(slider, lambda: self._page.slide(slider.value))
         return slider
 
     def _add_switches(self, switches: Mapping[str, bool]) -> None:
@@ -166,10 +141,10 @@ class Panel:
                 self._keep(box, partial(self._switch, what, box))
 
     def _move(self, joint: int, slider: Any) -> None:
-        self._commands.set_joint(joint, slider.value)
+        self._page.set_joint(joint, slider.value)
 
     def _switch(self, what: str, box: Any) -> None:
-        self._commands.show(what, box.value)
+        self._page.show(what, box.value)
 
     def switch(self, what: str, shown: bool) -> None:
         """Draw the page dark or light, and mark what is shown."""
@@ -207,10 +182,10 @@ class Panel:
                 self._held, self._hint.visible = True, False
             elif event.phase == "end":
                 self._held = False
-                self._commands.release()
+                self._page.release()
             elif self._held:
                 wxyz, position = np.roll(gizmo.wxyz, -1), gizmo.position.copy()
-                self._commands.drag(lambda: pose_from_position_quaternion(position, wxyz))
+                self._page.drag(lambda: pose_from_position_quaternion(position, wxyz))
 
     def update(self, arm: Moved, source: object) -> None:
         """Show where the arm is in all controls but the one that it was moved with.

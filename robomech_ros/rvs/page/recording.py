@@ -14,8 +14,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.parallel import Mechanism
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.eye import marker_points, seen_points
-from robomech_ros.rvs.model.ghosts import PALETTE, GhostMaker, Ghosts
-from robomech_ros.rvs.model.kinds.seen_tree import NoGhosts
+from robomech_ros.rvs.model.ghosts import PALETTE, GhostMaker, Ghosts, NoGhosts
 from robomech_ros.rvs.model.live_robot import SeenMarker
 from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
 from robomech_ros.rvs.model.seen_robot import SeenRobot, seen_robot

@@ -1,11 +1,13 @@
 """The eye in a real browser: what is seen at first, and by the button."""
 
 import numpy as np
+import pytest
 from browsing import IN_CHROMIUM, browser
 from controls import button, press
 from raw_client import wait_until
 
 from robomech_ros.rvs import view
+from robomech_ros.rvs.model.eye import seen_points
 
 pytestmark = IN_CHROMIUM
 TIP = "__viserMutable.nodeRefFromName['/base/target']"
@@ -27,6 +29,31 @@ def fills(tab, points):
     """Whether points are all in the picture, and fill it in one direction."""
     at = np.abs(places(tab, points)).max(axis=0)
     return at.max() < 1.0 and at.max() > 0.75
+
+
+def robot_share(tab, page):
+    """Share of the picture, in its wider direction, that the bodies of the robot take."""
+    place = page._layers[0]._place
+    at = places(tab, seen_points(place.seen, [place.moved.positions]))
+    return float(np.ptp(at, axis=0).max()) / 2.0
+
+
+KINDS = ("panda", "ur5e", "hexapod", "delta", "phantomx", "mecanum", "three_fingered")
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_every_kind_of_robot_fills_the_picture_at_first_and_by_the_button(name):
+    with view(name, port=0) as page, browser(page.url) as tab:
+        tab.wait_for(TIP)
+        # Ghosts and gizmo are in the picture, too, and may be larger than the robot.
+        wait_until(lambda: robot_share(tab, page) > 0.4)
+        client = next(iter(page._server.viser.get_clients().values()))
+        client.camera.position = 5.0 * client.camera.position
+        wait_until(lambda: robot_share(tab, page) < 0.3)
+        press(tab, button("Fit view"))
+        wait_until(lambda: robot_share(tab, page) > 0.4)
+        # The label says that the gizmo can be dragged.
+        assert tab.value("Boolean(__viserMutable.nodeRefFromName['/base/target/hint'])")
 
 
 def test_the_robot_fills_the_picture_at_first_and_by_the_button():

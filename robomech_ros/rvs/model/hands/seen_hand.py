@@ -10,16 +10,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.errors import BadValueError
 from robomech_ros.hands import Contact, Hand, grasp_postures, load_hand, whole_postures
 from robomech_ros.kinematics import InverseKinematicsResult, Status, forward_kinematics
 from robomech_ros.robots import SerialChain
-from robomech_ros.rvs.model.arm import Travel
 from robomech_ros.rvs.model.hands.ghosts import HandGhosts
 from robomech_ros.rvs.model.hands.grasp import Grasp
 from robomech_ros.rvs.model.hands.held_object import HeldObject
 from robomech_ros.rvs.model.hands.tree import OBJECT, OBJECT_JOINTS, finger_links, hand_tree
 from robomech_ros.rvs.model.kinds.seen_tree import SeenTree
+from robomech_ros.rvs.model.moved import Travel
 from robomech_ros.rvs.model.postures import MOST_POSTURES, PoseStudy, Posture, ToldStudy
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
@@ -84,7 +83,6 @@ class SeenHand(SeenTree):
         The fingers that touch the object.
     """
 
-    # See ``Moved``.
     lists_postures = True
 
     def __init__(self, hand: Hand) -> None:
@@ -185,20 +183,6 @@ class SeenHand(SeenTree):
         ends = [self.travel(k) for k in range(len(OBJECT_JOINTS))]
         inside = (min(max(x, e.low), e.high) for x, e in zip(values, ends, strict=True))
         return dict(zip(OBJECT_JOINTS, inside, strict=True))
-
-    def take(self, number: int) -> None:
-        """Take one of the postures of the study, counted from 0.
-
-        Raises
-        ------
-        BadValueError
-            There is none of this number.
-        """
-        known = self._study.postures
-        if number not in range(len(known)):
-            expected = f"1 to {len(known)}" if known else "nothing: there is none"
-            raise BadValueError("posture", number + 1, expected)
-        self.move_to(known[int(number)].q)
 
     def ghosts(self, seen: SeenRobot) -> HandGhosts:
         """Give the pieces of ghosts."""

@@ -15,10 +15,10 @@ from robomech_ros.rolling.arcs import moved
 from robomech_ros.rolling.library import RollingRobot
 from robomech_ros.rolling.simulated import SimulatedBase
 from robomech_ros.rolling.tree import BASE_JOINTS, rolling_description
-from robomech_ros.rvs.model.arm import Travel
 from robomech_ros.rvs.model.kinds.moving import twist_facts
 from robomech_ros.rvs.model.kinds.seen_tree import SeenTree
 from robomech_ros.rvs.model.kinds.trail import Trail, on_ground
+from robomech_ros.rvs.model.moved import Travel
 
 __all__ = ["PERIOD", "SeenBase", "seen_base"]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.parallel import Mechanism, ParallelRobot, dexterity
-from robomech_ros.rvs.model.arm import ROUNDING
+from robomech_ros.rvs.model.moved import ROUNDING
 from robomech_ros.rvs.model.postures import MOST_POSTURES, Posture
 
 __all__ = ["LISTS", "PlatformList", "platform_list"]

@@ -11,11 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import Status
-from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Mechanism, ParallelRobot
 from robomech_ros.robots.chain_layout import PRISMATIC
-from robomech_ros.rvs.model.arm import OPEN_TURN, ROUNDING, Travel
+from robomech_ros.rvs.model.moved import OPEN_TURN, ROUNDING, Moved, Travel
 from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
 from robomech_ros.rvs.model.platforms.lists import PlatformList
 from robomech_ros.rvs.model.postures import PoseStudy, ToldStudy
@@ -36,10 +35,8 @@ AROUND = 3.0
 NOTHING, STEPS = 1e-9, 8
 
 
-class SeenPlatform:
+class SeenPlatform(Moved):
     """A parallel robot with its present posture, all loops closed.
-
-    Not for several threads at a time.
 
     Parameters
     ----------
@@ -48,6 +45,15 @@ class SeenPlatform:
 
     def __init__(self, robot: ParallelRobot | Mechanism) -> None:
         self.robot, self.mechanism = robot, robot.mechanism
+        mechanism = robot.mechanism
+        super().__init__(
+            mechanism.name,
+            mechanism.base_link,
+            mechanism.platform_link,
+            mechanism.actuated,
+            [mechanism.units[k] for k in mechanism.drive_index],
+            mechanism.joint_names,
+        )
         self._q = self.mechanism.home()
         self._home = self._q
         twists = np.abs(self.mechanism.twist_matrix(self._q)).max(axis=1)
@@ -57,43 +63,12 @@ class SeenPlatform:
         # The limb that ended the last drag, from 0; None where none did.
         self._faulty: int | None = None
 
-    # Of what is seen of it, see ``Moved``.
-    lists_postures, room = True, 0.0
-
-    @property
-    def name(self) -> str:
-        """What the robot is called."""
-        return self.mechanism.name
-
-    @property
-    def base(self) -> str:
-        """The link at rest."""
-        return self.mechanism.base_link
-
-    @property
-    def end(self) -> str:
-        """The link that is dragged."""
-        return self.mechanism.platform_link
+    slider_noun = "drive"
 
     @property
     def q(self) -> Array:
         """All joints (rad or m), shape (n,)."""
         return self._q
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """The drives, which sliders move."""
-        return self.mechanism.actuated
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Of the drives."""
-        return tuple(self.mechanism.units[k] for k in self.mechanism.drive_index)
-
-    @property
-    def state_joints(self) -> tuple[str, ...]:
-        """The joints of a posture."""
-        return self.mechanism.joint_names
 
     def follow(self, q: Array) -> None:
         """Be where a robot is (rad or m)."""
@@ -105,15 +80,6 @@ class SeenPlatform:
         return np.asarray(self._q[self.mechanism.drive_index])
 
     @property
-    def positions(self) -> dict[str, float]:
-        """All joints by name (rad or m)."""
-        return self.positions_of(self._q)
-
-    def positions_of(self, q: Array) -> dict[str, float]:
-        """Name the joints of a posture (n,)."""
-        return dict(zip(self.mechanism.joint_names, q.tolist(), strict=True))
-
-    @property
     def study(self) -> PoseStudy:
         """What is known of the pose that the platform has or is dragged to."""
         return self._study
@@ -122,11 +88,6 @@ class SeenPlatform:
     def tip(self) -> Array:
         """Where the platform is: ``T_base_platform`` (m), shape (4, 4)."""
         return self.mechanism.pose(self._q)
-
-    @property
-    def target(self) -> Array:
-        """Where the gizmo is (m), shape (4, 4)."""
-        return self._study.target
 
     @property
     def faulty_links(self) -> tuple[str, ...]:
@@ -157,19 +118,9 @@ class SeenPlatform:
         return Travel(low, high if math.isfinite(high) else middle + most)
 
     def set_joint(self, joint: int, value: float) -> None:
-        """Move one drive (rad or m), the assembly mode stays.
-
-        Raises
-        ------
-        BadValueError
-            It is no finite number, outside the limits, or the robot cannot follow: it stays.
-        """
+        """Move one drive, the assembly mode stays; see ``Moved``."""
         drives, what = self.values, f"drive '{self.joint_names[joint]}'"
-        drives[joint] = finite_number(what, value, self.units[joint])
-        low, high = self.travel(joint)
-        if not low - ROUNDING <= drives[joint] <= high + ROUNDING:
-            raise BadValueError(what, value, f"{low:.6g} to {high:.6g} {self.units[joint]}")
-        drives[joint] = min(max(float(drives[joint]), low), high)
+        drives[joint] = self.checked_slide(joint, value)
         found = self.mechanism.close(drives, self._q)
         if found.status != Code.NONE:
             expected = f"what the robot can follow: {found.reason}"
@@ -222,32 +173,6 @@ class SeenPlatform:
     def release(self) -> None:
         """Let go of the gizmo: where the robot could not follow, it goes back to the platform."""
         self._go(self._q)
-
-    def take(self, number: int) -> None:
-        """Take one of the postures listed, counted from 0.
-
-        Raises
-        ------
-        BadValueError
-            There is none of this number, or a joint of it is outside its limits.
-        """
-        known = self._study.postures
-        if number not in range(len(known)):
-            expected = f"1 to {len(known)}" if known else "nothing: there is none"
-            raise BadValueError("posture", number + 1, expected)
-        self.move_to(known[int(number)].q)
-
-    def self_motion(self) -> None:
-        """Give nothing: the drives hold the platform."""
-
-    def slide(self, length: float) -> None:
-        """Refuse to move along a self-motion.
-
-        Raises
-        ------
-        BadValueError
-        """
-        raise BadValueError("self-motion", length, "an arm of more than six joints")
 
     def know(self, found: PlatformList) -> None:
         """Show a list of postures, whatever was found of the robot a moment ago."""

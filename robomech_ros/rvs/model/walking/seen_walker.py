@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.outcomes import Code
 from robomech_ros.rolling.arcs import moved
-from robomech_ros.rvs.model.arm import ROUNDING, Travel
 from robomech_ros.rvs.model.kinds.moving import twist_facts
 from robomech_ros.rvs.model.kinds.seen_tree import SeenTree
 from robomech_ros.rvs.model.kinds.trail import Trail, on_ground
+from robomech_ros.rvs.model.moved import Travel
 from robomech_ros.rvs.model.walking.placed_tree import BODY_JOINTS, placed_tree, placing
 from robomech_ros.rvs.model.walking.support import Support
 from robomech_ros.spatial import as_pose
@@ -145,15 +144,12 @@ class SeenWalker(SeenTree):
         BadValueError
             It is no finite number, or outside the travel, or not all legs can follow: they stay.
         """
-        what, unit = f"joint '{BODY_JOINTS[joint]}'", self.units[joint]
-        given = finite_number(what, value, unit)
-        low, high = self.travel(joint)
-        if not low - ROUNDING <= given <= high + ROUNDING:
-            raise BadValueError(what, value, f"{low:.6g} to {high:.6g} {unit}")
+        given = self.checked_slide(joint, value)
         self.moved_joint = joint
         wanted = self.values
         wanted[joint] = given
         if not self._pose(wanted):
+            what = f"joint '{BODY_JOINTS[joint]}'"
             raise BadValueError(what, round(given, 4), "one with which no leg is in the way")
 
     def drag(self, T: ArrayLike) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import SerialChain
@@ -13,7 +13,7 @@ from robomech_ros.rvs.page.live.jog_pad import jog_pad
 from robomech_ros.rvs.page.tables import short_name
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["GOAL", "LiveCommands", "LiveControls"]
+__all__ = ["GOAL", "LiveControls"]
 
 # Label of the buttons about the goal, and what they do.
 GOAL = "Goal"
@@ -22,25 +22,6 @@ PLAN, EXECUTE, TO_ROBOT = "Plan", "Execute", "To robot"
 SLOWEST, AT_FIRST = 0.05, 0.5
 # Whose axes the tip is jogged along and about.
 FRAMES = ("base", "tip")
-
-
-class LiveCommands(Protocol):
-    """What the controls ask of their layer; each returns at once."""
-
-    def plan(self) -> None:
-        """Plan to the goal."""
-
-    def execute(self) -> None:
-        """Plan to the goal, and execute."""
-
-    def bring_goal(self) -> None:
-        """Put the goal where the robot is."""
-
-    def want_markers(self, wanted: bool) -> None:
-        """Show markers, or not."""
-
-    def refuse(self, error: BadValueError) -> None:
-        """Say that something was refused."""
 
 
 class LiveControls:
@@ -53,7 +34,7 @@ class LiveControls:
     chain : SerialChain or None
         The arm that is jogged, if there is one.
     robot : LiveRobot
-    commands : LiveCommands
+    layer : LiveLayer
     waiting : bool
         Whether plans wait to be executed on request.
     markers : bool
@@ -65,12 +46,12 @@ class LiveControls:
         client: Any,
         chain: SerialChain | None,
         robot: LiveRobot,
-        commands: LiveCommands,
+        layer: Any,
         *,
         waiting: bool,
         markers: bool,
     ) -> None:
-        self._robot, self._commands = robot, commands
+        self._robot, self._layer = robot, layer
         self.client_id = client.client_id
         self._handles: list[Any] = []
         # Whether the browser commands no more.
@@ -96,7 +77,7 @@ class LiveControls:
         @shown.on_update
         async def _(event: Any) -> None:
             if event.client is not None:
-                commands.want_markers(shown.value)
+                layer.want_markers(shown.value)
 
     def _add_goal(self, gui: Any) -> None:
         hint = (
@@ -106,9 +87,9 @@ class LiveControls:
         group = gui.add_button_group(GOAL, (PLAN, EXECUTE, TO_ROBOT), hint=hint, order=-0.1)
         self._handles.append(group)
         ways = {
-            PLAN: self._commands.plan,
-            EXECUTE: self._commands.execute,
-            TO_ROBOT: self._commands.bring_goal,
+            PLAN: self._layer.plan,
+            EXECUTE: self._layer.execute,
+            TO_ROBOT: self._layer.bring_goal,
         }
 
         @group.on_click
@@ -125,7 +106,7 @@ class LiveControls:
             self._speed = gui.add_slider("speed", SLOWEST, 1.0, 0.05, AT_FIRST, hint=hint)
             hint = "Axes along and about which the tip is jogged"
             self._frame = gui.add_dropdown("axes of", FRAMES, hint=hint)
-            self._pad = HoldField(gui, self._hold, self._robot.let_go, self._commands.refuse)
+            self._pad = HoldField(gui, self._hold, self._robot.let_go, self._layer.refuse)
             names = [short_name(name) for name in chain.joint_names]
             gui.add_html(jog_pad(self._pad.identifier, names))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.rvs.model.jog import read_beat
@@ -16,24 +16,11 @@ from robomech_ros.rvs.page.live.trunk_controls import TrunkControls
 from robomech_ros.rvs.page.units import Units
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["MoverCommands", "MoverControls"]
+__all__ = ["MoverControls"]
 
 ORDER = 3.5
 # Parts of the greatest jogging speed.
 SLOWEST, AT_FIRST = 0.05, 0.5
-
-
-class MoverCommands(Protocol):
-    """What the controls ask of their layer; each returns at once."""
-
-    def show_trail(self, shown: Any) -> None:
-        """Show the trail, or not."""
-
-    def clear_trail(self) -> None:
-        """Begin a new trail."""
-
-    def refuse(self, error: BadValueError) -> None:
-        """Say that something was refused."""
 
 
 class MoverControls:
@@ -46,9 +33,7 @@ class MoverControls:
     units : Units
     followed : Followed
     robot : LiveMover
-    commands : MoverCommands
-    trail : bool
-        Whether the trail is shown.
+    layer : LiveMoverLayer
     """
 
     def __init__(
@@ -57,12 +42,10 @@ class MoverControls:
         units: Units,
         followed: Followed,
         robot: LiveMover,
-        commands: MoverCommands,
-        *,
-        trail: bool,
+        layer: Any,
     ) -> None:
         self.client_id = client.client_id
-        self._followed, self._robot, self._commands = followed, robot, commands
+        self._followed, self._robot, self._layer = followed, robot, layer
         gui = client.gui
         self.folder = Folder(gui, units, followed.verb.capitalize(), ORDER, expanded=True)
         with self.folder:
@@ -70,16 +53,16 @@ class MoverControls:
             self._speed = self.folder.listen(
                 gui.add_slider("speed", SLOWEST, 1.0, 0.05, AT_FIRST, hint=hint), lambda _: None
             )
-            self._pad = HoldField(gui, self._hold, robot.let_go, commands.refuse)
+            self._pad = HoldField(gui, self._hold, robot.let_go, layer.refuse)
             self.folder.text().content = hold_pad(self._pad.identifier, [followed.ways])
             if followed.gaits:
                 hint = "Choose one, in which it walks on as soon as it stands"
                 gait = gui.add_dropdown("gait", ("", *followed.gaits), hint=hint)
                 self.folder.listen(gait, self._choose(followed.gaits))
             if followed.shifts:
-                TrunkControls(self.folder, followed.shifts, robot.move_trunk, commands.refuse)
-            self.folder.checkbox("trail", trail, commands.show_trail)
-            self.folder.button("Clear trail", commands.clear_trail)
+                TrunkControls(self.folder, followed.shifts, robot.move_trunk, layer.refuse)
+            layer.switches.add_to(self.folder, "trail")
+            self.folder.button("Clear trail", layer.clear_trail)
 
     def _choose(self, gaits: tuple[str, ...]) -> Callable[[Any], None]:
         def choose(value: Any) -> None:
@@ -88,7 +71,7 @@ class MoverControls:
             try:
                 self._robot.choose_gait(as_choice("gait", value, gaits))
             except BadValueError as error:
-                self._commands.refuse(error)
+                self._layer.refuse(error)
 
         return choose
 

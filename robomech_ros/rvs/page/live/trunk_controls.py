@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.numerics.arrays import finite_number
-from robomech_ros.rvs.model.arm import ROUNDING
+from robomech_ros.rvs.model.moved import ROUNDING
 from robomech_ros.rvs.model.running.followed import Shift
 from robomech_ros.rvs.page.folder import Folder
 

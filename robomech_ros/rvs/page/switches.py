@@ -1,0 +1,59 @@
+"""What a layer shows: checkboxes of its folder, which the address of the page keeps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from robomech_ros.rvs.page.folder import Folder
+from robomech_ros.rvs.page.layer import Place, Switch
+from robomech_ros.spatial.arrays import as_flag
+
+__all__ = ["Switches"]
+
+
+class Switches:
+    """The switches of a layer.
+
+    Parameters
+    ----------
+    place : Place
+    labels : mapping of str to str
+        Labels on the page, by name.
+    on : dict of str to bool
+        Which of them are on; changed here.
+    changed : callable, optional
+        Called with the name of a switch and whether a person has changed it on the page.
+    """
+
+    def __init__(
+        self,
+        place: Place,
+        labels: Mapping[str, str],
+        on: dict[str, bool],
+        changed: Callable[[str, bool], None] = lambda name, asked: None,
+    ) -> None:
+        self._place, self._labels, self._on, self._changed = place, labels, on, changed
+        self._folder: Folder | None = None
+        for name, label in labels.items():
+            place.offered[label] = Switch(partial(on.__getitem__, name), partial(self.turn, name))
+
+    def __getitem__(self, name: str) -> bool:
+        return self._on[name]
+
+    def add_to(self, folder: Folder, name: str, hint: str | None = None) -> None:
+        """Add the checkbox of a switch to a folder."""
+        self._folder = folder
+        folder.checkbox(self._labels[name], self._on[name], partial(self._ask, name), hint)
+
+    def turn(self, name: str, on: bool, asked: bool = False) -> None:
+        """Switch on or off."""
+        self._on[name] = on
+        self._changed(name, asked)
+        if self._folder is not None:
+            self._folder.mark(self._labels[name], on)
+
+    def _ask(self, name: str, value: Any) -> None:
+        label = self._labels[name]
+        self._place.ask((self, name), lambda: self.turn(name, as_flag(label, value), True))
