@@ -73,3 +73,30 @@ def test_long_values_and_lists_are_cut():
     assert len(str(errors.BadValueError("x", "y" * 10_000, "less"))) < 300
     text = str(errors.UnknownJointError("j", [f"joint_{i}" for i in range(1000)]))
     assert text.endswith("and 960 more")
+
+
+class _WithoutRepresentation:
+    def method(self):
+        """Be bound."""
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        _WithoutRepresentation(),
+        [_WithoutRepresentation(), object()],
+        {"key": _WithoutRepresentation()},
+        lambda x: x,
+        _WithoutRepresentation().method,
+        map(len, []),
+    ],
+)
+def test_no_error_shows_an_address(value):
+    for error in (errors.BadValueError("x", value, "a number"), errors.NonFiniteError("x", value)):
+        assert " at 0x" not in str(error)
+        assert "<" in str(error)
+
+
+def test_an_object_without_a_representation_is_shown_by_its_type():
+    text = str(errors.BadValueError("chain", _WithoutRepresentation(), "a chain"))
+    assert text == f"chain is <{__name__}._WithoutRepresentation>, expected a chain"

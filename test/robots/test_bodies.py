@@ -198,7 +198,7 @@ def test_broken_yaml_bodies():
         ("body: {mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}, kg: 1}", "kg"),
         (
             "body: {mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}, as_measured: 2}",
-            "as_measured is '2', expected true or false",
+            "as_measured is 2, expected true or false",
         ),
         ("drive: {viscous: -1}", "viscous is -1"),
         ("drive: {damping: 1}", "damping"),

