@@ -72,7 +72,9 @@ def run(args: argparse.Namespace) -> int:
 
 def _warn_of_limits(chain: SerialChain, q: list[float]) -> None:
     """Name joints beyond their limits: the posture itself is not among those that are drawn."""
-    for name, value, *limits in zip(chain.joint_names, q, chain.lower, chain.upper, strict=True):
-        if not limits[0] <= value <= limits[1]:
-            outside = SeedOutsideLimitsError(name, value, *limits, "--joints")
+    for name, value, lower, upper in zip(
+        chain.joint_names, q, chain.lower, chain.upper, strict=True
+    ):
+        if not lower <= value <= upper:
+            outside = SeedOutsideLimitsError(name, value, lower, upper, "--joints")
             print(f"robomech plot: warning: {outside}", file=sys.stderr)

@@ -40,7 +40,9 @@ def recover_dh(packed: Array) -> DHTable:
     return table_of_axes(*_axes_at_zero(packed), types)
 
 
-def table_of_axes(axes: Array, origins: Array, tip: Array | None, types: Array) -> DHTable:
+def table_of_axes(
+    axes: Array, origins: Array, tip: Array | None, types: NDArray[np.int64]
+) -> DHTable:
     """Make the table of joint axes; without a pose of the tip it ends in the frame of the last.
 
     Parameters

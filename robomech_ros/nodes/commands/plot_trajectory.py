@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.cli.numbers import number
 from robomech_ros.errors import BadValueError, UnknownJointError
 from robomech_ros.nodes.commands.call import EXIT_NO_ANSWER, seconds_to_wait
 from robomech_ros.plotting.joint_motions import plot_motion
@@ -100,7 +99,7 @@ def _of_robot(
             raise UnknownJointError(name, list(known))
     joints = [known[name] for name in names]
     rates = [
-        np.array([getattr(joint, rate) for joint in joints], dtype=number)
+        np.array([getattr(joint, rate) for joint in joints], dtype=float)
         for rate in ("velocity", "acceleration", "jerk")
     ]
     ranges = [np.array([getattr(joint, side) for joint in joints]) for side in ("lower", "upper")]

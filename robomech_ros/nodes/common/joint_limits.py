@@ -151,7 +151,7 @@ def with_assumed_rates(description: RobotDescription) -> tuple[RobotDescription,
     file : str
         The same limits in MoveIt's form, to copy.
     """
-    limits = {}
+    limits: dict[str, dict[str, Any]] = {}
     for joint in description.joints:
         acceleration = _or(joint.acceleration, joint.velocity / _TO_SPEED)
         jerk = _or(joint.jerk, acceleration / _TO_ACCELERATION)

@@ -61,7 +61,8 @@ def load_srdf(
     Raises
     ------
     RobotDescriptionError
-        The document as a whole is broken, hostile or no SRDF: the line and the fault are named.
+        The document as a whole is broken, hostile or no SRDF, or the robot has none of its
+        groups: the line and the fault are named.
     BadValueError
         Neither text nor a path.
 
@@ -98,6 +99,9 @@ def load_srdf(
         names.refuse(root, f"the root element is <{root.tag[:80]}>, expected <robot>")
     refuse_xacro(root, where)
     groups, left_out = read_groups(root, names)
+    if left_out and not groups:
+        why = f"none of its groups is one of '{description.name}'; {names.notes[0]}"
+        names.refuse(root, why)
     states = read_states(root, names, groups)
     tools = _end_effectors(root, names, groups)
     virtual = tuple(_virtual_joints(root, names))

@@ -477,3 +477,59 @@ def test_plot_trajectory_takes_the_latched_topic(capfd, tmp_path, graph):
     options = ("--topic", "nobody", "--timeout", "0.3", "--output", path)
     code, _, err = run(capfd, "plot-trajectory", *options)
     assert code == 3 and "nothing came on topic 'nobody' within 0.3 s" in err
+
+
+def test_what_does_not_apply_is_not_listed(capfd):
+    code, _, err = run(capfd, "bringup", "--robot", "three_fingered", "--group", "arm")
+    assert code == 2
+    listed = err.partition("what applies: ")[2]
+    assert "--robot" in listed
+    for option in ("--no-servo", "--view", "--joint-limits", "--calibration", "--rate"):
+        assert option not in listed
+
+
+def test_help_says_what_options_are_for(capfd, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "300")
+    _, text, _ = run(capfd, "bringup", "--help")
+    rows = {line.split()[0]: line for line in text.splitlines() if line.startswith("  --")}
+    for option in ("--srdf", "--group", "--joint-limits", "--no-servo"):
+        assert rows[option].endswith("(arms only)")
+    assert rows["--dynamic"].endswith("(not for hands, walking machines)")
+    assert "(" not in rows["--params-file"]
+    _, text, _ = run(capfd, "demo", "--help")
+    assert "(arms and parallel robots only)" in text
+
+
+def test_joints_beyond_their_limits_are_named(capfd, tmp_path):
+    picture = f"{tmp_path / 'out.png'}"
+    joints = ["0.1", "0.2", "4.5"]
+    code, _, err = run(capfd, "plot", "planar3r", "--joints", *joints, "--output", picture)
+    warning = "robomech plot: warning: --joints of joint 'joint_3' is 4.5"
+    assert err.startswith(warning) and "outside its limits" in err
+    assert code in (0, 1)
+    code, _, err = run(capfd, "plot", "planar3r", "--joints", "\uff10", "0", "0")
+    assert code == 2 and "invalid number value" in err
+
+
+@pytest.mark.parametrize("robot", ["ur5e", "gen3"])
+def test_an_arm_without_such_a_workspace_is_pointed_to_the_map(capfd, robot):
+    code, _, err = run(capfd, "plot-workspace", robot)
+    assert code == 2
+    assert f"`robomech map --robot {robot}`" in err
+
+
+@pytest.mark.parametrize("digits", ["0", "18", "four", "\uff14"])
+def test_digits_that_are_none(capfd, digits):
+    code, _, err = run(capfd, "call", "service", "--digits", digits)
+    assert code == 2 and "expected an integer from 1 to 17" in err
+
+
+def test_a_service_of_moveit_without_its_types_points_to_what_works(capfd, domain_id):
+    code, _, err = run(capfd, "call", "kinematics/compute_ik", "--timeout", "0.1")
+    assert code == 3
+    assert (
+        "needs MoveIt's message types (see `robomech doctor`), kinematics/solve_ik does not" in err
+    )
+    kind = "no_such_msgs/srv/GetPositionIK"
+    code, _, err = run(capfd, "call", "kinematics/compute_ik", "--type", kind)
+    assert code == 2 and "kinematics/solve_ik does not" in err

@@ -2,7 +2,9 @@
 
 import pytest
 import yaml
+from geometry_msgs.msg import Point
 from std_srvs.srv import SetBool
+from trajectory_msgs.msg import JointTrajectoryPoint
 
 from robomech_interfaces.srv import PlanJoint, SolveFK, SolveIK, SolveIKBatch
 from robomech_ros.errors import BadValueError, RobomechError
@@ -118,3 +120,21 @@ def test_types_by_name():
     for name in ("SetBool", "std_srvs/srv/Nothing", "no_such_msgs/srv/It", "../../x"):
         with pytest.raises(BadValueError, match=name.rsplit("/", maxsplit=1)[-1]):
             interface_class(name)
+
+
+def test_numbers_are_rounded_to_so_many_significant_digits():
+    point = JointTrajectoryPoint(positions=[1.23456789e-7, 1234567.8, -0.5])
+    point.time_from_start.nanosec = 123456789
+    for digits, numbers in (
+        (4, [1.235e-07, 1235000.0, -0.5]),
+        (17, [1.23456789e-7, 1234567.8, -0.5]),
+    ):
+        values = yaml.safe_load(to_yaml(point, digits=digits))
+        assert [float(number) for number in values["positions"]] == numbers
+        assert values["time_from_start"]["nanosec"] == 123456789
+
+
+@pytest.mark.parametrize("digits", ["\uff11", "1_0", "one"])
+def test_digits_of_other_scripts_are_no_numbers(digits):
+    with pytest.raises(BadValueError):
+        fill_message(Point(), {"x": digits})

@@ -15,6 +15,9 @@ from robomech_ros.nodes.kinematics.node import KinematicsNode
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ROSOUT = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+FOREIGN = """<robot name="other">
+  <group name="arm"><chain base_link="other_base" tip_link="other_tool"/></group>
+</robot>"""
 OPTIONS = {"robot_description": URDF, "base_link": "left_base", "tip_link": "left_tool"}
 
 
@@ -46,15 +49,18 @@ def test_an_srdf_of_another_robot_is_said_and_the_one_before_stays(graph):
     for _ in range(1000):
         if not posture(graph, "there").error_code:
             break
-    publisher.publish(String(data=SRDF.replace("left_joint_1", "joint_1")))
-    said(graph, "unusable SRDF on '/robot_description_semantic', ignored: SRDF string: line")
+    publisher.publish(String(data=FOREIGN))
+    said(
+        graph,
+        "unusable SRDF on '/robot_description_semantic', ignored: SRDF string: line 1",
+    )
     assert posture(graph, "there").error_code == 0
 
 
 def test_an_unusable_srdf_that_is_repeated_is_said_once(graph, capfd):
     graph.start(KinematicsNode, **OPTIONS)
     publisher = graph.client.create_publisher(String, "robot_description_semantic", LATCHED)
-    bad = [SRDF.replace("left_joint_1", "joint_1"), "no document"]
+    bad = [FOREIGN, "no document"]
     for document in bad:
         publisher.publish(String(data=document))
         said(graph, "ignored: it is no XML" if document == bad[1] else "ignored: SRDF string")
@@ -99,11 +105,14 @@ def test_an_srdf_of_another_robot_does_not_keep_this_one_from_starting(graph):
         graph.client.create_publisher(String, topic, LATCHED)
         for topic in ("robot_description_semantic", "robot_description")
     )
-    groups.publish(String(data=SRDF.replace("left_joint_1", "joint_1")))
+    groups.publish(String(data=FOREIGN))
     said(graph, "waiting for the robot on topic '/robot_description'")
     robot.publish(String(data=URDF))
     said(graph, "ready: two_armed, left_base to left_tool")
-    said(graph, "unusable SRDF on '/robot_description_semantic', ignored: SRDF string: line 1")
+    said(
+        graph,
+        "unusable SRDF on '/robot_description_semantic', ignored: SRDF string: line 1",
+    )
     assert posture(graph, "home").error_code == 0
 
 
@@ -119,3 +128,28 @@ def test_an_srdf_of_another_robot_does_not_keep_this_one_from_starting(graph):
 def test_parameters_that_do_not_fit_end_the_start(graph, given, error, text):
     with pytest.raises(error, match=text):
         graph.start(KinematicsNode, **OPTIONS, **given)
+
+
+def test_one_bad_group_is_said_once_and_refused_where_it_is_named(graph, capfd):
+    bad = SRDF.replace("</robot>", '<group name="legs"><joint name="knee"/></group></robot>')
+    graph.start(KinematicsNode, robot_description_semantic=bad, **OPTIONS)
+    said(graph, "joint 'knee': name is 'knee'")
+    assert posture(graph, "home").error_code == 0
+    assert capfd.readouterr().err.count("joint 'knee'") == 1
+    with pytest.raises(RobotDescriptionError, match="group 'legs': .*name is 'knee'"):
+        graph.start(KinematicsNode, robot_description_semantic=bad, group="legs", **OPTIONS)
+
+
+def test_a_bad_joint_beside_the_arm_is_said_once(graph, capfd):
+    text = URDF.replace('lower="0" upper="0.04"', 'lower="0.04" upper="0"')
+    graph.start(KinematicsNode, **{**OPTIONS, "robot_description": text})
+    said(graph, "joint 'finger_joint': lower limit 0.04 is above upper limit 0")
+    assert posture(graph, "home").error_code == 0
+    assert capfd.readouterr().err.count("lower limit 0.04 is above") == 1
+    reply = graph.call(
+        SolveFK,
+        "kinematics/solve_fk",
+        SolveFK.Request(states=[JointState(name=["home"])], links=["/left_tool", "left_tool"]),
+    )
+    assert reply.error_code == 0, reply.error_msg
+    assert reply.poses[0].pose == reply.poses[1].pose

@@ -78,8 +78,6 @@ def test_efforts_and_their_shares(rod):
     np.testing.assert_allclose(answer.inertial, [0.0, 2.0 * INERTIA], rtol=1e-12, atol=1e-15)
     np.testing.assert_allclose(answer.coriolis, [0.0, 0.0], atol=1e-12)
     np.testing.assert_allclose(answer.effort, np.add(gravity, answer.inertial), rtol=1e-12)
-    none = inverse(rod, [])
-    assert (none.error_code, len(none.effort)) == (0, 0)
 
 
 def test_another_gravity_and_a_wrench_on_the_tip(rod):
@@ -259,3 +257,22 @@ def test_impossible_numbers_are_refused_where_they_are_used(graph):
     assert answer.error_code == ErrorCode.BAD_VALUE
     assert "inertia of rod and tool0" in answer.error_msg
     assert "at most the sum of the others" in answer.error_msg
+
+
+@pytest.mark.parametrize("names", [[], ["hinge"]])
+def test_a_request_without_points_is_about_the_present_state_at_rest(rod, names):
+    late = inverse(rod, [], joint_names=names)
+    assert late.error_code == ErrorCode.NO_STATE
+    publisher = rod.client.create_publisher(JointState, "joint_states", 10)
+    there = JointState(name=["hinge"], position=[0.3], velocity=[1.0])
+
+    def answered(answer):
+        publisher.publish(there)
+        return answer.error_code == 0
+
+    request = InverseDynamics.Request(joint_names=names)
+    answer = rod.call_until(InverseDynamics, "dynamics/inverse_dynamics", request, answered)
+    np.testing.assert_allclose(answer.effort, [weight(0.3)], rtol=1e-12)
+    np.testing.assert_allclose(answer.coriolis, [0.0], atol=1e-12)
+    wrong = inverse(rod, [], joint_names=["knee"])
+    assert wrong.error_code == ErrorCode.UNKNOWN_JOINT, wrong.error_msg

@@ -420,3 +420,44 @@ def test_without_tf2_msgs_it_is_said(graph, monkeypatch):
     response = graph.call(SolveIK, "kinematics/solve_ik", request)
     assert response.error_code == ErrorCode.FRAME_UNAVAILABLE
     assert "the package tf2_msgs is not installed; known frames: base_link" in response.error_msg
+
+
+VIRTUAL = """<robot name="puma560">
+  <virtual_joint name="v" type="{}" parent_frame="world" child_link="base_link"/>
+</robot>"""
+LIFT = posed(np.eye(3), [0.0, 0.0, 0.4])
+
+
+def test_the_frame_in_which_a_virtual_joint_fixes_the_base_is_known(graph):
+    srdf = VIRTUAL.format("fixed")
+    graph.start(KinematicsNode, robot_description="puma560", robot_description_semantic=srdf)
+    tf = Broadcaster(graph)
+    for frame in ("world", "/world"):
+        assert_solved(solve(tf, GOAL, frame))
+    # What hangs on it in tf is known, too, although tf has no base.
+    tf.fix(transform("world", "table", LIFT))
+    request = SolveIK.Request(target=stamped_pose(inverse_pose(LIFT) @ GOAL, "table"))
+    answer = graph.call_until(
+        SolveIK, "kinematics/solve_ik", request, lambda answer: answer.error_code == 0
+    )
+    assert_solved(answer)
+    # Who publishes where the base is goes before the SRDF.
+    tf.fix(transform("world", "base_link", WORLD_BASE))
+    request = SolveIK.Request(target=stamped_pose(WORLD_BASE @ GOAL, "world"))
+    answer = graph.call_until(
+        SolveIK, "kinematics/solve_ik", request, lambda answer: _is_goal(answer)
+    )
+    assert_solved(answer)
+
+
+def _is_goal(answer):
+    found = [forward_kinematics(PUMA, point.positions) for point in answer.solutions]
+    return bool(found) and np.abs(found[0] - GOAL).max() < 1e-6
+
+
+def test_a_base_that_floats_in_a_frame_needs_tf(graph):
+    srdf = VIRTUAL.format("floating")
+    graph.start(KinematicsNode, robot_description="puma560", robot_description_semantic=srdf)
+    answer = solve(Broadcaster(graph), GOAL, "world")
+    assert answer.error_code == ErrorCode.FRAME_UNAVAILABLE
+    assert "world" not in answer.error_msg.partition("known frames: ")[2]

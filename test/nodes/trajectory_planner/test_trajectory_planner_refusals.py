@@ -309,6 +309,25 @@ def test_missing_limits_are_named(graph):
         )
 
 
+@pytest.mark.parametrize("assumed", [False, True])
+def test_accelerations_that_nobody_gives_are_assumed_only_where_the_parameter_says_so(
+    graph, assumed, capfd
+):
+    urdf = UNLIMITED_URDF.replace('"0.5 0 0"/>', '"0.5 0 0"/><limit velocity="2" effort="1"/>')
+    graph.start(TrajectoryPlannerNode, robot_description=urdf, assume_limits=assumed)
+    move = {"start": JointState(position=[0.0, 0.0]), "goal": JointState(position=[0.5, 0.5])}
+    for profile in (PlanJoint.Request.POLY345, RUCKIG):
+        response = plan(graph, PlanJoint.Request(**move, profile=profile))
+        assert response.error_code == (0 if assumed else ErrorCode.MISSING_LIMITS)
+        if assumed:
+            assert max(response.peak_acceleration_ratio) <= 1.0 + 1e-9
+            points = response.trajectory.points
+            assert max(abs(point.accelerations[0]) for point in points) <= 4.0 + 1e-9
+    said = capfd.readouterr().err
+    assert said.count("--joint-limits") == said.count("max_acceleration: 4.0") == assumed
+    assert said.count("swing: {has_acceleration_limits: true, max_acceleration: 8.0") == assumed
+
+
 @pytest.mark.parametrize(
     ("name", "value"),
     [
