@@ -81,7 +81,6 @@ def findings() -> Iterator[Finding]:
         lambda: _module("robomech_interfaces.srv", "our interfaces", "ros-robomech-interfaces"),
         lambda: _module("numba", "numba", "numba"),
         lambda: _module("ruckig", "ruckig", "ruckig"),
-        lambda: _module("urdf_parser_py", "URDF parser", "urdf-parser-py"),
         _kernels,
         _robots,
         _node_scripts,

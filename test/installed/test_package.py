@@ -27,11 +27,10 @@ ROSDEP = {
     "numpy": "python3-numpy",
     "rich": "python3-rich",
     "scipy": "python3-scipy",
-    "urdf_parser_py": "urdfdom_py",
     "yaml": "python3-yaml",
 }
 # Import name -> name in the package index, where they differ.
-INDEX = {"llvmlite": "numba", "yaml": "pyyaml", "urdf_parser_py": "urdf-parser-py"}
+INDEX = {"llvmlite": "numba", "yaml": "pyyaml"}
 # Imported only where it is installed, or without a rosdep key (README.md says how it is installed).
 OPTIONAL = {"control_msgs", "distributed", "moveit_msgs", "sympy", "tf2_msgs", "tf2_ros"}
 # The conic solver of hands.

@@ -1,15 +1,12 @@
 """Robots described in URDF.
 
-The document is checked element by element first, so that every fault is named with its line, its
-joint and what is allowed; what remains, without geometry and extensions, goes to the ecosystem's
-parser, ``urdf_parser_py``.
+The document is read element by element, so that every fault is named with its line, its joint and
+what is allowed.
 """
 
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
-from xml.etree import ElementTree
 
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.description import RobotDescription
@@ -22,7 +19,7 @@ from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.mimic import mimic_faults
 from robomech_ros.robots.urdf.element_reader import parse_urdf
 from robomech_ros.robots.urdf.inertial import link_bodies
-from robomech_ros.robots.urdf.joints import checked_joint, joint_from_parsed
+from robomech_ros.robots.urdf.joints import read_joint
 
 __all__ = ["description_from_urdf"]
 
@@ -60,16 +57,8 @@ def description_from_urdf(text: str | bytes, where: str = "URDF") -> RobotDescri
     _names(joints, "joint", where)
     if not links:
         raise RobotDescriptionError(where, "no link")
-    stripped = ElementTree.Element("robot", {"name": root.attributes["name"]})
-    for name in link_names:
-        ElementTree.SubElement(stripped, "link", {"name": name})
-    rest, notes = [], list[str]()
-    for joint in joints:
-        copy, more = checked_joint(joint, where, notes)
-        stripped.append(copy)
-        rest.append(more)
-    parsed = _parsed(stripped, where)
-    made = tuple(map(joint_from_parsed, parsed.joints, rest))
+    notes: list[str] = []
+    made = tuple(read_joint(joint, where, notes) for joint in joints)
     _check_tree(link_names, made, where)
     faults = mimic_faults(made)
     made = tuple(_without_leader(one, faults.get(one.name, ""), where) for one in made)
@@ -120,16 +109,6 @@ def _names(elements: list[XmlElement], kind: str, where: str) -> list[str]:
             f"{where}: {kind} '{name}'", f"defined {count} times, in lines {', '.join(lines[:10])}"
         )
     return names
-
-
-def _parsed(stripped: ElementTree.Element, where: str) -> Any:
-    from urdf_parser_py.urdf import URDF
-
-    try:
-        return URDF.from_xml_string(ElementTree.tostring(stripped))
-    except Exception as error:
-        # The parser raises plain exceptions and assertions of every kind.
-        raise RobotDescriptionError(where, f"not accepted by urdf_parser_py: {error}") from None
 
 
 def _check_tree(links: list[str], joints: tuple[Joint, ...], where: str) -> None:

@@ -1,5 +1,6 @@
 """Reading of numbers and names from the elements of a URDF, with messages that name the place."""
 
+from collections.abc import Iterable
 from typing import NoReturn
 
 import numpy as np
@@ -79,11 +80,15 @@ class ElementReader:
 
     def origin(self, parent: XmlElement) -> NDArray[np.float64]:
         """Read the pose (4, 4) that an element in this one has, in m; without one the identity."""
+        origin = self.child("origin", parent=parent)
+        return self.pose([] if origin is None else [origin])
+
+    def pose(self, origins: Iterable[XmlElement]) -> NDArray[np.float64]:
+        """Read the pose (4, 4) of an origin, in m; of none the identity."""
         from robomech_ros.spatial import matrix_from_roll_pitch_yaw
 
         T = np.eye(4)
-        origin = self.child("origin", parent=parent)
-        if origin is not None:
+        for origin in origins:
             T[:3, :3] = matrix_from_roll_pitch_yaw(self.numbers(origin, "rpy", 3) or [0.0] * 3)
             T[:3, 3] = self.numbers(origin, "xyz", 3) or [0.0] * 3
         return T

@@ -1,12 +1,12 @@
-"""Joints of a URDF: checked, read by the ecosystem's parser, and completed.
+"""Joints of a URDF.
 
 What other readers (urdfdom, and with it robot_state_publisher and MoveIt) ignore is ignored here,
 too: axis, limits, dynamics, mimic and safety of a joint that does not move, whatever stands there.
 """
 
 import math
+from dataclasses import replace
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from robomech_ros.robots.joint import MOVING, Joint
 from robomech_ros.robots.limit_arrays import position_limits
 from robomech_ros.robots.urdf.element_reader import ElementReader
 
-__all__ = ["DRIVE_KEYS", "DRIVE_TAG", "checked_joint", "joint_from_parsed"]
+__all__ = ["DRIVE_KEYS", "DRIVE_TAG", "read_joint"]
 
 # A joint axis must be given with at least this length before it is normalised.
 AXIS_LENGTH = 1e-9
@@ -31,10 +31,8 @@ _LIMIT_KEYS = ("lower", "upper", "velocity", "effort", "acceleration", "jerk")
 Array = NDArray[np.float64]
 
 
-def checked_joint(
-    element: XmlElement, where: str, notes: list[str]
-) -> tuple[ElementTree.Element, dict[str, Any]]:
-    """Check a joint, and copy what the ecosystem's parser is to read of it.
+def read_joint(element: XmlElement, where: str, notes: list[str]) -> Joint:
+    """Read a joint; one that cannot move as it is described gets its fault.
 
     Parameters
     ----------
@@ -44,14 +42,6 @@ def checked_joint(
         What the document is called in messages.
     notes : list of str
         Gets what is no limit although it is given.
-
-    Returns
-    -------
-    copy : Element
-        For the parser.
-    rest : dict
-        Fields of :class:`Joint` that the parser does not know, or not as MoveIt does.  The fault
-        of a joint that cannot move as it is described is one of them.
 
     Raises
     ------
@@ -63,56 +53,36 @@ def checked_joint(
     kind = element.attributes.get("type", "")
     if kind not in JOINT_TYPES:
         reader.refuse(f"type is '{kind[:80]}', expected one of {', '.join(JOINT_TYPES)}")
-    copy = ElementTree.Element("joint", {"name": element.attributes["name"], "type": kind})
-    for tag in ("parent", "child"):
-        ElementTree.SubElement(copy, tag, {"link": reader.link(tag)})
+    parent, child = reader.link("parent"), reader.link("child")
     # Of several origins urdfdom takes the first.
-    origin = next(iter(element.all("origin")), None)
-    if origin is not None:
-        if "quat_xyzw" in origin.attributes:
-            reader.refuse(
-                "<origin> has quat_xyzw, of URDF 1.1; expected rpy, which all readers know"
-            )
-        _copy(reader, origin, copy, {"xyz": 3, "rpy": 3})
+    origins = element.all("origin")[:1]
+    if any("quat_xyzw" in origin.attributes for origin in origins):
+        reader.refuse("<origin> has quat_xyzw, of URDF 1.1; expected rpy, which all readers know")
+    joint = Joint(element.attributes["name"], kind, parent, child, reader.pose(origins))
     if kind not in MOVING:
-        return copy, {}
-    motion = ElementTree.Element("joint")
+        return joint
     try:
-        _copy_axis(reader, motion)
-        rest: dict[str, Any] = _read_limits(reader, kind, motion, notes)
-        _copy_friction(reader, motion)
-        rest |= _read_drive(reader)
-        rest |= _read_mimic(reader)
+        axis = _read_axis(reader)
+        motion = _read_limits(reader, kind, notes) | _read_drive(reader) | _read_mimic(reader)
     except RobotDescriptionError as error:
-        return copy, {"fault": (error.where, error.why)}
-    copy.extend(motion)
-    return copy, rest
+        return replace(joint, fault=(error.where, error.why))
+    return replace(joint, axis=axis, **motion)
 
 
-def _copy(
-    reader: ElementReader, element: XmlElement, parent: ElementTree.Element, counts: dict[str, int]
-) -> None:
-    attributes = {}
-    for attribute, count in counts.items():
-        if reader.numbers(element, attribute, count) is not None:
-            attributes[attribute] = element.attributes[attribute]
-    ElementTree.SubElement(parent, element.tag, attributes)
-
-
-def _copy_axis(reader: ElementReader, copy: ElementTree.Element) -> None:
-    axis = reader.child("axis")
-    values = reader.numbers(axis, "xyz", 3) if axis is not None else None
-    if axis is None or values is None:
-        return
-    if math.hypot(*values) < AXIS_LENGTH:
-        shown = axis.attributes["xyz"][:80]
+def _read_axis(reader: ElementReader) -> Array:
+    given = reader.child("axis")
+    values = None if given is None else reader.numbers(given, "xyz", 3)
+    axis = np.array(values or (1.0, 0.0, 0.0))
+    if given is not None and math.hypot(*axis) < AXIS_LENGTH:
+        shown = given.attributes["xyz"][:80]
         reader.refuse(f"axis is '{shown}', of zero length; expected a direction, such as '0 0 1'")
-    _copy(reader, axis, copy, {"xyz": 3})
+    # By the largest entry first, so that no square overflows.
+    axis = axis / np.abs(axis).max()
+    unit: Array = axis / np.linalg.norm(axis)
+    return unit
 
 
-def _read_limits(
-    reader: ElementReader, kind: str, copy: ElementTree.Element, notes: list[str]
-) -> dict[str, Any]:
+def _read_limits(reader: ElementReader, kind: str, notes: list[str]) -> dict[str, Any]:
     limit = reader.child("limit", required=kind != "continuous")
     if limit is None:
         return {}
@@ -159,24 +129,20 @@ def _within_soft_limits(reader: ElementReader, lower: float, upper: float) -> tu
     return max(lower, low), min(upper, high)
 
 
-def _copy_friction(reader: ElementReader, copy: ElementTree.Element) -> None:
-    dynamics = reader.child("dynamics")
-    if dynamics is None:
-        return
-    for key in ("damping", "friction"):
-        numbers = reader.numbers(dynamics, key, 1)
-        if numbers is not None and numbers[0] < 0.0:
-            reader.refuse(f"{key} is {numbers[0]:g}, expected no negative number")
-    _copy(reader, dynamics, copy, {"damping": 1, "friction": 1})
-
-
 def _read_drive(reader: ElementReader) -> dict[str, Drive]:
+    """Read the drive: our own element, else that of the friction in <dynamics>."""
+    dynamics, friction = reader.child("dynamics"), list[float]()
+    for key in ("damping", "friction"):
+        numbers = None if dynamics is None else reader.numbers(dynamics, key, 1)
+        friction.append(numbers[0] if numbers else 0.0)
+        if friction[-1] < 0.0:
+            reader.refuse(f"{key} is {friction[-1]:g}, expected no negative number")
     given = reader.child(DRIVE_TAG)
     if given is None:
-        return {}
-    numbers = {key: reader.numbers(given, key, 1) for key in DRIVE_KEYS}
+        return {"drive": Drive(*friction)}
+    own = {key: reader.numbers(given, key, 1) for key in DRIVE_KEYS}
     try:
-        return {"drive": Drive(**{key: value[0] for key, value in numbers.items() if value})}
+        return {"drive": Drive(**{key: value[0] for key, value in own.items() if value})}
     except RobomechError as error:
         reader.refuse(f"<{DRIVE_TAG}>: {error}")
 
@@ -194,40 +160,3 @@ def _read_mimic(reader: ElementReader) -> dict[str, Any]:
         "multiplier": multiplier[0],
         "offset": offset[0],
     }
-
-
-def joint_from_parsed(parsed: Any, rest: dict[str, Any]) -> Joint:
-    """Convert a joint as the ecosystem's parser gives it.
-
-    Parameters
-    ----------
-    parsed : urdf_parser_py.urdf.Joint
-    rest : dict
-        Fields that the parser does not know.
-    """
-    xyz = parsed.origin.xyz if parsed.origin is not None else None
-    rpy = parsed.origin.rpy if parsed.origin is not None else None
-    axis = np.array(parsed.axis if parsed.axis is not None else (1.0, 0.0, 0.0), dtype=float)
-    # By the largest entry first, so that no square overflows.
-    axis = axis / np.abs(axis).max()
-    dynamics = parsed.dynamics
-    if dynamics is not None and "drive" not in rest:
-        rest = {**rest, "drive": Drive(dynamics.damping or 0.0, dynamics.friction or 0.0)}
-    return Joint(
-        name=parsed.name,
-        type=parsed.type,
-        parent=parsed.parent,
-        child=parsed.child,
-        origin=_pose(xyz or (0.0, 0.0, 0.0), rpy or (0.0, 0.0, 0.0)),
-        axis=axis / np.linalg.norm(axis),
-        **rest,
-    )
-
-
-def _pose(xyz: Any, rpy: Any) -> Array:
-    from robomech_ros.spatial import matrix_from_roll_pitch_yaw
-
-    T = np.eye(4)
-    T[:3, :3] = matrix_from_roll_pitch_yaw([float(angle) for angle in rpy])
-    T[:3, 3] = xyz
-    return T
