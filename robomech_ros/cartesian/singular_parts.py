@@ -64,7 +64,7 @@ def _stretches(chain: SerialChain, before: Array, q: Array) -> bool:
     Both are the outer ones of three parallel axes; in other arms the second axis, and the last but
     one, where it is nearest to the tip.
     """
-    both = np.stack([before, q])
+    both, chain = chain.joint_values(np.stack([before, q])), chain.uncoupled
     J, tips = jacobian(chain, both), forward_kinematics(chain, both)[:, :3, 3]
     axes, moves = J[:, :3], J[:, 3:]
     first, _, last = named_parts(chain).joints[3:].tolist()

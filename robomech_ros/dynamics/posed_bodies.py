@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import REVOLUTE, unpack_chain
+from robomech_ros.robots.chain_layout import REVOLUTE
 
 __all__ = ["PosedBodies", "body_moments", "link_transforms", "posed_bodies", "reflected_inertias"]
 
@@ -58,7 +58,7 @@ def link_transforms(chain: SerialChain, q: Array) -> Array:
     ndarray, shape (..., n + 1, 4, 4)
         In the base (m); the tip last.
     """
-    constants = unpack_chain(chain.packed)
+    constants = chain.transforms
     poses = np.empty((*q.shape[:-1], chain.n + 1, 4, 4))
     T = np.broadcast_to(constants[0], (*q.shape[:-1], 4, 4))
     for i in range(chain.n):

@@ -9,7 +9,6 @@ from robomech_ros._kernels.inverse.cheapest_moves import cheapest_moves
 from robomech_ros._kernels.tolerances import AT_LIMIT
 from robomech_ros.kinematics.joint_jumps import find_jumps, shortest_moves
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = ["fewest_jumps"]
 
@@ -61,7 +60,7 @@ def _wound(chain: SerialChain, path: Array, origin: Array | None) -> Array:
     """Choose windings: each joint goes on continuously as far as its limits allow."""
     result = path.copy()
     steps = shortest_moves(chain, np.diff(path, axis=0))
-    for i in np.flatnonzero(chain.types != PRISMATIC).tolist():
+    for i in np.flatnonzero(chain.turns).tolist():
         k = 0
         here = path[0, i] if origin is None else origin[i]
         free = origin is None

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
+from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = ["tip_poses"]
 
@@ -46,7 +46,8 @@ def tip_poses(chain: SerialChain, q: ArrayLike) -> Array:
         raise WrongSizeError("q", values.shape, f"(m, {chain.n})")
     if not np.isfinite(values).all():
         raise_not_finite(chain, values)
-    C = unpack_chain(chain.packed)
+    values, chain = chain.joint_values(values), chain.uncoupled
+    C = chain.transforms
     T = np.broadcast_to(C[0], (len(values), 4, 4))
     for joint in range(chain.n):
         motion = np.broadcast_to(np.eye(4), T.shape).copy()

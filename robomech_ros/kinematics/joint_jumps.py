@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = ["Jump", "find_jumps", "shortest_moves"]
 
@@ -37,7 +36,7 @@ class Jump:
 def shortest_moves(chain: SerialChain, difference: Array) -> Array:
     """Take the difference of angles modulo a turn, in [-pi, pi)."""
     turned = np.remainder(difference + np.pi, 2.0 * np.pi) - np.pi
-    moves: Array = np.where(chain.types == PRISMATIC, difference, turned)
+    moves: Array = np.where(chain.turns, turned, difference)
     return moves
 
 

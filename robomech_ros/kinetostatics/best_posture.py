@@ -15,7 +15,6 @@ from robomech_ros.kinetostatics.conditioning import CharacteristicLength, charac
 from robomech_ros.kinetostatics.indices import as_length, condition_number
 from robomech_ros.kinetostatics.task_parts import TaskPart, task_part
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = ["BestPosture", "best_conditioned_posture"]
 
@@ -122,7 +121,7 @@ def _inside(chain: SerialChain, q: Array) -> Array:
     wound = q + 2.0 * np.pi * np.where(np.isfinite(turns) & (q < chain.lower), turns, 0.0)
     turns = np.ceil((wound - chain.upper) / (2.0 * np.pi))
     wound = wound - 2.0 * np.pi * np.where(np.isfinite(turns) & (wound > chain.upper), turns, 0.0)
-    wound = np.where(chain.types == PRISMATIC, q, wound)
+    wound = np.where(chain.turns, wound, q)
     return np.clip(wound, chain.lower, chain.upper)
 
 

@@ -220,7 +220,7 @@ def _best(chain: SerialChain, norm: str, part: str) -> tuple[Array, float]:
 def _within_a_turn(chain: SerialChain, q: Array) -> Array:
     """Give the same posture with its angles from -pi to pi."""
     wrapped: Array = q - 2.0 * math.pi * np.round(q / (2.0 * math.pi))
-    return np.where(chain.types == PRISMATIC, q, wrapped)
+    return np.where(chain.turns, wrapped, q)
 
 
 def _distinct(chain: SerialChain, task: TaskPart, ends: list[Array]) -> list[Array]:

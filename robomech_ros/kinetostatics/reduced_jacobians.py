@@ -156,6 +156,7 @@ def planar_rows(chain: SerialChain) -> Array:
 
 @functools.lru_cache(maxsize=64)
 def _planar_rows(chain: SerialChain) -> Array:
+    chain = chain.uncoupled
     J = jacobian(chain, np.zeros(chain.n))
     slides = chain.types == PRISMATIC
     directions = np.where(slides, J[3:], J[:3]).T

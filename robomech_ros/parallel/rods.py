@@ -17,7 +17,7 @@ from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.result import DirectKinematicsResult
 from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.robots import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, joint_transform, unpack_chain
+from robomech_ros.robots.chain_layout import PRISMATIC, joint_transform
 from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["SixRods", "six_rods"]
@@ -87,7 +87,7 @@ def _foot(limb: Limb, size: float) -> int | None:
 def _frames(chain: SerialChain, q: Array) -> list[Array]:
     """Give the frames of all joints of a chain in the base, z along their axes, and the tip's."""
     T, frames = np.eye(4), []
-    for k, constant in enumerate(unpack_chain(chain.packed)):
+    for k, constant in enumerate(chain.transforms):
         frames.append(T @ constant)
         if k < chain.n:
             T = frames[-1] @ joint_transform(bool(chain.types[k] == PRISMATIC), float(q[k]))

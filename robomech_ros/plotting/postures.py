@@ -15,7 +15,6 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.plotting.pictures import new_figure
 from robomech_ros.robots import PRISMATIC, SerialChain
-from robomech_ros.robots.chain_layout import unpack_chain
 from robomech_ros.spatial import matrix_from_axis_angle
 
 __all__ = ["plot_postures"]
@@ -109,7 +108,8 @@ def plot_postures(
         raise BadValueError("number of postures", len(postures), f"1 to {_MOST}")
     forward_kinematics(chain, postures)  # says what is wrong with values that are no numbers
     view = _View(_rows(azimuth, elevation))
-    skeletons = [_skeleton(chain, posture) for posture in postures]
+    whole = chain.uncoupled
+    skeletons = [_skeleton(whole, chain.joint_values(posture)) for posture in postures]
     columns = math.ceil(math.sqrt(len(postures)))
     rows = math.ceil(len(postures) / columns)
     height = _PANEL * rows + (0.45 if title else 0.0)
@@ -119,7 +119,7 @@ def plot_postures(
     for number, ax in enumerate(panels):
         ax.set_axis_off()
         if number < len(postures):
-            _draw_panel(ax, view, frame, skeletons, chain, number)
+            _draw_panel(ax, view, frame, skeletons, whole, number)
             _caption(ax, number, postures[number], chain)
     if title:
         figure.suptitle(title, color=_DARK, fontsize=13)
@@ -154,7 +154,7 @@ def _rows(azimuth: float, elevation: float) -> Array:
 
 def _skeleton(chain: SerialChain, q: Array) -> _Skeleton:
     """Find the joints' axes and the corners of the links of one posture."""
-    fixed = unpack_chain(chain.packed)
+    fixed = chain.transforms
     frame = fixed[0]
     frames = [frame]
     for value, kind, after in zip(q, chain.types, fixed[1:], strict=True):

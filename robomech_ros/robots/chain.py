@@ -91,8 +91,8 @@ class SerialChain(Printed):
     dh_given : DHTable or None
         The Denavit-Hartenberg table that the chain was made from.
     bodies : tuple of Body or None
-        What moves with each of the n (or m) joints, in the frame in front of C_i that turns or slides with joint
-        i; None where nothing is known of it.  Default nothing known.
+        What moves with each of the n (or m) joints, in the frame in front of C_i that turns or
+        slides with joint i; None where nothing is known of it.  Default nothing known.
     drives : tuple of Drive
         Friction and rotor of each drive.  Default none.
     home_given : ndarray, shape (n,), or None
@@ -253,15 +253,25 @@ class SerialChain(Printed):
         BadValueError
             Joints follow others, which whoever multiplies transforms by joint values must know.
         """
+        self.require_uncoupled()
+        return unpack_chain(self.packed)
+
+    def require_uncoupled(self) -> None:
+        """Raise where joints follow others.
+
+        Raises
+        ------
+        BadValueError
+            It names the joints, and says what to do.
+        """
         if self.coupling is not None:
-            names = [name for name in self.all_joint_names if name not in self.joint_names]
+            followers = [name for name in self.all_joint_names if name not in self.joint_names]
+            named = f"{self.name}, with followers: {', '.join(followers or self.all_joint_names)}"
             expected = (
-                "one whose joints all move by themselves: pass chain.uncoupled with the values "
+                "one whose joints all move by themselves, such as chain.uncoupled at "
                 "chain.joint_values(q)"
             )
-            what = f"chain '{self.name}' with joints that follow others"
-            raise BadValueError(what, ", ".join(names or self.all_joint_names), expected)
-        return unpack_chain(self.packed)
+            raise BadValueError("chain", named, expected)
 
     @cached_property
     def turns(self) -> NDArray[np.bool_]:

@@ -193,6 +193,7 @@ def dh_from_chain(chain: SerialChain) -> DHTable:
     """
     if not isinstance(chain, SerialChain) or chain.n == 0:
         raise BadValueError("chain", chain, "a SerialChain with at least one joint")
+    chain.require_uncoupled()
     return recover_dh(chain.packed)
 
 

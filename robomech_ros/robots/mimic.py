@@ -101,7 +101,7 @@ def drive_limits(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Map
         gain = follower.multiplier
         if joint is leader or gain == 0.0:
             continue
-        ends = sorted(((end - follower.offset) / gain for end in (joint.lower, joint.upper)))
+        ends = sorted((end - follower.offset) / gain for end in (joint.lower, joint.upper))
         lower, upper = max(limits["lower"], ends[0]), min(limits["upper"], ends[1])
         if lower > upper:
             place = f"joint '{joint.name}'"

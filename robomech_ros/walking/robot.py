@@ -150,6 +150,8 @@ class LeggedRobot:
     @cached_property
     def packed(self) -> Array:
         """The legs as kernels read them, shape (k, 4, 13)."""
+        for leg in self.legs:
+            leg.require_uncoupled()
         return np.array([leg.packed for leg in self.legs])
 
     @staticmethod

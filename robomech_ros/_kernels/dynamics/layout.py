@@ -5,8 +5,8 @@ frame that moves with the joint: the type of the joint and the constant transfor
 (13 numbers as in ``serial``), the mass, the first moment of mass (3), the moments of inertia xx,
 xy, xz, yy, yz, zz about the frame's origin, and the rotor's inertia reflected to the joint.  The
 last row has the transform to the tip only.  Torques and momenta are linear in the ten numbers from
-MASS on.  Where joints follow others, the rows end with their coupling as in ``chain.layout``; bodies
-are then those of all joints, states and torques those of the drives.
+MASS on.  Where joints follow others, the rows end with their coupling as in ``chain.layout``;
+bodies are then those of all joints, states and torques those of the drives.
 
 What surrounds the chain is an array of 15 numbers in the axes of the base: its angular velocity and
 acceleration, the acceleration of its origin less gravity, and the wrench [n; f] that acts on the

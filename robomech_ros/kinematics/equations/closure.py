@@ -17,7 +17,6 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import unpack_chain
 from robomech_ros.spatial.arrays import real_number
 
 __all__ = ["ClosureEquations", "as_angles", "circle", "closure_equations", "turn_about_z"]
@@ -276,7 +275,7 @@ def _turns(angles: Array, axis: int, axes: int) -> Numbers:
 
 def _loop(chain: SerialChain, target: Array) -> tuple[Array, float]:
     """Give the links between the joints, the target between joints 6 and 1, and their size."""
-    C = unpack_chain(chain.packed)
+    C = chain.transforms
     links = np.concatenate((C[1:6], (C[6] @ np.linalg.inv(target) @ C[0])[None]))
     size = float(np.linalg.norm(links[:, :3, 3], axis=1).sum()) or 1.0
     links[:, :3, 3] /= size

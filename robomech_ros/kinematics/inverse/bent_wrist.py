@@ -31,8 +31,8 @@ __all__ = ["BentWrist", "bent_postures", "bent_wrist"]
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-# Geometry that is off by less than the first part of the arm's size is exact; by less than the
-# second, as of angles with four digits, solutions of the ideal wrist are near enough to be polished.
+# Geometry that is off by less than the first part of the arm's size is exact.  By less than the
+# second, as of angles with four digits, solutions of the ideal wrist are near enough to polish.
 _EXACT = 1e-10
 _NEAR = 1e-3
 # Points of the expansion, and the part of its largest coefficient that is rounding.

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.tolerances import SAME_POSTURE
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import REVOLUTE
 
 __all__ = ["branch_name", "distinct_names", "largest_difference", "numbered_names"]
 
@@ -61,7 +60,7 @@ def largest_difference(chain: SerialChain, postures: Array, q: Array) -> Array:
     """Largest difference of each posture (k, n) from q (n,), angles modulo a turn."""
     difference = postures - q
     turn = np.remainder(difference + math.pi, 2.0 * math.pi) - math.pi
-    largest: Array = np.abs(np.where(chain.types == REVOLUTE, turn, difference)).max(axis=1)
+    largest: Array = np.abs(np.where(chain.turns, turn, difference)).max(axis=1)
     return largest
 
 
@@ -96,7 +95,7 @@ def numbered_names(chain: SerialChain, q: Array, branches: Sequence[int]) -> tup
 
 def _numbers(chain: SerialChain, q: Array) -> list[int]:
     """Give postures q (k, n) numbers from 1 on by their joint values; windings share one."""
-    turned = np.where(chain.types == REVOLUTE, np.remainder(q, 2.0 * math.pi), q)
+    turned = np.where(chain.turns, np.remainder(q, 2.0 * math.pi), q)
     found: list[int] = []
     for k in sorted(range(len(q)), key=lambda k: turned[k].tolist()):
         if not (largest_difference(chain, q[found], q[k]) < SAME_POSTURE).any():

@@ -107,7 +107,7 @@ def coupled_wrist(plain: PlainArm) -> CoupledWrist | None:
 
 
 def _height_of_meeting(constant: Array) -> float | None:
-    """Find where on its z axis a frame is nearest to that of the next; None if both are parallel."""
+    """Find where a z axis is nearest to that of the next frame; None if they are parallel."""
     u, d = constant[:3, 2], constant[:3, 3]
     square = float(u[0] ** 2 + u[1] ** 2)
     if square < _ALIGNED**2:

@@ -13,7 +13,7 @@ from robomech_ros.kinematics.axis_points import common_point, nearest_points
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinematics.tolerances import ARM_RANK
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
+from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = ["NamedParts", "named_parts"]
 
@@ -63,8 +63,11 @@ def named_parts(chain: SerialChain) -> NamedParts:
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.4.
     """
-    links = unpack_chain(chain.packed)
     size = arm_size(chain)
+    if chain.coupling is not None:
+        # Their factors are those of the determinant of joints that all move by themselves.
+        return NamedParts((), np.zeros(6, dtype=np.int64), size)
+    links = chain.transforms
     turning = tuple(i for i in range(chain.n) if chain.types[i] != PRISMATIC)
     parallel = _parallel(chain, links)
     first, last = (_concurrent(links, joints, size) for joints in (turning[:3], turning[-3:]))

@@ -111,7 +111,9 @@ def _ended(chain: SerialChain, home: Array, q: Array, unit: Array, length: float
     for _ in range(_STEPS):
         J = scale * jacobian(chain, q)
         left, values, right = np.linalg.svd(J)
-        bent = np.einsum("ra,krc,bc->abk", left[:, free:], _derivatives(J), right[free:])
+        bent = np.einsum(
+            "ra,krc,bc->abk", left[:, free:], _derivatives(chain, q, scale), right[free:]
+        )
         G = bent.reshape(-1, chain.n) * unit
         block = (left[:, free:].T @ J @ right[free:].T).ravel()
         way = (home - q) / unit
@@ -123,14 +125,19 @@ def _ended(chain: SerialChain, home: Array, q: Array, unit: Array, length: float
     return None
 
 
-def _derivatives(J: Array) -> Array:
+def _derivatives(chain: SerialChain, q: Array, scale: Array) -> Array:
     """Give the derivatives (n, 6, n) of a scaled Jacobian by the joints, as its kernels have them.
 
     Linear rows carry the scale, and so does what is made of them.
     """
+    J = scale * jacobian(chain.uncoupled, chain.joint_values(q))
     a, m = J[:3].T, J[3:].T
     n = len(a)
     own = np.tri(n, dtype=bool).T[:, :, None]
     angular = np.where(own, np.cross(a[:, None], a[None]), 0.0)
     linear = np.where(own, np.cross(a[:, None], m[None]), np.cross(a[None], m[:, None]))
-    return np.concatenate((angular, linear), axis=2).swapaxes(1, 2)
+    derivatives = np.concatenate((angular, linear), axis=2).swapaxes(1, 2)
+    if chain.coupling is None:
+        return derivatives
+    A = chain.coupling.matrix
+    return np.einsum("ka,krc,cb->arb", A, derivatives, A)

@@ -126,6 +126,7 @@ def minors_of(chain: SerialChain) -> Minors:
     BadValueError
         No joint, or more than eight.
     """
+    chain.require_uncoupled()
     if not 1 <= chain.n <= _MOST_JOINTS:
         named = f"{chain.name} with {chain.n} joints"
         raise BadValueError("chain", named, f"one of 1 to {_MOST_JOINTS} joints")

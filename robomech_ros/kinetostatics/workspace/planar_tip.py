@@ -28,7 +28,6 @@ from robomech_ros.robots.chain_layout import (
     PRISMATIC,
     joint_transform,
     pack_chain,
-    unpack_chain,
 )
 
 __all__ = ["HeldPair", "PlanarTip", "planar_tip"]
@@ -165,7 +164,7 @@ def _held(
 
 def _without(chain: SerialChain, joint: int, value: float) -> SerialChain:
     """Give the arm of the other two joints, one held at a value (rad or m)."""
-    C = list(unpack_chain(chain.packed))
+    C = list(chain.transforms)
     slides = bool(chain.types[joint] == PRISMATIC)
     C[joint : joint + 2] = [C[joint] @ joint_transform(slides, value) @ C[joint + 1]]
     kept = np.arange(3) != joint
@@ -191,7 +190,7 @@ def _singular_values(chain: SerialChain) -> tuple[float, ...]:
 
     Seen from joint 3 the tip is then on a line with joint 2, or across the slide that this is.
     """
-    C = unpack_chain(chain.packed)
+    C = chain.transforms
     seen, tip = np.linalg.inv(C[2]), C[3][:2, 3]
     # Joint 2, or the normal of its slide, in the frame before joint 3 turns, whose axis is z.
     if chain.types[1] == PRISMATIC:

@@ -12,7 +12,6 @@ from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinematics.tolerances import CONCURRENT
 from robomech_ros.kinetostatics.reduced_jacobians import planar_rows
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["PositioningPart", "positioning_part"]
@@ -63,7 +62,7 @@ def positioning_part(chain: SerialChain) -> PositioningPart:
         There is no such point.
     """
     check_chain(chain)
-    C = unpack_chain(chain.packed)
+    C = chain.transforms
     plane = _plane(chain) if chain.n in (2, 3) else None
     if plane is not None:
         joints, height = 2, (None if chain.types[2:].any() else 0.0)

@@ -21,7 +21,7 @@ from robomech_ros.errors import BadValueError, MissingLimitsError
 from robomech_ros.kinematics.tolerances import ARM_RANK
 from robomech_ros.kinetostatics.workspace.positioning_part import PositioningPart, positioning_part
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
+from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["WorkspaceSection", "raise_on_surface", "section_of"]
@@ -290,7 +290,7 @@ def section_of(chain: SerialChain, *, respect_limits: bool = True) -> WorkspaceS
 
 def _frames(chain: SerialChain, part: PositioningPart) -> tuple[Array, Array, Array]:
     """Give the frame of the first joint in the base, and the constant transforms from there."""
-    C = unpack_chain(chain.packed)
+    C = chain.transforms
     if part.plane is None:
         return C[0], C[1], C[2]
     origin, normal = C[0][:3, 3], part.plane[:, 2]

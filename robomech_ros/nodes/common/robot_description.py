@@ -10,7 +10,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from robomech_ros.errors import (
     BadValueError,
-    RobotDescriptionError,
     UnknownLinkError,
 )
 from robomech_ros.nodes.common.parameters import ParameterError, parameter

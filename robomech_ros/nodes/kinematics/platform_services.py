@@ -12,6 +12,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState, PointCloud2
 
 from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import point_jacobian
 from robomech_ros.nodes.common.error_codes import OutcomeError, answer, code_of, guarded
 from robomech_ros.nodes.common.joint_messages import positions_by_name

@@ -14,6 +14,7 @@ from robomech_ros.errors import (
     WrongSizeError,
     shown,
 )
+from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.robot_description import RobotModel

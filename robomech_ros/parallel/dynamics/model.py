@@ -17,7 +17,6 @@ from robomech_ros.parallel.mechanism.gaps import open_loops
 from robomech_ros.parallel.mechanism.loops import refuse_status
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combined
-from robomech_ros.robots.chain_layout import unpack_chain
 
 __all__ = ["limb_bodies", "limb_totals", "mechanism_model", "platform_body", "refuse"]
 
@@ -49,7 +48,7 @@ def limb_bodies(mechanism: Mechanism) -> list[list[Body | None]]:
     body = platform_body(mechanism)
     rows: list[list[Body | None]] = [list(limb.chain.bodies) for limb in mechanism.limbs]
     first = mechanism.limbs[0].chain
-    platform = body.seen_from(unpack_chain(first.packed)[-1])
+    platform = body.seen_from(first.transforms[-1])
     own = rows[0][-1]
     rows[0][-1] = platform if own is None else combined((own, platform))
     return rows

@@ -13,7 +13,7 @@ from robomech_ros.errors import BadValueError, UnknownLinkError
 from robomech_ros.parallel.mechanism.limb import Limb
 from robomech_ros.parallel.mechanism.tree import links_of_joints
 from robomech_ros.robots import Body, Drive, SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
+from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.poses import assembled, rigid_inverse
 
 __all__ = ["Parts", "limbs_with_parts"]
@@ -97,7 +97,7 @@ def limbs_with_parts(
 
 def _body_frames(chain: SerialChain) -> list[Array]:
     """Give the frame of each joint's body in the frame that moves with the joint, (4, 4)."""
-    constants = unpack_chain(chain.packed)
+    constants = chain.transforms
     poses = [constants[0]]
     for step in constants[1:-1]:
         poses.append(poses[-1] @ step)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.parallel.mechanism.tree import links_of_joints
 from robomech_ros.robots import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
+from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.robots.joint import turn_of_z
 from robomech_ros.robots.urdf.shapes import Shape
 
@@ -44,7 +44,7 @@ def shapes_of_limbs(chains: Sequence[SerialChain], home: Array) -> dict[str, lis
     home : ndarray, shape (n,)
         All joints (rad or m), for the lengths of legs without limits.
     """
-    steps = [unpack_chain(chain.packed) for chain in chains]
+    steps = [chain.transforms for chain in chains]
     size = max(float(np.linalg.norm(step[:, :3, 3], axis=1).max()) for step in steps)
     on_base = np.array([step[0, :3, 3] for step in steps])
     on_platform = np.array([-step[-1, :3, :3].T @ step[-1, :3, 3] for step in steps])

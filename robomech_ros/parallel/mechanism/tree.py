@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from robomech_ros.robots import Body, Joint, RobotDescription, SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
+from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.robots.urdf.shapes import Shape
 from robomech_ros.robots.urdf.writer import written_urdf
 
@@ -50,7 +50,7 @@ def links_of_joints(chain: SerialChain) -> list[str]:
 
 def _joints(chain: SerialChain) -> list[Joint]:
     """Make the joints along a chain, and a fixed one to its tip."""
-    constants = unpack_chain(chain.packed)
+    constants = chain.transforms
     links = [chain.base, *links_of_joints(chain)]
     joints = []
     for i, name in enumerate(chain.joint_names):

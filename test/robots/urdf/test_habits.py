@@ -271,15 +271,14 @@ def test_a_gripper_of_six_joints_that_one_drives():
     np.testing.assert_allclose(poses["hand"], expected, atol=1e-15)
 
 
-def test_a_mimic_joint_on_the_way_to_the_tip_is_refused_with_what_to_do():
+def test_a_mimic_joint_on_the_way_to_the_tip_follows_its_drive():
     """ros-industrial/abb: abb_irb5400_support/urdf/irb5400.urdf, joint5b, and palletisers."""
     text = robot(
         TURN,
         f'<joint name="turn_b" type="revolute">{HAND}{LIMIT}<mimic joint="turn"/></joint>',
     )
-    expected = "'turn_b': it mimics joint 'turn' on the chain .*; choose a tip before it"
-    with pytest.raises(RobotDescriptionError, match=expected):
-        load_robot(text)
+    chain = load_robot(text)
+    assert (chain.joint_names, chain.all_joint_names) == (("turn",), ("turn", "turn_b"))
     assert load_robot(text, tip="arm").n == 1
 
 

@@ -182,6 +182,6 @@ def task_data(
 
 
 def packed_chain(data: Array) -> Array:
-    """Give the packed chain, a row for each joint and one more, that stands in the constants of a search."""
+    """Give the packed chain that stands in the constants of a search."""
     n = int(data[at.JOINTS])
     return data[at.ROWS + at.N_ROWS * n :].reshape(-1, int(data[at.WIDTH]))
