@@ -17,12 +17,6 @@ from rclpy.qos import QoSProfile
 from rclpy.service import Service
 from rclpy.task import Future
 
-from robomech_ros.nodes.middleware.bounded_requests import (
-    bounded_action,
-    bounded_action_answers,
-    bounded_answers,
-    bounded_service,
-)
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.outcomes import Code
 
@@ -43,7 +37,7 @@ def serve(
     *,
     callback_group: CallbackGroup | None = None,
 ) -> Service:
-    """Create a service that keeps up to `DEPTH` requests which wait, none of them too large.
+    """Create a service that keeps up to `DEPTH` waiting requests.
 
     Where the callback, plain or async, fails, the traceback is logged, and the answer is an empty
     one: INTERNAL with a text, or the text as its `message`, if it has such fields.
@@ -60,7 +54,7 @@ def serve(
             return _internal(type(response)(), error)
 
     return node.create_service(
-        bounded_service(kind), name, answered, qos_profile=_DEEP, callback_group=callback_group
+        kind, name, answered, qos_profile=_DEEP, callback_group=callback_group
     )
 
 
@@ -75,11 +69,8 @@ def _internal(answer: Any, error: Exception) -> Any:
 
 
 def ask(node: Node, kind: Any, name: str) -> Client:
-    """Create a client that keeps up to `DEPTH` answers, its own and those of its fellow clients.
-
-    Of an answer that is too large to be read any field raises `WrongSizeError`.
-    """
-    return node.create_client(bounded_answers(kind), name, qos_profile=_DEEP)
+    """Create a client that keeps up to `DEPTH` answers, its own and those of other clients."""
+    return node.create_client(kind, name, qos_profile=_DEEP)
 
 
 def serve_action(
@@ -98,13 +89,13 @@ def serve_action(
             handle._goal_request = None
 
     return ActionServer(
-        node, bounded_action(kind), name, executed, **dict.fromkeys(_ACTION, _DEEP), **options
+        node, kind, name, executed, **dict.fromkeys(_ACTION, _DEEP), **options
     )
 
 
 def ask_action(node: Node, kind: Any, name: str) -> ActionClient:
     """Create an action client that keeps up to `DEPTH` answers."""
-    return _GoalSender(node, bounded_action_answers(kind), name, **dict.fromkeys(_ACTION, _DEEP))
+    return _GoalSender(node, kind, name, **dict.fromkeys(_ACTION, _DEEP))
 
 
 class _GoalSender(ActionClient):

@@ -1,4 +1,7 @@
-"""Requests to the services that rclpy makes for parameters, as their senders made them wrong."""
+"""Answers to malformed parameter requests.
+
+rclpy lets the exception out of its callbacks, as if the node had a defect, and answers nobody.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -9,27 +12,21 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.service import Service
 
-from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.middleware.bounded_requests import bounded_service
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
 __all__ = ["guard_parameter_services"]
 
 
 def guard_parameter_services(node: Node) -> None:
-    """Have what nobody can read answered with the reason, or empty, and logged in one line.
-
-    rclpy lets the error out of its callbacks, as if the node had a defect, and answers nobody.
+    """Reject malformed parameter requests with the reason, logged in one line.
 
     Parameters
     ----------
     node : Node
-        Owner of the services; those that are there get the guard.
+        Owner of the services; the existing ones get the guard.
     """
     for service in node.services:
-        ours = not service.srv_type.__module__.startswith("rcl_interfaces.")
-        service.srv_type = bounded_service(service.srv_type)
-        if not ours:
+        if service.srv_type.__module__.startswith("rcl_interfaces."):
             service.callback = _guarded(node, service, service.callback)
 
 
@@ -37,17 +34,11 @@ def _guarded(node: Node, service: Service, callback: Callable[[Any, Any], Any]) 
     log = SparingLog(node.get_logger())
 
     def guarded(request: Any, response: Any) -> Any:
-        try:
-            given = getattr(request, "parameters", ())
-            faults = [_fault(parameter) for parameter in given]
-            if not any(faults):
-                return callback(request, response)
-        except RobomechError as error:
-            given, faults = (), [str(error)]
-        reason = next(fault for fault in faults if fault)
-        log.warning(
-            f"passed over on '{service.srv_name}': its sender made the request wrong: {reason}"
-        )
+        given = getattr(request, "parameters", ())
+        reason = next(filter(None, map(_fault, given)), "")
+        if not reason:
+            return callback(request, response)
+        log.warning(f"rejected a malformed request on '{service.srv_name}': {reason}")
         result = SetParametersResult(reason=reason)
         if isinstance(response, SetParametersAtomically.Response):
             response.result = result
