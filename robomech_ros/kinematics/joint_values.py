@@ -11,7 +11,7 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array
 
-__all__ = ["as_joint_values", "as_rows", "as_states", "check_chain", "raise_not_finite"]
+__all__ = ["as_joint_values", "as_posture", "as_rows", "as_states", "check_chain", "raise_not_finite"]
 
 Array = NDArray[np.float64]
 
@@ -46,6 +46,33 @@ def as_joint_values(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
     if not shape or shape[-1] != chain.n:
         expected = f"({chain.n},) or (..., {chain.n}) for {', '.join(chain.joint_names) or 'none'}"
         raise WrongSizeError(what, shape, expected)
+    return q
+
+
+def as_posture(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
+    """Return one posture as contiguous float64 of shape (n,), for searches that begin there.
+
+    Parameters
+    ----------
+    chain, q, what
+        As for :func:`as_joint_values`.
+
+    Raises
+    ------
+    BadValueError
+        A joint is beyond 1e5 rad or 1e6 m, or it is not an array of real numbers, or no chain.
+    WrongSizeError, NonFiniteError
+        Not n finite numbers.
+    """
+    q = as_joint_values(chain, q, what)
+    if q.ndim != 1:
+        raise WrongSizeError(what, q.shape, f"({chain.n},)")
+    if not np.isfinite(q).all():
+        raise_not_finite(chain, q, what)
+    for i in np.flatnonzero(np.abs(q) > chain.largest):
+        most = f"{chain.largest[i]:g} {chain.units[i]}"
+        expected = f"at most {most}, where doubles still hold a pose to 1e-9"
+        raise BadValueError(f"{what} of joint '{chain.joint_names[i]}'", float(q[i]), expected)
     return q
 
 

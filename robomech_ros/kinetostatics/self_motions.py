@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.tolerances import RANK
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.kinematics.joint_values import as_joint_values
+from robomech_ros.kinematics.joint_values import as_posture
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial import axial_vector
@@ -127,9 +127,7 @@ def self_motion_curve(chain: SerialChain, q: ArrayLike) -> SelfMotionCurve | Non
     >>> bool(np.allclose(T[0], T[1]))
     True
     """
-    q = as_joint_values(chain, q)
-    if q.ndim != 1:
-        raise WrongSizeError("q", q.shape, (chain.n,))
+    q = as_posture(chain, q)
     if chain.n <= CONDITIONS:
         return None
     outside = _outside(chain, q)

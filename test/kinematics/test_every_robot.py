@@ -46,3 +46,39 @@ def test_an_independent_search_agrees(apart, search_everywhere, name):
         result = inverse_kinematics(chain, target, respect_limits=False)
         assert result.complete
         assert apart(chain, result.q, postures[:, None]).min(axis=1).max() < 1e-6
+
+
+def no_two_are_the_same(chain, q):
+    for k in range(len(q) - 1):
+        apart = np.abs(q[k + 1 :] - q[k])
+        turned = np.abs(np.remainder(apart + np.pi, 2.0 * np.pi) - np.pi)
+        apart = np.where(chain.types == 0, turned, apart)
+        if (apart.max(axis=1) < 1e-6).any():
+            return False
+    return True
+
+
+@pytest.mark.parametrize("name", list_robots())
+def test_no_two_solutions_are_the_same(name):
+    """The Panda at home had one twice, the Gen3 in 23 of 40 poses."""
+    chain = load_robot(name)
+    middle = [chain.midrange(), chain.home(), np.clip(np.zeros(chain.n), chain.lower, chain.upper)]
+    postures = np.vstack((middle, random_postures(chain, 40, 14)))
+    targets = forward_kinematics(chain, postures)
+    for respect_limits in (True, False):
+        solutions, counts, _ = inverse_kinematics_batch(
+            chain, targets, respect_limits=respect_limits
+        )
+        for target, posture, q, count in zip(targets, postures, solutions, counts, strict=True):
+            assert no_two_are_the_same(chain, q[:count])
+            listed = inverse_kinematics(chain, target, seed=posture, respect_limits=respect_limits)
+            assert no_two_are_the_same(chain, listed.q)
+
+
+@pytest.mark.parametrize("name", ["panda", "gen3", "ur5e"])
+def test_windings_are_different_solutions_and_none_is_listed_twice(name):
+    chain = load_robot(name)
+    target = forward_kinematics(chain, random_postures(chain, 1, 15)[0])
+    q = inverse_kinematics(chain, target, include_windings=True).q
+    apart = np.abs(q[:, None] - q[None]).max(axis=2)
+    assert (apart + np.eye(len(q)) > 1e-6).all()

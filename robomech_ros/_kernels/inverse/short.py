@@ -5,18 +5,30 @@ import math
 import numpy as np
 
 from robomech_ros._kernels.algebra.angles import wrapped
-from robomech_ros._kernels.compiling.jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, part
+from robomech_ros._kernels.compiling.jit import (
+    IN1,
+    IN2,
+    IOUT1,
+    OUT2,
+    ZERO,
+    i8,
+    inline,
+    part,
+    scratch,
+)
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse import short_layout as at
-from robomech_ros._kernels.inverse.polishing import call_polish
+from robomech_ros._kernels.inverse.polishing import call_polish, pose_error
 from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
 from robomech_ros._kernels.tolerances import ACCEPTED, CONTINUUM_STEP, SAME_POSTURE
 
 __all__ = ["solve_short"]
 
-# Imagined joints this near to zero (rad, or of the size) may be at zero: a polish of the arm itself
-# decides.
-SHORT_SLACK = 1e-3
+# Imagined joints this near to zero (rad, or of the size) may be at zero, where a rounded pose takes
+# them: a polish of the arm itself decides.
+SHORT_SLACK = 3e-2
+# Postures that only come near to a pose are one solution below this distance (rad or m).
+SHORT_APART = 1e-3
 # More solutions than this, sought where the completed arm is singular, are a continuum.
 SHORT_CONTINUUM = 8
 
@@ -40,15 +52,25 @@ def _stays(data, found):
 
 
 @inline
-def _entered(data, packed, T, found, q, count):
-    """Write the joints of the arm behind the solutions there are, if they solve it and are new."""
+def _entered(data, packed, T, found, q, errors, count):
+    """Write the joints of the arm behind the solutions there are, if they solve it and are new.
+
+    Of two that only come near to the pose, and are near each other, the better one stays;
+    ``errors`` (16,) are theirs (rad or m).
+    """
     n = q.shape[1]
     for i in range(6):
         place = int(data[at.PLACES + i])
         if place >= 0:
             q[count, place] = found[i]
-    if not call_polish(packed, T, q[count], _STEPS) <= ACCEPTED:
-        return count
+    error, e = call_polish(packed, T, q[count], _STEPS), scratch(6)
+    if error > ACCEPTED:
+        if not error <= at.ORIENTATION_TOLERANCE:
+            return count
+        pose_error(packed, T, q[count], e)
+        if math.sqrt(e[3] * e[3] + e[4] * e[4] + e[5] * e[5]) > at.POSITION_TOLERANCE:
+            return count
+    errors[count] = error
     for i in range(n):
         if packed[i, 0] == 0.0:
             q[count, i] = wrapped(q[count, i])
@@ -59,9 +81,28 @@ def _entered(data, packed, T, found, q, count):
             if packed[i, 0] == 0.0:
                 difference = wrapped(difference)
             apart = max(apart, abs(difference))
-        if apart < SAME_POSTURE:
+        if apart < (SAME_POSTURE if max(error, errors[k]) <= ACCEPTED else SHORT_APART):
+            if error < errors[k] and errors[k] > ACCEPTED:
+                errors[k] = error
+                for i in range(n):
+                    q[k, i] = q[count, i]
             return count
     return count + 1
+
+
+@inline
+def _leave_exact(q, errors, count):
+    """Drop postures that only come near to the pose, if others take it; return how many are left."""
+    least = math.inf
+    for k in range(count):
+        least = min(least, errors[k])
+    kept = ZERO
+    for k in range(count):
+        if errors[k] <= ACCEPTED or least > ACCEPTED:
+            for i in range(q.shape[1]):
+                q[kept, i] = q[k, i]
+            kept += 1
+    return kept
 
 
 @inline
@@ -86,7 +127,7 @@ def solve_short(data, T, seed, q, branch):
     six = data[at.PARTS + 13 * (n + 1) :]
     found = np.empty((MAX_SOLUTIONS, 6))
     marks = np.empty(MAX_SOLUTIONS, np.int64)
-    start = np.empty(6)
+    start, errors = np.empty(6), np.empty(MAX_SOLUTIONS)
     count = ZERO
     total = ZERO
     doubt = ZERO
@@ -110,9 +151,10 @@ def solve_short(data, T, seed, q, branch):
             free = marks[k] & bit.CONTINUUM != 0
             singular = singular or free
             if count < q.shape[0] and (free or _stays(data, found[k])):
-                count = _entered(data, packed, T, found[k], q, count)
+                count = _entered(data, packed, T, found[k], q, errors, count)
         if not singular:
             break
+    count = _leave_exact(q, errors, count)
     for k in range(count):
         branch[k] = bit.UNNAMED
         if singular and count > SHORT_CONTINUUM:

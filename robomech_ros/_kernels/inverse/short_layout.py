@@ -12,3 +12,8 @@ SIZE = 4  # length of the arm (m)
 PLACES = 5  # for each of the six: which joint of the arm it is, -1 for an imagined one
 SLIDES = 11  # for each of the six: 1.0 for a prismatic joint
 PARTS = 17  # the packed chain, n + 1 rows of 13; then the constants of the six
+
+# Errors (m, rad) that are accepted, since poses are typed and sent with rounded digits: six after
+# the point are off by 5e-7, a rotation with as many by some 1e-6.
+POSITION_TOLERANCE = 1e-5
+ORIENTATION_TOLERANCE = 1e-4

@@ -12,9 +12,10 @@ from robomech_ros.kinematics.inverse.families.selection import Family, family_of
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
 from robomech_ros.kinematics.inverse.reach import out_of_reach
 from robomech_ros.kinematics.inverse.redundant_solutions import sample_self_motions
-from robomech_ros.kinematics.inverse.request import as_cap, as_metric, as_seed
+from robomech_ros.kinematics.inverse.request import as_cap, as_metric, as_seed, default_tolerances
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.target import as_targets
+from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_flag
@@ -120,7 +121,14 @@ def family_within(chain: SerialChain, respect_limits: bool) -> Family:
     family = family_of(chain)
     if family.closed_form:
         return family
-    return iterative_family(chain, iterative_data(chain, respect_limits=respect_limits))
+    position, orientation = default_tolerances(chain, FULL_TASK)
+    data = iterative_data(
+        chain,
+        respect_limits=respect_limits,
+        position_tolerance=position,
+        orientation_tolerance=orientation,
+    )
+    return iterative_family(chain, data)
 
 
 def _outcome_of_none(

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
 from robomech_ros.kinematics.inverse.closed_form import solve_closed_form
 from robomech_ros.kinematics.inverse.families.selection import Family, family_of
 from robomech_ros.kinematics.inverse.nearest_posture import add_nearest
@@ -17,6 +18,7 @@ from robomech_ros.kinematics.inverse.redundant_solutions import (
 from robomech_ros.kinematics.inverse.request import (
     Request,
     as_request,
+    default_tolerances,
     with_task,
 )
 from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
@@ -58,9 +60,8 @@ def inverse_kinematics(
     misses it least.
 
     A redundant arm gets samples of its self-motion, in closed form for each value of its redundancy
-    parameter. The first of them is the nearest to the seed along all branches of the self-motion
-    where ``nearest_proved`` is True, for arms as doc/inverse_kinematics.md says, and else the
-    nearest that was found. What is left, redundant partial tasks and chains with
+    parameter. With seven joints the first is the nearest to the seed on all branches that cross a
+    sample, which are traced; with more, the nearest that steps lead to. What is left, redundant partial tasks and chains with
     very special geometry, is searched iteratively, and tolerances that are looser than the default
     are where no exact solution is found. ``complete`` is False for all of these.
 
@@ -90,7 +91,8 @@ def inverse_kinematics(
         Which of x, y, z, rx, ry, rz matter, along and about the axes of the target pose; default
         (and all False) the full pose.
     position_tolerance, orientation_tolerance : float, optional
-        Errors (m, rad) that are accepted; default those of the solvers, 1e-9.
+        Errors (m, rad) that are accepted; default 1e-9, and 1e-5 m and 1e-4 rad of an arm that
+        cannot take every pose, such as one of five joints.
     timeout : float, optional
         Time (s) after which an iterative search ends; default none. Closed forms take no notice.
 
@@ -143,19 +145,35 @@ def inverse_kinematics(
         or orientation_tolerance is not None
         or timeout is not None
     ):
-        request = with_task(request, task_mask, position_tolerance, orientation_tolerance, timeout)
+        request = with_task(chain, request, task_mask, position_tolerance, orientation_tolerance, timeout)
     started = time.monotonic()
     family = family_of(chain)
     if family.lists_all and request.task == FULL_TASK:
         result = solve_closed_form(chain, given, request, family)
+        loose = False
+        if position_tolerance is not None or orientation_tolerance is not None:
+            result, loose = _within_tolerances(chain, request, result)
         if result.status is _SUCCESS:
             return result
-        if request.is_loose or result.status is Status.NOT_CONVERGED:
+        if loose or result.status is Status.NOT_CONVERGED:
             near = solve_by_search(chain, result.target, request, started)
             result = near if len(near) else result
     else:
         result = _sampled_or_searched(chain, as_targets(given)[0], request, family, started)
     return add_nearest(chain, result.target, request, result, started)
+
+
+def _within_tolerances(
+    chain: SerialChain, request: Request, result: InverseKinematicsResult
+) -> tuple[InverseKinematicsResult, bool]:
+    """Leave the solutions that tolerances allow; tell whether they allow more than closed forms do.
+
+    Solutions of closed forms are as good as rounding lets them be, and hold 1e-9 anyway.
+    """
+    position, orientation = default_tolerances(chain, FULL_TASK)
+    loose = request.position_tolerance > position or request.orientation_tolerance > orientation
+    least = max(request.position_tolerance, POSITION_TOLERANCE)
+    return result.within(least, max(request.orientation_tolerance, ORIENTATION_TOLERANCE)), loose
 
 
 def _sampled_or_searched(

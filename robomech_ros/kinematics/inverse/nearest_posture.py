@@ -7,10 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.iterative import layout as at
-from robomech_ros.kinematics.inverse.families.iterative import task_data
+from robomech_ros.kinematics.inverse.families.iterative import iterative_data, task_data
+from robomech_ros.kinematics.inverse.families.selection import iterative_family
 from robomech_ros.kinematics.inverse.iterative_search import IterativeSearch, iterative_search
 from robomech_ros.kinematics.inverse.request import Request
 from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.solve_by_search import ranked_solutions
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots.chain import SerialChain
 
@@ -56,6 +58,13 @@ def add_nearest(
         if left <= 0.0:
             return result
     search = least_squares_posture(chain, T, request, timeout=left)
+    if (
+        search.position_error <= request.position_tolerance
+        and search.orientation_error <= request.orientation_tolerance
+    ):
+        data = iterative_data(chain, respect_limits=request.respect_limits)
+        one = replace(search, q=search.best[None])
+        return ranked_solutions(chain, T, request, iterative_family(chain, data), one, False)
     reason = (
         f"{result.reason}; {chain.n} joints for {sum(request.task)} conditions: the posture "
         f"nearest in the sense of least squares misses by {search.position_error:.6g} m and "

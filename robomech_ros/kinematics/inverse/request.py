@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros._kernels.inverse import short_layout
 from robomech_ros._kernels.inverse.ranking import INSIDE, first_outside
 from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
 from robomech_ros.errors import (
@@ -18,7 +19,8 @@ from robomech_ros.errors import (
     WrongSizeError,
 )
 from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
-from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
+from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
+from robomech_ros.kinematics.joint_values import as_joint_values, as_posture, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_flag, listed, real_number
 
@@ -30,6 +32,7 @@ __all__ = [
     "as_request",
     "as_seed",
     "as_tolerance",
+    "default_tolerances",
     "with_task",
 ]
 
@@ -58,13 +61,21 @@ class Request(NamedTuple):
     orientation_tolerance: float
     timeout: float | None
 
-    @property
-    def is_loose(self) -> bool:
-        """Whether more error is accepted than the closed forms leave."""
-        return (
-            self.position_tolerance > POSITION_TOLERANCE
-            or self.orientation_tolerance > ORIENTATION_TOLERANCE
-        )
+
+@lru_cache(maxsize=256)
+def default_tolerances(chain: SerialChain, task: Task) -> tuple[float, float]:
+    """Return the errors (m, rad) that a task allows: larger where the arm cannot take every pose.
+
+    Parameters
+    ----------
+    chain : SerialChain
+    task : tuple of six bool
+        Which components of the pose count.
+    """
+    whole = task == FULL_TASK and not moves_in_all_directions(chain, arm_size(chain))
+    if chain.n < sum(task) or whole:
+        return short_layout.POSITION_TOLERANCE, short_layout.ORIENTATION_TOLERANCE
+    return POSITION_TOLERANCE, ORIENTATION_TOLERANCE
 
 
 def as_request(
@@ -87,6 +98,7 @@ def as_request(
 
 
 def with_task(
+    chain: SerialChain,
     request: Request,
     task_mask: Sequence[bool] | None,
     position_tolerance: float | None,
@@ -94,13 +106,13 @@ def with_task(
     timeout: float | None,
 ) -> Request:
     """Check the other options of :func:`inverse_kinematics` and add them to a request."""
+    task = _as_task(task_mask)
+    position, orientation = default_tolerances(chain, task)
     return request._replace(
-        task=_as_task(task_mask),
-        position_tolerance=as_tolerance(
-            "position_tolerance", position_tolerance, POSITION_TOLERANCE
-        ),
+        task=task,
+        position_tolerance=as_tolerance("position_tolerance", position_tolerance, position),
         orientation_tolerance=as_tolerance(
-            "orientation_tolerance", orientation_tolerance, ORIENTATION_TOLERANCE
+            "orientation_tolerance", orientation_tolerance, orientation
         ),
         timeout=None if timeout is None else _positive("timeout", timeout),
     )
@@ -116,6 +128,7 @@ def _usual(
 ) -> Request:
     """Check a request for the full pose from mid-range, with the default tolerances."""
     respect_limits = as_flag("respect_limits", respect_limits)
+    position, orientation = default_tolerances(chain, FULL_TASK)
     return Request(
         seed=as_seed(chain, None, respect_limits),
         respect_limits=respect_limits,
@@ -123,8 +136,8 @@ def _usual(
         metric=as_metric(metric),
         max_solutions=as_cap(max_solutions),
         task=FULL_TASK,
-        position_tolerance=POSITION_TOLERANCE,
-        orientation_tolerance=ORIENTATION_TOLERANCE,
+        position_tolerance=position,
+        orientation_tolerance=orientation,
         timeout=None,
     )
 
@@ -157,12 +170,7 @@ def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) ->
             raise SeedOutsideLimitsError(
                 chain.joint_names[i], q[i], chain.lower[i], chain.upper[i], unit=chain.units[i]
             )
-    i = _first_outside(-chain.largest, chain.largest, q, 0.0)
-    if i != INSIDE:
-        most = f"{chain.largest[i]:g} {chain.units[i]}"
-        expected = f"at most {most}, where doubles still hold a pose to 1e-9"
-        raise BadValueError(f"seed of joint '{chain.joint_names[i]}'", float(q[i]), expected)
-    return q
+    return as_posture(chain, q, "seed")
 
 
 @lru_cache(maxsize=128)

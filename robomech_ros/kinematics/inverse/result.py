@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -164,6 +164,18 @@ class InverseKinematicsResult(Printed):
         more = "these are all" if self.complete else "there may be more"
         name = self.chain.name
         return f"{len(self)} {noun} of {name}, {more} ({self.family}, {self.status.name})"
+
+    def within(self, position: float, orientation: float) -> InverseKinematicsResult:
+        """Return the solutions with errors of at most ``position`` (m) and ``orientation`` (rad)."""
+        good = (self.position_error <= position) & (self.orientation_error <= orientation)
+        if good.all():
+            return self
+        listing = Listing(self.target, self.seed_distance[good], self.branch_bits[good])
+        findings = self.findings
+        if not good.any():
+            reason = "no posture of the closed form keeps the tolerances asked for"
+            findings = replace(findings, status=Status.NOT_CONVERGED, complete=False, reason=reason)
+        return InverseKinematicsResult(self.chain, self.q[good], findings, listing)
 
     @property
     def family(self) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.tolerances import RANK
-from robomech_ros.errors import WrongSizeError
+from robomech_ros.kinematics.joint_values import as_posture
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.kinetostatics.singularities.generic_rank import generic_rank, scaling_length
@@ -71,19 +71,16 @@ def nearest_singular_posture(
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`singularity_report`.
     """
-    if jacobian(chain, q).ndim != 2:
-        raise WrongSizeError("q", np.shape(q), (chain.n,))
+    home = as_posture(chain, q)
     metres = scaling_length(chain, length)
     unit = np.where(chain.types == PRISMATIC, metres, 1.0)
-    home = np.asarray(q, dtype=np.float64)
     about = np.arange(_STARTS)[:, None] * low_discrepancy_strides(chain.n)
     starts = home + unit * _ABOUT * (2.0 * ((about + 0.5) % 1.0) - 1.0)
-    nearest = NearestSingularity(math.inf, np.full(chain.n, math.nan))
-    for start in starts:
-        end = _ended(chain, home, start, unit, metres)
-        if end is not None and (away := float(np.linalg.norm((end - home) / unit))) < nearest[0]:
-            nearest = NearestSingularity(away, end)
-    return nearest
+    ends = _ended(chain, home, starts, unit, metres)
+    if not len(ends):
+        return NearestSingularity(math.inf, np.full(chain.n, math.nan))
+    away = np.linalg.norm((ends - home) / unit, axis=1)
+    return NearestSingularity(float(away.min()), ends[away.argmin()])
 
 
 def singular_posture_from(chain: SerialChain, q: Array, length: float) -> Array | None:
@@ -97,47 +94,57 @@ def singular_posture_from(chain: SerialChain, q: Array, length: float) -> Array 
     length : float
         What linear motions and slides are divided by (m).
     """
-    return _ended(chain, q, q, np.where(chain.types == PRISMATIC, length, 1.0), length)
+    unit = np.where(chain.types == PRISMATIC, length, 1.0)
+    ends = _ended(chain, q, q[None], unit, length)
+    return ends[0] if len(ends) else None
 
 
-def _ended(chain: SerialChain, home: Array, q: Array, unit: Array, length: float) -> Array | None:
-    """Go from q to where the Jacobian loses rank, as near home as there is; None if that fails.
+def _ended(chain: SerialChain, home: Array, q: Array, unit: Array, length: float) -> Array:
+    """Go from q (m, n) to where the Jacobian loses rank, as near home as there is.
 
     There the block of the Jacobian between the singular vectors that are to be free vanishes.
     Every step goes to the point nearest home at which the block, were it linear, would be zero.
+    Returns the ends (k, n) of those that arrive.
     """
     scale = np.repeat((1.0, 1.0 / length), 3)[:, None]
     free = generic_rank(chain) - 1
+    ends = []
     for _ in range(_STEPS):
         J = scale * jacobian(chain, q)
         left, values, right = np.linalg.svd(J)
-        bent = np.einsum(
-            "ra,krc,bc->abk", left[:, free:], _derivatives(chain, q, scale), right[free:]
-        )
-        G = bent.reshape(-1, chain.n) * unit
-        block = (left[:, free:].T @ J @ right[free:].T).ravel()
+        left, right = np.swapaxes(left[:, :, free:], 1, 2), np.swapaxes(right[:, free:], 1, 2)
+        # (m, a, 6) (m, k, 6, n) (m, n, b), with joint k last.
+        bent = left[:, None] @ _derivatives(chain, q, scale) @ right[:, None]
+        G = np.swapaxes(bent.reshape(len(q), chain.n, -1), 1, 2) * unit
+        block = (left @ J @ right).reshape(len(q), -1)
         way = (home - q) / unit
-        step = way - np.linalg.lstsq(G, G @ way + block, rcond=RANK)[0]
-        size = float(np.linalg.norm(step))
-        if size < _ARRIVED:
-            return q if values[free] < ON_SINGULARITY else None
-        q = q + unit * step * min(1.0, _LONGEST / size)
-    return None
+        off = (G @ way[:, :, None])[:, :, 0] + block
+        step = way - (np.linalg.pinv(G, rcond=RANK) @ off[:, :, None])[:, :, 0]
+        size = np.linalg.norm(step, axis=1)
+        arrived = size < _ARRIVED
+        ends.append(q[arrived & (values[:, free] < ON_SINGULARITY)])
+        shorter = np.minimum(1.0, _LONGEST / np.maximum(size, _ARRIVED))[:, None]
+        q = (q + unit * step * shorter)[~arrived]
+        if not len(q):
+            break
+    return np.concatenate(ends)
 
 
 def _derivatives(chain: SerialChain, q: Array, scale: Array) -> Array:
-    """Give the derivatives (n, 6, n) of a scaled Jacobian by the joints, as its kernels have them.
+    """Give the derivatives (m, n, 6, n) of scaled Jacobians (m, 6, n) by the joints.
 
     Linear rows carry the scale, and so does what is made of them.
     """
     J = scale * jacobian(chain.uncoupled, chain.joint_values(q))
-    a, m = J[:3].T, J[3:].T
-    n = len(a)
-    own = np.tri(n, dtype=bool).T[:, :, None]
-    angular = np.where(own, np.cross(a[:, None], a[None]), 0.0)
-    linear = np.where(own, np.cross(a[:, None], m[None]), np.cross(a[None], m[:, None]))
-    derivatives = np.concatenate((angular, linear), axis=2).swapaxes(1, 2)
+    a, p = np.swapaxes(J[:, :3], 1, 2), np.swapaxes(J[:, 3:], 1, 2)
+    own = np.tri(a.shape[1], dtype=bool).T[:, :, None]
+    first = np.cross(a[:, :, None], a[:, None])
+    angular = np.where(own, first, 0.0)
+    linear = np.where(own, np.cross(a[:, :, None], p[:, None]), np.cross(a[:, None], p[:, :, None]))
+    # The joint that moves comes first here, and the components last.
+    derivatives: Array = np.swapaxes(np.concatenate((angular, linear), axis=3), 2, 3)
     if chain.coupling is None:
         return derivatives
     A = chain.coupling.matrix
-    return np.einsum("ka,krc,cb->arb", A, derivatives, A)
+    turned: Array = np.einsum("ka,mkrc,cb->marb", A, derivatives, A)
+    return turned

@@ -10,6 +10,7 @@ from robomech_ros.kinetostatics import (
     jacobian,
     manipulability,
     nearest_singular_posture,
+    self_motion_curve,
     singularity_report,
 )
 from robomech_ros.robots import SerialChain, chain_from_dh, load_robot
@@ -163,6 +164,16 @@ def test_what_is_refused():
             ask(chain, np.zeros(6), length=-1.0)
         with pytest.raises(NonFiniteError, match="joint 'waist'"):
             ask(chain, [np.inf, 0, 0, 0, 0, 0], length=LENGTH)
+
+
+@pytest.mark.parametrize("bad", [1e308, -1e6, np.nan, np.inf])
+@pytest.mark.parametrize("search", [nearest_singular_posture, self_motion_curve])
+def test_searches_refuse_postures_that_no_joint_takes(search, bad):
+    chain = load_robot("panda")
+    q = chain.home().copy()
+    q[2] = bad
+    with pytest.raises((BadValueError, NonFiniteError), match="q of joint 'panda_joint3'"):
+        search(chain, q)
 
 
 @pytest.mark.parametrize("robot", ["puma560", "ur5e", "scara", "planar3r", "iiwa14"])

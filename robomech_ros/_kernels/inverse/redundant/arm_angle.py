@@ -247,7 +247,7 @@ def elbows(data, T):
         constant * unit,
         2.0 * (ux * w[0] + uy * w[1]) * unit,
         2.0 * (uy * w[0] - ux * w[1]) * unit,
-        ON_BOUNDARY,
+        data[at.SLACK],
     )
     return roots, (c1, s1, c2, s2), d
 

@@ -18,7 +18,16 @@ GENERAL = 5  # where their constants as a general arm stand, asked where their o
 # doubt; 0.0 where it never is
 SAMPLES = 6  # values of the redundancy parameter that are tried
 SIZE = 7  # length of the arm (m)
-PARTS = 8  # from here the packed chain, n + 1 rows of 13; then, for LOCKED, the constants of the
+ANGLE = 8  # where the constants of a LOCKED arm as an ARM_ANGLE one stand whose axes nearly meet in
+# two points, laid out as those of an arm of its own; 0.0 where it is no such arm
+# Where shoulder and wrist of a LOCKED arm are as near to each other, or as far, as its locked joint
+# brings them: the one beyond the six joints, in the base or, where joint 1 is locked, in the tip
+# frame (m); the direction of the other in the frame of the locked joint; and whether they are known.
+CENTRE = 9
+TOWARDS = 12
+STRETCHED = 14
+SLACK = 15  # of ARM_ANGLE arms: how far beyond its reach (of the squared size) the wrist may be
+PARTS = 16  # from here the packed chain, n + 1 rows of 13; then, for LOCKED, the constants of the
 # six as their family reads them, for ARM_ANGLE from here those of the arm:
 ARM = PARTS + 8 * 13
 CENTRE_0 = 0  # centre of the shoulder in the base (m)

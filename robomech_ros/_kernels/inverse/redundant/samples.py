@@ -11,9 +11,10 @@ from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.continuum import free_value
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.arm_angle import call_arm_angle_postures
+from robomech_ros._kernels.inverse.redundant.vectors import back, turned
 from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
 
-__all__ = ["choose", "locked_postures", "sample"]
+__all__ = ["choose", "locked_postures", "sample", "stretched"]
 
 # Typed, since numba compiles a function anew for a literal.
 _FORWARDS = np.bool_(False)
@@ -110,6 +111,35 @@ def choose(data, lower, upper, seed, k, steps, locked):
             locked[i] = low + (high - low) * (part - math.floor(part))
         largest = max(largest, abs(locked[i] - seed[i]))
     return largest
+
+
+@lean
+def stretched(data, T):
+    """Give the value of the locked joint with which shoulder and wrist are nearest, NaN if unknown.
+
+    Half a turn from there they are farthest from each other.
+    """
+    if data[at.STRETCHED] == 0.0:
+        return math.nan
+    packed = data[at.PARTS : at.PARTS + 8 * 13].reshape((8, 13))
+    x, y, z = data[at.CENTRE], data[at.CENTRE + 1], data[at.CENTRE + 2]
+    towards = math.atan2(data[at.TOWARDS + 1], data[at.TOWARDS])
+    if data[at.FIRST] == 0.0:
+        x, y, z = x - T[0, 3], y - T[1, 3], z - T[2, 3]
+        column = (
+            T[0, 0] * x + T[1, 0] * y + T[2, 0] * z,
+            T[0, 1] * x + T[1, 1] * y + T[2, 1] * z,
+            T[0, 2] * x + T[1, 2] * y + T[2, 2] * z,
+        )
+        x, y, _ = turned(packed, 7, column)
+        return towards - math.atan2(y + packed[7, 11], x + packed[7, 10])
+    point = (
+        T[0, 0] * x + T[0, 1] * y + T[0, 2] * z + T[0, 3] - packed[0, 10],
+        T[1, 0] * x + T[1, 1] * y + T[1, 2] * z + T[1, 3] - packed[0, 11],
+        T[2, 0] * x + T[2, 1] * y + T[2, 2] * z + T[2, 3] - packed[0, 12],
+    )
+    x, y, _ = back(packed, 0, point)
+    return math.atan2(y, x) - towards
 
 
 @lean

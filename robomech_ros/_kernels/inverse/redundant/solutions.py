@@ -25,8 +25,13 @@ from robomech_ros._kernels.inverse.ranking import Ranked, Request, distance_from
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.arm_angle import call_arm_angle
 from robomech_ros._kernels.inverse.redundant.nearest import approach
-from robomech_ros._kernels.inverse.redundant.samples import choose, sample
-from robomech_ros._kernels.inverse.redundant.tracing import NEARER_BY, trace_nearest
+from robomech_ros._kernels.inverse.redundant.samples import choose, sample, stretched
+from robomech_ros._kernels.inverse.redundant.tracing import (
+    NEARER_BY,
+    TRACES,
+    small_distance,
+    trace_nearest,
+)
 from robomech_ros._kernels.inverse.six_joints import MAX_SOLUTIONS
 from robomech_ros._kernels.tolerances import AT_LIMIT
 
@@ -47,12 +52,16 @@ BESIDE = 4
 BESIDE_FROM = 0.1
 BESIDE_BY = 0.9
 BESIDE_MOST = 0.6
+# So many samples of a locked joint, at least, are within the distance of the nearest posture known.
+WITHIN = 3
 # Arm angles farther from that of the nearest posture known than so many times its distance lead to
 # no nearer one.
 ANGLE_WITHIN = 6.0
 
 NONE_EXISTS = -1
 _NAME = np.int64(bit.SELF_MOTION | bit.UNNAMED)
+# In place of a name: a posture of an arm that is idealised, which is a start and no more.
+INEXACT = np.int64(-1)
 
 
 @lean
@@ -102,29 +111,62 @@ def _take_samples(data, T, request, nearest, steps, bench, distance, starts):
     than the nearest posture known.  Returns how many starts there are, and the least distance of
     one inside the limits.
     """
-    turns, lower, upper, seed, metric, bounded = request
-    q, branch, locked, best = bench
+    turns, lower, upper, seed, metric, _ = request
+    q, branch, locked, best, _ = bench
     count = ZERO
     by_angle = data[at.KIND] == at.ARM_ANGLE
-    angle = 0.0
-    if by_angle:
-        angle = call_arm_angle(data, best if nearest and distance < math.inf else seed)
+    start = best if nearest and distance < math.inf else seed
+    angle = call_arm_angle(data, start) if by_angle else stretched(data, T)
     if distance < math.inf:
         count = insert(turns, best, _NAME, distance, count, starts)
-    for k in range(steps):
-        turn = 2.0 * math.pi * ((k + 1) // 2) / steps * (1.0 if k % 2 == 1 else -1.0)
+        if nearest and not by_angle and distance > small_distance(metric):
+            # A few samples within the distance to either side.
+            steps = max(steps, int(WITHIN * 2.0 * math.pi / distance) + 1)
+    for k in range(steps if by_angle or not data[at.ANGLE] * nearest > 0.0 else 0):
+        turn = _turn_of(k, steps)
         away = abs(turn) / ANGLE_WITHIN
         if not by_angle:
             away = choose(data, lower, upper, seed, k, steps, locked)
         if nearest and away >= distance:
             continue
         for i in range(sample(data, T, seed, angle, locked, turn, (q, branch))):
-            place(turns, lower, upper, seed, False, q[i], q[i])
-            here = distance_from(q[i], seed, metric)
-            if _is_inside(request, q[i]):
-                distance = min(distance, here)
-            count = insert(turns, q[i], branch[i], here, count, starts)
+            count, here = _enter(request, q[i], branch[i], count, starts)
+            distance = min(distance, here)
+    for k in range(2 if angle == angle and not by_angle else 0):
+        for i in range(7):
+            locked[i] = angle + k * math.pi
+        for i in range(sample(data, T, seed, angle, locked, 0.0, (q, branch))):
+            count, here = _enter(request, q[i], branch[i], count, starts)
+            distance = min(distance, here)
+    if data[at.ANGLE] > 0.0:
+        data = data[int(data[at.ANGLE]) :]
+        angle = call_arm_angle(data, start)
+        for k in range(steps):
+            turn = _turn_of(k, steps)
+            if distance < math.inf and abs(turn) >= ANGLE_WITHIN * distance:
+                continue
+            for i in range(sample(data, T, seed, angle, locked, turn, (q, branch))):
+                count, _ = _enter(request, q[i], INEXACT, count, starts)
     return count, distance
+
+
+@lean
+def _turn_of(k, steps):
+    """Give how far (rad) the k-th of some evenly spread angles is from the first."""
+    return 2.0 * math.pi * ((k + 1) // 2) / steps * (1.0 if k % 2 == 1 else -1.0)
+
+
+@lean
+def _enter(request, q, name, count, starts):
+    """Put a posture among the starts, in the winding nearest to the seed.
+
+    Returns how many there are, and its distance from the seed, infinite outside the limits.
+    """
+    turns, lower, upper, seed, metric, _ = request
+    place(turns, lower, upper, seed, False, q, q)
+    here = distance_from(q, seed, metric)
+    count = insert(turns, q, name, here, count, starts)
+    return count, here if _is_inside(request, q) else math.inf
 
 
 @inline
@@ -158,7 +200,7 @@ def _solve_pose(data, T, request, nearest, joints, bench, starts, ranked):
     :func:`.trace_nearest` has it, and ``bench`` has where they may be, and working space.
     """
     turns, lower, upper, seed, metric, bounded = request
-    q, branch, locked, best = bench
+    q, branch, locked, best, traces = bench
     n = seed.shape[0]
     packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
     distance = _approach_from_seed(packed, T, request, locked, best)
@@ -176,14 +218,14 @@ def _solve_pose(data, T, request, nearest, joints, bench, starts, ranked):
         if n == 7:
             known += NEARER_BY if known < distance else 0.0
             found = trace_nearest(
-                packed, T, joints, metric, bounded, rows[:total], away[:total], known, best
+                packed, T, joints, metric, bounded, rows[:total], away[:total], known, best, traces
             )
             if found < known:
                 distance = found
         if distance < math.inf:
             count = insert(turns, best, _NAME, distance, count, ranked)
         for k in range(total):
-            if _is_inside(request, rows[k]):
+            if marks[k] != INEXACT and _is_inside(request, rows[k]):
                 place(turns, lower, upper, seed, bounded, rows[k], rows[k])
                 count = insert(turns, rows[k], marks[k], away[k], count, ranked)
         if count > 0:
@@ -220,7 +262,7 @@ def solve_redundant(arm, T, seed, asked, ranked, names, distances, counts):
         high[i] = upper[i] if bounded else math.inf
         joints[0, i], joints[1, i], joints[2, i], joints[3, i] = turns[i], low[i], high[i], seed[i]
     request = Request(turns, low, high, seed, metric, bounded)
-    bench = q, branch, locked, best
+    bench = q, branch, locked, best, np.empty((TRACES, 28))
     for m in range(T.shape[0]):
         into = Ranked(ranked[m], names, distances)
         count, bare = _solve_pose(data, T[m], request, nearest, joints, bench, starts, into)

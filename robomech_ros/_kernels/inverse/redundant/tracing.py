@@ -1,7 +1,7 @@
 """Self-motions of seven joints traced from many postures, for the one nearest to a seed.
 
 From each start the curve is followed both ways by steps of the joints, over postures that are
-farther from the seed than the nearest known one by no more than BEYOND.  Between two steps it is a
+farther from the seed than the nearest known one, up to BEYOND times.  Between two steps it is a
 cubic to some 1e-3 rad; wherever that comes near enough, the least distance is settled exactly.
 """
 
@@ -11,9 +11,9 @@ import numpy as np
 
 from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.chain.serial import jacobian_body
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, b1, f8, i8, lean, part, scratch
+from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, OUT2, b1, f8, i8, lean, part, scratch
 from robomech_ros._kernels.inverse.polishing import largest_error, pose_difference
-from robomech_ros._kernels.inverse.ranking import LINF, distance_from
+from robomech_ros._kernels.inverse.ranking import LINF, distance_from, place
 from robomech_ros._kernels.inverse.redundant.nearest import (
     NEAREST_DAMPING,
     NEAREST_ERROR,
@@ -24,29 +24,32 @@ from robomech_ros._kernels.inverse.redundant.nearest import (
 )
 from robomech_ros._kernels.tolerances import AT_LIMIT
 
-__all__ = ["NEARER_BY", "trace_nearest"]
+__all__ = ["NEARER_BY", "TRACES", "small_distance", "trace_nearest"]
 
-# How much farther from the seed (rad or m) than the nearest posture known starts and traces may
-# be, at most and as a multiple of its distance.
-BEYOND = 0.6
-BEYOND_FACTOR = 2.0
+# How many times farther from the seed than the nearest posture known starts and traces may be.
+BEYOND = 4.0
+# From a posture that is nearer than this (rad or m), in one joint or the root of squares, no trace
+# begins.
+SMALL, SMALL_ROOT = 0.125, 0.25
 # Length of a step (of the joint that moves most, rad or m), the shortest, and how many there are to
 # each side at most.  A step is shortened where the direction turns by more than TRACE_BENT.
 TRACE_STEP = 0.25
 TRACE_SHORTEST = 0.01
-TRACE_STEPS = 80
-TRACE_BENT = 0.5
+TRACE_STEPS = 160
+TRACE_BENT = 0.3
 # A trace ends where the error of the pose (rad, m) is larger than this.
 TRACE_ERROR = 0.3
 # Steps that are kept, to see where a curve has been followed already: within so much (rad or m).
-TRACES = 512
-TRACE_NEAR = 0.01
+TRACES = 1024
+TRACE_NEAR = 0.02
+CLOSING = 4
 # Parts of a step in which it counts as straight, how much nearer than that the curve may come, how
 # far beyond limits it may be, and what is this near to the nearest posture known leads there.
 TRACE_PARTS = 8
-TRACE_OFF = 1e-3
+TRACE_OFF = 5e-3
 TRACE_OUTSIDE = 2e-3
 TRACE_AGAIN = 0.01
+CHORD = 1.3
 # Steps towards a least distance: the first, the longest, by how much they grow, the shortest between
 # two of which the least lies (rad or m), and how many there are at most.  A part of one is no
 # smaller than the edge.
@@ -59,12 +62,18 @@ SETTLE_EDGE = 1e-3
 # A posture is on the self-motion when its error (rad, m) was less than this before the last
 # correction, of so many at most; so many at most bring the nearest one onto its pose.
 SETTLE_ERROR = 1e-5
-SETTLE_CORRECTIONS = 5
+SETTLE_CORRECTIONS = 10
 FINISH_STEPS = 10
 # A posture counts as settled where lines lead no nearer than by this (rad or m).
 NEARER_BY = 1e-7
 # Added to how far a posture is beyond limits: more than any distance.
 OUTSIDE = 1e6
+
+
+@lean
+def small_distance(metric):
+    """Distance from the seed (rad or m) below which a posture's self-motion is nearly a line."""
+    return SMALL if metric == LINF else SMALL_ROOT
 
 
 @lean
@@ -306,7 +315,7 @@ def _nearest_between(request, ends, best, found):
 
 
 @lean
-def _is_known(known, count, q, near):
+def _is_known(known, count, q):
     """Tell whether a posture is on one of the steps that were made."""
     p = scratch(7)
     for k in range(count):
@@ -317,7 +326,7 @@ def _is_known(known, count, q, near):
         for i in range(7):
             move = ends[2, i] - ends[0, i]
             off = q[i] - ends[0, i]
-            far = far or abs(off) > length + near
+            far = far or abs(off) > length + TRACE_NEAR
             along += off * move
             squares += move * move
         if far:
@@ -327,19 +336,68 @@ def _is_known(known, count, q, near):
         off = 0.0
         for i in range(7):
             off = max(off, abs(q[i] - p[i]))
-        if off < near:
+        if off < TRACE_NEAR:
             return True
     return False
 
 
 @lean
-def _is_beyond(request, q, within):
-    """Tell whether a posture is too far from the seed, or from the limits, to go on."""
-    _, lower, upper, seed, metric, bounded = request
+def _look_between(packed, T, request, bench, ends, distance, best):
+    """Settle the nearest posture between two, if it may be nearer than the ``best`` one (7,).
+
+    Returns the least distance; the posture at that distance is ``best`` then.
+    """
+    _, _, _, seed, metric, _ = request
+    found, along = scratch(7), scratch(7)
+    # On the way it is nearer than both by half of its length at most.
+    between = distance_from(ends[0], seed, metric) + distance_from(ends[2], seed, metric)
+    if between - CHORD * distance_from(ends[0], ends[2], metric) > 2.0 * distance:
+        return distance
+    if _nearest_between(request, ends, best, found) < distance + TRACE_OFF:
+        _copy(ends[3], along)
+        settled = _settle(packed, T, request, bench, along, found)
+        if settled < distance:
+            distance = settled
+            _copy(found, best)
+    return distance
+
+
+@lean
+def _advance(packed, T, bench, ends, bent, length):
+    """Write the posture a step ahead and the direction there, as ``ends[2:]``.
+
+    ``bent`` (7,) is how the direction changes.  Returns the length of the step, shorter where the
+    curve bends sharply, zero where it is lost, and by how much the direction has turned.
+    """
+    q, g = ends[2], ends[3]
+    while True:
+        for i in range(7):
+            q[i] = ends[0, i] + length * (ends[1, i] + length * bent[i])
+            g[i] = ends[1, i]
+        lost = _step(packed, T, 1.0, bench, g, q) > TRACE_ERROR
+        turned = 0.0
+        for i in range(7):
+            turned = max(turned, abs(g[i] - ends[1, i]))
+        if not lost and (turned < TRACE_BENT or length < TRACE_SHORTEST):
+            return length, turned
+        if length < TRACE_SHORTEST:
+            return 0.0, turned
+        length *= 0.5
+
+
+@lean
+def _rewind(request, ends):
+    """Take both postures to the winding in which the second one counts; False if that is theirs."""
+    turns, lower, upper, seed, _, _ = request
+    wound, moved = scratch(7), False
+    place(turns, lower, upper, seed, False, ends[2], wound)
     for i in range(7):
-        if bounded and not lower[i] - BEYOND <= q[i] <= upper[i] + BEYOND:
-            return True
-    return distance_from(q, seed, metric) > within
+        turn = wound[i] - ends[2, i]
+        if abs(turn) > 1.0:
+            moved = True
+            ends[0, i] += turn
+            ends[2, i] += turn
+    return moved
 
 
 @lean
@@ -349,83 +407,98 @@ def _trace_from(packed, T, request, bench, start, known, count, distance, best):
     The posture at that distance is ``best`` (7,) then.
     """
     _, _, _, seed, metric, _ = request
-    q, g, bent, found, along = scratch(7), scratch(7), scratch(7), scratch(7), scratch(7)
-    for side in range(2):
-        _copy(start, q)
-        for i in range(7):
-            g[i] = bent[i] = 0.0
-        if _step(packed, T, 1.0 - 2.0 * side, bench, g, q) > TRACE_ERROR:
-            break
-        if side == 0 and distance_from(start, seed, metric) <= distance:
-            s = best_step(request, q, g, SETTLE_STEP)
+    q, g, bent, first = scratch(7), scratch(7), scratch(7), count
+    begin, ahead = scratch(7), scratch(7)
+    _copy(start, begin)
+    for i in range(7):
+        ahead[i] = 0.0
+    if _step(packed, T, 1.0, bench, ahead, begin) > TRACE_ERROR:
+        return count, distance
+    if _is_known(known, count, begin):
+        return count, distance
+    if distance_from(start, seed, metric) <= distance:
+        distance = _improve(packed, T, request, bench, begin, ahead, distance, best)
+        if distance < small_distance(metric):
+            # So near it is a line, and another branch is not as near.
+            ends = known[count]
             for i in range(7):
-                found[i] = q[i] + s * g[i]
-            if distance_from(found, seed, metric) < distance - NEARER_BY:
-                _copy(g, along)
-                settled = _settle(packed, T, request, bench, along, found)
-                if settled < distance:
-                    distance = settled
-                    _copy(found, best)
+                ends[0, i], ends[1, i] = begin[i] - SMALL_ROOT * ahead[i], ahead[i]
+                ends[2, i], ends[3, i] = begin[i] + SMALL_ROOT * ahead[i], ahead[i]
+            return count + 1, distance
+    for side in range(2):
+        _copy(begin, q)
+        for i in range(7):
+            g[i], bent[i] = ahead[i] * (1.0 - 2.0 * side), 0.0
         length = TRACE_STEP
         for _ in range(TRACE_STEPS):
-            if count == known.shape[0]:
+            if count + 2 > known.shape[0]:
                 break
             ends = known[count]
             _copy(q, ends[0])
             _copy(g, ends[1])
-            lost = False
-            while True:
-                for i in range(7):
-                    q[i] = ends[0, i] + length * (ends[1, i] + length * bent[i])
-                    g[i] = ends[1, i]
-                lost = _step(packed, T, 1.0, bench, g, q) > TRACE_ERROR
-                turned = 0.0
-                for i in range(7):
-                    turned = max(turned, abs(g[i] - ends[1, i]))
-                if (not lost and turned < TRACE_BENT) or length < TRACE_SHORTEST:
-                    break
-                length *= 0.5
-            if lost:
+            length, turned = _advance(packed, T, bench, ends, bent, length)
+            if length == 0.0:
                 break
-            _copy(q, ends[2])
-            _copy(g, ends[3])
             for i in range(7):
-                bent[i] = 0.5 * (g[i] - ends[1, i]) / length
-            near = _nearest_between(request, ends, best, found)
-            if near < distance + TRACE_OFF:
-                _copy(g, along)
-                settled = _settle(packed, T, request, bench, along, found)
-                if settled < distance:
-                    distance = settled
-                    _copy(found, best)
-            closed = _is_known(known, count - 1, q, TRACE_NEAR)
+                bent[i] = 0.5 * (ends[3, i] - ends[1, i]) / length
+            distance = _look_between(packed, T, request, bench, ends, distance, best)
+            # A step may go over the first one.
+            others = min(count - first, CLOSING) if count - first > CLOSING + 1 else 0
+            closed = _is_known(known[first:], others, ends[2])
             count += 1
-            within = distance + min(BEYOND, BEYOND_FACTOR * distance)
-            if closed or _is_beyond(request, q, within):
+            for i in range(7):
+                for row in range(4):
+                    known[count, row, i] = ends[row, i]
+            if _rewind(request, known[count]):
+                ends = known[count]
+                distance = _look_between(packed, T, request, bench, ends, distance, best)
+                count += 1
+            _copy(ends[2], q)
+            _copy(ends[3], g)
+            if closed:
+                return count, distance
+            if distance_from(q, seed, metric) > distance * BEYOND:
                 break
             if turned < 0.5 * TRACE_BENT:
                 length = min(TRACE_STEP, 1.5 * length)
     return count, distance
 
 
-@part(f8(IN2, IN2, IN2, i8, b1, IN2, IN1, f8, OUT1))
-def trace_nearest(packed, T, joints, metric, bounded, starts, away, distance, best):
+@lean
+def _improve(packed, T, request, bench, q, g, distance, best):
+    """Settle a posture q (7,) that is as near as the ``best`` one, if it has not settled."""
+    _, _, _, seed, metric, _ = request
+    found, along = scratch(7), scratch(7)
+    s = best_step(request, q, g, SETTLE_STEP)
+    for i in range(7):
+        found[i], along[i] = q[i] + s * g[i], g[i]
+    if distance_from(found, seed, metric) < distance - NEARER_BY:
+        settled = _settle(packed, T, request, bench, along, found)
+        if settled < distance:
+            distance = settled
+            _copy(found, best)
+    return distance
+
+
+@part(f8(IN2, IN2, IN2, i8, b1, IN2, IN1, f8, OUT1, OUT2))
+def trace_nearest(packed, T, joints, metric, bounded, starts, away, distance, best, known):
     """Find the posture nearest to a seed on the self-motions through some postures.
 
     ``joints`` (4, 7) holds whether joints turn, lower and upper limits, which hold where
     ``bounded``, and the seed.  The ``starts`` (m, 7) are ``away`` (m,) from it, nearest first.
     The nearest posture known is ``best`` (7,), at a ``distance``, infinite where there is none; the
-    nearest of all is in ``best`` then.  Returns its distance.
+    nearest of all is in ``best`` then.  Returns its distance.  ``known`` (TRACES, 28) is working
+    space.
     """
     request = joints[0], joints[1], joints[2], joints[3], metric, bounded
     J, current, e, y, A = scratch(6, 7), scratch(4, 4), scratch(6), scratch(6), scratch(6, 6)
     bench = J, current, e, y, A, np.zeros(7)
-    known = np.empty((TRACES, 4, 7))
+    known = known.reshape((known.shape[0], 4, 7))
     count = 0
     for k in range(starts.shape[0]):
-        if away[k] > distance + min(BEYOND, BEYOND_FACTOR * distance) or count == TRACES:
+        if away[k] > distance * BEYOND or count + 2 > known.shape[0]:
             break
-        if not _is_known(known, count, starts[k], TRACE_NEAR):
+        if not _is_known(known, count, starts[k]):
             count, distance = _trace_from(
                 packed, T, request, bench, starts[k], known, count, distance, best
             )

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.inverse.decoupled import layout as wrist_at
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.six_joints import DECOUPLED, ITERATIVE
+from robomech_ros._kernels.tolerances import ON_BOUNDARY
 from robomech_ros.kinematics.axis_points import common_point, nearest_points
 from robomech_ros.kinematics.inverse.families import decoupled, general
 from robomech_ros.kinematics.inverse.families.decoupled import wrist_constants
@@ -37,12 +38,15 @@ __all__ = ["locked_anyway", "match"]
 # Three axes of a redundant arm this near (of its size) to a common point are solved as if they met
 # there, every solution is polished, and near singular postures the general equations are asked.
 NEARLY_SPHERICAL = 2e-3
+# Shoulder and wrist of an arm whose axes miss two points by no more than this (of its size) still
+# bring its postures near enough for Newton's steps: the Kinova Gen3's by a hundredth.
+NEARLY_TWO_POINTS = 2e-2
 # So many times what the axes pass each other by, a target may be beyond a boundary of the idealised
 # arm and within reach of the true one.
 SPHERICAL_SLACK = 10.0
 # Values of the redundancy parameter for a list of solutions, with one locked joint and with the
 # arm angle: 24 solutions and more for most poses.
-LOCKED_SAMPLES = 32
+LOCKED_SAMPLES = 16
 ANGLE_SAMPLES = 8
 
 Array = NDArray[np.float64]
@@ -68,9 +72,11 @@ def match(chain: SerialChain) -> Array | None:
     if chain.n < 7:
         return None
     C = unpack_chain(chain.packed)
-    parts = _arm_angle_parts(chain, C)
+    parts = _arm_angle_parts(chain, C, CONCURRENT_EXACT)
     if parts is not None:
-        return _laid_out(chain, at.ARM_ANGLE, parts)
+        data = _laid_out(chain, at.ARM_ANGLE, parts)
+        data[at.SLACK] = ON_BOUNDARY
+        return data
     sixes = [_six(chain, C, first) for first in range(chain.n - 5)]
     for find in (match_six, _idealised):
         for first, (six, types) in enumerate(sixes):
@@ -102,7 +108,31 @@ def _locked(
         data = _laid_out(chain, at.LOCKED, backed, whole)
         data[at.GENERAL] = len(data) - len(whole)
     data[at.FIRST], data[at.BACKWARDS], data[at.SIX] = first, arm.backwards, arm.family
+    C = unpack_chain(chain.packed)
+    parts = _arm_angle_parts(chain, C, NEARLY_TWO_POINTS)
+    if parts is not None:
+        data[at.ANGLE] = len(data)
+        idealised = _laid_out(chain, at.ARM_ANGLE, parts)
+        idealised[at.SLACK] = NEARLY_TWO_POINTS
+        return np.concatenate((data, idealised))
+    _enter_stretched(chain, C, data)
     return data
+
+
+def _enter_stretched(chain: SerialChain, C: Array, data: Array) -> None:
+    """Lay out where the locked joint brings shoulder and wrist nearest, if three axes meet there."""
+    if chain.n != 7 or chain.types.any():
+        return
+    locked_first = data[at.FIRST] == 1.0
+    links = reversed_transforms(C) if locked_first else C
+    centre, other = common_point(links[1], links[2]), nearest_points(links[5])
+    if centre is None or other is None or centre[2] > NEARLY_SPHERICAL * data[at.SIZE]:
+        return
+    height = (0.0, 0.0, other[1], 1.0)
+    towards = (np.linalg.inv(links[6]) @ height)[:2]
+    data[at.CENTRE : at.CENTRE + 3] = (links[0] @ (0.0, 0.0, centre[0], 1.0))[:3]
+    data[at.TOWARDS : at.TOWARDS + 2] = towards
+    data[at.STRETCHED] = 1.0
 
 
 def locked_anyway(chain: SerialChain) -> Array | None:
@@ -170,7 +200,7 @@ def _with_common_point(C: Array, centre: tuple[float, float, float]) -> Array:
     return links
 
 
-def _arm_angle_parts(chain: SerialChain, C: Array) -> Array | None:
+def _arm_angle_parts(chain: SerialChain, C: Array, slack: float) -> Array | None:
     """Lay out what is particular of an arm with a spherical shoulder and a spherical wrist."""
     if chain.n != 7 or chain.types.any():
         return None
@@ -178,7 +208,7 @@ def _arm_angle_parts(chain: SerialChain, C: Array) -> Array | None:
     size = float(np.linalg.norm(C[:, :3, 3], axis=1).sum())
     if shoulder is None or wrist is None:
         return None
-    if max(shoulder[2], wrist[2]) > CONCURRENT_EXACT * size:
+    if max(shoulder[2], wrist[2]) > slack * size:
         return None
     first, last = wrist_constants(C[1], C[2]), wrist_constants(C[5], C[6])
     if first is None or last is None:

@@ -164,3 +164,46 @@ def test_a_joint_on_the_line_of_another_is_a_continuum(pose_errors):
     result = inverse_kinematics(chain, T)
     assert len(result) and not result.complete
     assert pose_errors(chain, T, result.q).max() < 2e-9
+
+
+FIVE_AND_FEWER = [*FIVE, *SKEW_FIVE, "RRRR", "RRPR", "scara", "planar3r", "spherical"]
+
+
+@pytest.mark.parametrize("digits", [6, 8])
+@pytest.mark.parametrize("name", FIVE_AND_FEWER)
+def test_rounded_poses_have_the_solutions_of_exact_ones(name, digits, apart):
+    """Of the vx300 none of 60 was solved."""
+    chain = make(name)
+    targets = forward_kinematics(chain, random_postures(chain, 40, 31))
+    rounded = np.round(targets, digits)
+    batch, counts, _ = inverse_kinematics_batch(chain, rounded)
+    for k, exact in enumerate(targets):
+        wanted, found = inverse_kinematics(chain, exact), inverse_kinematics(chain, rounded[k])
+        assert found.status is Status.SUCCESS and len(found) == len(wanted) == counts[k]
+        assert found.complete == wanted.complete
+        assert found.position_error.max() < 1e-5 and found.orientation_error.max() < 1e-4
+        for one in wanted.q:
+            assert apart(chain, found.q, one).min() < 1e-2
+        assert batch[k, : counts[k]].tobytes() == found.q.tobytes()
+
+
+def test_a_pose_typed_with_six_digits_is_solved_and_its_errors_are_told():
+    chain = load_robot("vx300")
+    T = np.round(forward_kinematics(chain, [0.3, -0.4, 0.7, 0.2, 0.6]), 6)
+    found = inverse_kinematics(chain, T)
+    assert found.complete and 1e-9 < found.orientation_error.max() < 1e-5
+    strict = {"position_tolerance": 1e-9, "orientation_tolerance": 1e-9}
+    assert not len(inverse_kinematics(chain, T, **strict))
+
+
+@pytest.mark.parametrize("name", ["vx300", "scara", "planar3r"])
+def test_poses_that_are_missed_by_more_than_the_tolerances_have_no_solution(name):
+    chain = make(name)
+    for T in forward_kinematics(chain, random_postures(chain, 10, 32)):
+        c, s = np.cos(3e-3), np.sin(3e-3)
+        T[:3, :3] = [[c, 0.6 * s, 0.8 * s], [-0.6 * s, 0.36 * c + 0.64, 0.48 * (c - 1.0)],
+                     [-0.8 * s, 0.48 * (c - 1.0), 0.64 * c + 0.36]] @ T[:3, :3]  # fmt: skip
+        found = inverse_kinematics(chain, T)
+        assert (found.position_error < 1e-5).all() and (found.orientation_error < 1e-4).all()
+        if not len(found):
+            assert "misses by" in found.reason
