@@ -180,7 +180,7 @@ class TwistResolver:
             x, y, z, rx, ry, rz along and about the axes of the tip; all False for the full pose.
         """
         rows = held_rows("task_mask", task_mask)
-        self._held = None if len(rows) in (0, 6) else np.isin(np.arange(6), rows) * 1.0
+        self._held = None if len(rows) in (0, 6) else np.isin(np.arange(6), rows).astype(np.float64)
         self.rank = min(generic_rank(self.chain), self.chain.n, 6)
         if self._held is not None:
             postures = np.random.default_rng(0).uniform(-1.0, 1.0, (_POSTURES, self.chain.n))

@@ -152,7 +152,7 @@ class ProgramRunner:
 
         plan = fitting_plan(
             chain,
-            nearest_turns([start, step.positions], chain.continuous)[0],
+            nearest_turns(np.stack([start, step.positions]), chain.continuous)[0],
             wanted_period=0.0,
             usual_period=_PERIOD,
             max_points=self._max_points,

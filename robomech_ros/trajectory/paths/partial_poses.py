@@ -149,7 +149,7 @@ def _equations(arm: SerialArm, q: FloatArray, place: PoseSample) -> FloatArray:
     carried = np.concatenate([omega, velocity + np.cross(omega, apart)])
     twists = np.column_stack([J, carried])
     turning, moving = R.T @ twists[:3], R.T @ twists[3:]
-    if (arm.held < 3).any():
+    if arm.held is None or arm.held[0] < 3:
         turn = rotation_vector_from_matrix(R.T @ actual[:3, :3])
         turns = np.tile(turn, (turning.shape[1], 1))
         turning = rotation_rates(turns, "rotation-vector", turning.T)[0].T
@@ -172,4 +172,5 @@ def _freedom(arm: SerialArm, q: FloatArray) -> FloatArray:
     lower, upper = arm.bounds
     near = np.clip(_NEAR * (upper - lower), np.finfo(np.float64).tiny, _NEAR_AT_MOST)
     x = np.clip(np.minimum(q - lower, upper - q) / near, 0.0, 1.0)
-    return _LEAST + (1.0 - _LEAST) * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+    factors: FloatArray = _LEAST + (1.0 - _LEAST) * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+    return factors
