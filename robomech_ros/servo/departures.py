@@ -138,7 +138,7 @@ def _ahead(resolver: TwistResolver, q: Array, twist: Array, way: Array) -> Array
     """Find the posture some way ahead on the line of a twist that begins in a direction (n,)."""
     begun, posture, time = resolver.heading(q, twist).pose, q + _AHEAD * way, 0.0
     for _ in range(_STEPS):
-        here = resolver.heading_wholly(posture, twist)
+        here = resolver.heading(posture, twist, True)
         off = resolver.off(moved_pose(begun, time * twist), here.pose)
         along = float(way @ here.rates)
         if along == 0.0:

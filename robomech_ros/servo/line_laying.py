@@ -103,7 +103,7 @@ class LineLaying:
         # The condition number that no further node may reach.
         self._bound = self._bound_after(heading.condition)
         if self.leaving:
-            heading = self._heading(q, twist(q))
+            heading = self._resolver.heading(q, twist(q), True)
         self.nodes = [Node(0.0, q, heading, weights)]
         self._pose = heading.pose
         self._lost = np.zeros(6)
@@ -139,11 +139,6 @@ class LineLaying:
     def _shortest(self) -> float:
         """Give the shortest part of a step that is tried."""
         return _SHORTEST_OF_FIRST if self._begins_outwards() else _SHORTEST
-
-    def _heading(self, q: Array, twist: Array) -> Heading:
-        if self.leaving:
-            return self._resolver.heading_wholly(q, twist)
-        return self._resolver.heading(q, twist)
 
     def _lay_node(self) -> Iterator[None]:
         """Add a node, or end the way."""
@@ -199,7 +194,7 @@ class LineLaying:
         for _ in range(_CORRECTIONS):
             yield
             twist = self.twist(q)
-            heading = self._heading(q, twist)
+            heading = self._resolver.heading(q, twist, self.leaving)
             if not heading.possible or float(along @ heading.rates) <= 0.0:
                 return None
             pose = moved_pose(self._pose, 0.5 * time * (held + twist))
@@ -219,7 +214,7 @@ class LineLaying:
         pose = moved_pose(self._pose, 0.5 * time * (held + twist))
         if self.leaving:
             yield
-            heading = self._heading(q, twist)
+            heading = self._resolver.heading(q, twist, self.leaving)
             off = self._resolver.off(pose, heading.pose)
             if _norm(off[3:]) > _OFF or _norm(off[:3]) > _OFF_TURNED:
                 return None
@@ -281,10 +276,15 @@ class LineLaying:
         half = last.q + 0.5 * step * last.direction
         twist = self.twist(half)
         yield
-        middle = Node(0.0, half, self._heading(half, twist), self.weights)
+        middle = Node(0.0, half, self._resolver.heading(half, twist, self.leaving), self.weights)
         q = last.q + step * middle.direction
         yield
-        node = Node(last.place + step, q, self._heading(q, self.twist(q)), self.weights)
+        node = Node(
+            last.place + step,
+            q,
+            self._resolver.heading(q, self.twist(q), self.leaving),
+            self.weights,
+        )
         straight = float((self.weights**2 * last.direction) @ node.direction)
         if straight < _BENT or not node.heading.possible or not middle.rate:
             return None

@@ -259,7 +259,7 @@ class TwistResolver:
         missed: Array = posture.left @ none / self._scale
         return missed
 
-    def heading(self, q: Array, twist: Array) -> Heading:
+    def heading(self, q: Array, twist: Array, wholly: bool = False) -> Heading:
         """Find where a twist leads that is carried out wholly, but for what is lost.
 
         Unlike the rates of :meth:`resolve`, these are smooth where singular values change their
@@ -271,23 +271,14 @@ class TwistResolver:
             Where the joints are (rad or m).
         twist : ndarray, shape (6,)
             Of the tip in base axes, angular first (rad/s and m/s).
+        wholly : bool
+            Whether something is lost in singular postures only, not beyond the hard stop.
         """
-        return self._heading(q, twist, self.stop_at)
-
-    def heading_wholly(self, q: Array, twist: Array) -> Heading:
-        """Find the same where nothing counts as lost beyond the hard stop.
-
-        Only in a singular posture something does; parameters are those of :meth:`heading`.
-        """
-        return self._heading(q, twist, SINGULAR)
-
-    def _heading(self, q: Array, twist: Array, lost_from: float) -> Heading:
-        """Find where a twist leads; directions count as lost from a condition number on."""
         rank = self.rank
         left, values, right = np.linalg.svd(self.jacobian(q))
         condition = _condition(values, rank)
         left, values = left[:, :rank], values[:rank]
-        least = values[0] / lost_from
+        least = values[0] / (SINGULAR if wholly else self.stop_at)
         strength = values / np.maximum(values, least) ** 2
         gain = (right[:rank].T * strength) @ left.T * self._scale
         scaled = self._scale * self.held(twist, self._pose)
@@ -315,13 +306,12 @@ class TwistResolver:
             Limits of the joints (rad/s^2 or m/s^2).
         """
         beyond = found.condition_number >= self.stop_at
-        heading = self.heading_wholly if beyond else self.heading
-        here = heading(q, twist)
+        here = self.heading(q, twist, beyond)
         largest = float(np.abs(here.rates).max())
         if not here.possible or (largest == 0.0 and not beyond):
             return found
         time = _AHEAD / max(largest, 1e-300)
-        ahead = heading(q + time * here.rates, twist)
+        ahead = self.heading(q + time * here.rates, twist, beyond)
         growth = np.abs(ahead.rates - here.rates) / time / acceleration
         scale = min(1.0, math.sqrt(_OF_ACCELERATION / max(float(growth.max()), 1e-300)))
         if beyond:

@@ -1,7 +1,7 @@
 """Decoding of PlanCartesian requests, and encoding of their answers."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,23 +17,21 @@ from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.request_sizes import check_waypoints
 from robomech_ros.nodes.frames.robot_frames import Positions, RobotFrames
-from robomech_ros.nodes.trajectory_planner.plan_messages import encode_waypoints
+from robomech_ros.nodes.trajectory_planner.plan_messages import encode_waypoints, named
 from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings
 from robomech_ros.trajectory import PosePath, TipSpeeds
 
 __all__ = ["PathRequest", "encode_path_plan", "in_base", "read_path_request"]
 
 _PROFILES = {
-    getattr(PlanCartesian.Request, name): name.lower()
+    getattr(PlanCartesian.Request, name): name
     for name in ("POLY345", "POLY4567", "CYCLOIDAL", "CUBIC_SPLINE", "RUCKIG", "TIME_OPTIMAL")
 }
-_KINDS = {
-    getattr(PlanCartesian.Request, name): name.lower() for name in ("STRAIGHT", "SPLINE", "ARC")
-}
+_KINDS = {getattr(PlanCartesian.Request, name): name for name in ("STRAIGHT", "SPLINE", "ARC")}
 # Slower motions would take years; finer steps would fill the memory.
 _LEAST = {"max_linear_speed": 1e-6, "max_angular_speed": 1e-6, "max_step": 1e-5}
 _MOST = {"max_linear_speed": LARGEST_LENGTH, "max_angular_speed": LARGEST_LENGTH}
-_AT_SINGULARITY = {PlanCartesian.Request.STOP: "stop", PlanCartesian.Request.SLOW: "slow"}
+_AT_SINGULARITY = {PlanCartesian.Request.STOP: "STOP", PlanCartesian.Request.SLOW: "SLOW"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,13 +76,13 @@ def read_path_request(request: Any, settings: PlannerSettings) -> PathRequest:
         An unknown kind of path or profile, a value out of range, a pose that is none.
     """
     options = {
-        "profile": _named("profile", request.profile, _PROFILES),
+        "profile": named("profile", request.profile, _PROFILES),
         "speeds": _tip_speeds(request),
         "task_mask": [bool(held) for held in request.task_mask],
         "bounds": _path_bounds(request, settings),
     }
     waypoints = _waypoint_poses(request, settings.max_waypoints)
-    return PathRequest(waypoints, _named("path", request.path, _KINDS), options)
+    return PathRequest(waypoints, named("path", request.path, _KINDS), options)
 
 
 async def in_base(
@@ -119,23 +117,8 @@ async def in_base(
     return replace(asked, waypoints=poses)
 
 
-def _named(what: str, number: int, names: Mapping[int, str]) -> str:
-    """Give the name of a number in a request; refuse others with those there are."""
-    name = names.get(number)
-    if name is None:
-        offered = ", ".join(f"{known.upper()} ({n})" for n, known in names.items())
-        raise BadValueError(what, number, f"one of {offered}")
-    return name
-
-
 def _waypoint_poses(request: Any, most: int) -> NDArray[np.float64]:
-    """Read the waypoints in their frames, shape (m, 4, 4).
-
-    Raises
-    ------
-    RobomechError
-        More than ``most``, or an invalid pose.
-    """
+    """Read the waypoints in their frames, shape (m, 4, 4), `most` at most."""
     check_waypoints("waypoints", len(request.waypoints), most)
     poses = np.empty((len(request.waypoints), 4, 4))
     for k, waypoint in enumerate(request.waypoints):
@@ -152,14 +135,8 @@ def _check_near(k: int, pose: NDArray[np.float64]) -> None:
 
 
 def _path_bounds(request: Any, settings: PlannerSettings) -> PathBounds:
-    """Read what ends a path; zeros stand for the node's parameters of the same names.
-
-    Raises
-    ------
-    BadValueError, NonFiniteError
-        An invalid or negative number, or an unknown value of at_singularity.
-    """
-    _named("at_singularity", request.at_singularity, _AT_SINGULARITY)
+    """Read what ends a path; zeros stand for the node's parameters of the same names."""
+    named("at_singularity", request.at_singularity, _AT_SINGULARITY)
     condition, step, revolute, prismatic = (
         _positive(request, name) or getattr(settings, name)
         for name in (
@@ -175,13 +152,7 @@ def _path_bounds(request: Any, settings: PlannerSettings) -> PathBounds:
 
 
 def _tip_speeds(request: Any) -> TipSpeeds:
-    """Read the largest speeds of the tip; zeros stand for none.
-
-    Raises
-    ------
-    BadValueError, NonFiniteError
-        An invalid or negative number.
-    """
+    """Read the largest speeds of the tip; zeros stand for none."""
     linear, angular = (
         _positive(request, name) or math.inf for name in ("max_linear_speed", "max_angular_speed")
     )

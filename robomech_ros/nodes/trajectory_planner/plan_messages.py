@@ -1,7 +1,7 @@
 """Decoding of PlanJoint requests, and encoding of plans."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,6 +29,7 @@ __all__ = [
     "PlanRequest",
     "encode_plan",
     "encode_waypoints",
+    "named",
     "plan_points",
     "read_plan_request",
 ]
@@ -87,36 +88,18 @@ def read_plan_request(request: Any, limits: Limits, settings: PlannerSettings) -
     return PlanRequest(via, options | {"wanted_period": _wanted_period(request)})
 
 
-def _profile_name(number: int) -> str:
-    """Give the name in `PROFILES` of a profile's number in a request.
-
-    Raises
-    ------
-    BadValueError
-        There is no such profile; those there are get listed.
-    """
-    name = _NAMES.get(number)
+def named(what: str, number: int, names: Mapping[int, str]) -> str:
+    """Return the name of a number in a request, in small letters; refuse others by those known."""
+    name = names.get(number)
     if name is None:
-        raise BadValueError("profile", number, f"one of {OFFERED}")
+        offered = ", ".join(f"{known} ({n})" for n, known in names.items())
+        raise BadValueError(what, number, f"one of {offered}")
     return name.lower()
 
 
 def _plan_options(request: Any, max_duration: float) -> dict[str, Any]:
-    """Read what a PlanJoint request wants as keywords of `through_points`.
-
-    Parameters
-    ----------
-    request : PlanJoint.Request
-        Its zeros stand for defaults.
-    max_duration : float
-        Longest trajectory (s).
-
-    Raises
-    ------
-    BadValueError, NonFiniteError
-        An unknown profile, via points it does not take, a value out of range.
-    """
-    options: dict[str, Any] = {"profile": _profile_name(request.profile)}
+    """Read what a PlanJoint request wants as keywords of `through_points`; zeros are defaults."""
+    options: dict[str, Any] = {"profile": named("profile", request.profile, _NAMES)}
     if request.via and options["profile"] not in VIA_PROFILES:
         able = ", ".join(name.upper() for name in VIA_PROFILES)
         expected = f"none for {_NAMES[request.profile]}; {able} take some"
@@ -132,25 +115,7 @@ def _plan_options(request: Any, max_duration: float) -> dict[str, Any]:
 
 
 def _via_points(request: Any, limits: Limits, most: int) -> NDArray[np.float64]:
-    """Read the points to pass on the way, shape (m, n).
-
-    Parameters
-    ----------
-    request : PlanJoint.Request
-    limits : Limits
-        Of n joints.
-    most : int
-        How many there may be.
-
-    Raises
-    ------
-    WrongSizeError, NonFiniteError
-        More than ``most`` points, or one that has not a finite position for each joint.
-    BadValueError
-        A point states velocities, accelerations or efforts: they follow from the profile.
-    LimitExceededError
-        A point is outside the position limits.
-    """
+    """Read the points to pass on the way, shape (m, n): at most `most` of n positions each."""
     check_waypoints("via", len(request.via), most)
     n = len(limits.joint_names)
     points = np.empty((len(request.via), n))
@@ -223,13 +188,7 @@ def _instants(request: Any, profile: str, duration: float | None) -> list[float]
 
 
 def _wanted_period(request: Any) -> float:
-    """Read the largest time between two points (s) that a PlanJoint request wants; 0 = any.
-
-    Raises
-    ------
-    BadValueError, NonFiniteError
-        It is negative, too short, or no number.
-    """
+    """Read the largest time between two points (s) that a request wants; 0 = any."""
     seconds: float = request.sample_period
     if not math.isfinite(seconds):
         raise NonFiniteError("sample_period", seconds)
