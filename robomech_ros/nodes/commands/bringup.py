@@ -7,6 +7,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable
+from dataclasses import fields
 from importlib import import_module
 from pathlib import Path
 from types import FrameType
@@ -142,27 +143,15 @@ def run(args: argparse.Namespace) -> int:
 
 def launch_options(args: argparse.Namespace) -> LaunchOptions:
     """Pick what the nodes are started with."""
-    return LaunchOptions(
-        robot=args.robot,
-        base_link=args.base_link,
-        tip_link=args.tip_link,
-        srdf=args.srdf,
-        group=args.group,
-        namespace=args.namespace,
-        frame_prefix=args.frame_prefix,
-        rate=args.rate,
-        joint_limits=args.joint_limits,
-        dynamic=args.dynamic,
-        params_files=tuple(args.params_file),
-        auto_execute=args.auto_execute,
-        servo=not args.no_servo,
-        calibration=args.calibration,
-        view=args.view,
-        view_port=args.view_port,
-        view_host=args.view_host,
-        kind=kind if (kind := kind_of(args.robot)) in KIND_NODES else "",
-        ros_args=tuple(args.ros_args),
-    )
+    given = {row.name: getattr(args, row.name, None) for row in fields(LaunchOptions)}
+    kind = kind_of(args.robot)
+    given |= {
+        "params_files": tuple(args.params_file),
+        "servo": not args.no_servo,
+        "kind": kind if kind in KIND_NODES else "",
+        "ros_args": tuple(args.ros_args),
+    }
+    return LaunchOptions(**given)
 
 
 def refuse_of_kind(

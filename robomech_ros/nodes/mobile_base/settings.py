@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, make_dataclass
+from typing import Any
 
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
@@ -34,19 +35,41 @@ FORMER_NAMES = {
 }
 
 
-def _bound(axis: str, what: str) -> float:
-    text: float = parameter(_OFF, f"{what} of {axis}; NaN = that of the robot, else none")
-    return text
+def _rows_of(axis: str, turns: str, unit: str) -> dict[str, Any]:
+    """Make the parameters with the limits of an axis, and what its other direction is called."""
+    bounds = {
+        "max_velocity": f"Largest velocity ({unit}/s)",
+        "min_velocity": f"Least velocity, at most 0 ({unit}/s)",
+        "max_acceleration": f"Acceleration ({unit}/s^2)",
+        "max_deceleration": f"Deceleration, below 0 ({unit}/s^2)",
+        "max_acceleration_reverse": f"Acceleration {turns}, below 0 ({unit}/s^2)",
+        "max_deceleration_reverse": f"Deceleration {turns} ({unit}/s^2)",
+        "max_jerk": f"Jerk ({unit}/s^3)",
+        "min_jerk": f"Jerk, below 0 ({unit}/s^3)",
+    }
+    rows = {
+        f"has_{kind}_limits": parameter(
+            True, f"False: limits of {kind} of {axis} do not count; older ros2_controllers have it"
+        )
+        for kind in ("velocity", "acceleration", "jerk")
+        if axis != "linear.y"
+    }
+    text = f"of {axis}; NaN = that of the robot, else none"
+    return rows | {name: parameter(_OFF, f"{what} {text}") for name, what in bounds.items()}
 
 
-def _switch(axis: str, kind: str) -> bool:
-    what = f"False: limits of {kind} of {axis} do not count; older ros2_controllers have it"
-    row: bool = parameter(True, what)
-    return row
+def _limits_of_axes() -> Any:
+    axes = ("linear.x", "backward", "m"), ("linear.y", "to the right", "m")
+    fields = [
+        (f"{axis.replace('.', '__')}__{name}", type(row.default), row)
+        for axis, turns, unit in (*axes, ("angular.z", "clockwise", "rad"))
+        for name, row in _rows_of(axis, turns, unit).items()
+    ]
+    return make_dataclass("LimitsOfAxes", fields, frozen=True)
 
 
 @dataclass(frozen=True)
-class MobileBaseSettings:
+class MobileBaseSettings(_limits_of_axes()):
     """Parameters of the node."""
 
     robot_description: str = parameter(
@@ -185,46 +208,6 @@ class MobileBaseSettings:
     initial_wheel_position: float = parameter(
         0.0, "At which the simulated wheels begin", -1e6, 1e6, "rad"
     )
-    linear__x__has_velocity_limits: bool = _switch("linear.x", "velocity")
-    linear__x__has_acceleration_limits: bool = _switch("linear.x", "acceleration")
-    linear__x__has_jerk_limits: bool = _switch("linear.x", "jerk")
-    linear__x__max_velocity: float = _bound("linear.x", "Largest velocity (m/s)")
-    linear__x__min_velocity: float = _bound("linear.x", "Least velocity, at most 0 (m/s)")
-    linear__x__max_acceleration: float = _bound("linear.x", "Acceleration (m/s^2)")
-    linear__x__max_deceleration: float = _bound("linear.x", "Deceleration, below 0 (m/s^2)")
-    linear__x__max_acceleration_reverse: float = _bound(
-        "linear.x", "Acceleration backward, below 0 (m/s^2)"
-    )
-    linear__x__max_deceleration_reverse: float = _bound("linear.x", "Deceleration backward (m/s^2)")
-    linear__x__max_jerk: float = _bound("linear.x", "Jerk (m/s^3)")
-    linear__x__min_jerk: float = _bound("linear.x", "Jerk, below 0 (m/s^3)")
-    linear__y__max_velocity: float = _bound("linear.y", "Largest velocity (m/s)")
-    linear__y__min_velocity: float = _bound("linear.y", "Least velocity, at most 0 (m/s)")
-    linear__y__max_acceleration: float = _bound("linear.y", "Acceleration (m/s^2)")
-    linear__y__max_deceleration: float = _bound("linear.y", "Deceleration, below 0 (m/s^2)")
-    linear__y__max_acceleration_reverse: float = _bound(
-        "linear.y", "Acceleration to the right, below 0 (m/s^2)"
-    )
-    linear__y__max_deceleration_reverse: float = _bound(
-        "linear.y", "Deceleration to the right (m/s^2)"
-    )
-    linear__y__max_jerk: float = _bound("linear.y", "Jerk (m/s^3)")
-    linear__y__min_jerk: float = _bound("linear.y", "Jerk, below 0 (m/s^3)")
-    angular__z__has_velocity_limits: bool = _switch("angular.z", "velocity")
-    angular__z__has_acceleration_limits: bool = _switch("angular.z", "acceleration")
-    angular__z__has_jerk_limits: bool = _switch("angular.z", "jerk")
-    angular__z__max_velocity: float = _bound("angular.z", "Largest velocity (rad/s)")
-    angular__z__min_velocity: float = _bound("angular.z", "Least velocity, at most 0 (rad/s)")
-    angular__z__max_acceleration: float = _bound("angular.z", "Acceleration (rad/s^2)")
-    angular__z__max_deceleration: float = _bound("angular.z", "Deceleration, below 0 (rad/s^2)")
-    angular__z__max_acceleration_reverse: float = _bound(
-        "angular.z", "Acceleration clockwise, below 0 (rad/s^2)"
-    )
-    angular__z__max_deceleration_reverse: float = _bound(
-        "angular.z", "Deceleration clockwise (rad/s^2)"
-    )
-    angular__z__max_jerk: float = _bound("angular.z", "Jerk (rad/s^3)")
-    angular__z__min_jerk: float = _bound("angular.z", "Jerk, below 0 (rad/s^3)")
 
 
 def check_settings(settings: MobileBaseSettings) -> None:

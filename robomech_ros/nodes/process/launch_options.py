@@ -31,44 +31,9 @@ _SIMULATOR = "joint_trajectory_controller"
 class LaunchOptions:
     """Options of `robomech bringup`; every node gets the same ROS arguments from them.
 
-    Parameters
-    ----------
-    robot : str, optional
-        Name, or path of a URDF or YAML file; empty: the nodes wait for the topic.
-    base_link, tip_link : str, optional
-        Ends of the chain; empty for the defaults of the robot.
-    srdf : str, optional
-        Path of an SRDF; empty: the nodes listen to the topic.
-    group : str, optional
-        The group whose chain is meant.
-    namespace : str, optional
-        Of all nodes.
-    frame_prefix : str, optional
-        What the names of frames begin with; default the namespace and a slash, if there is one.
-    rate : float, optional
-        Of joint_states (Hz).
-    joint_limits : str, optional
-        Path of a YAML file.
-    dynamic : bool, optional
-        Whether drives move the simulated robot.
-    params_files : tuple of str, optional
-        Paths of YAML files with parameters.
-    auto_execute : bool, optional
-        Whether plans are executed as they are made.
-    servo : bool, optional
-        Whether the servo is one of the nodes.
-    calibration : bool, optional
-        Whether the node that calibrates sensors is one of the nodes.
-    view : bool, optional
-        Whether the browser view is one of the nodes.
-    view_port : int, optional
-        Of its page; default the node's own.
-    view_host : str, optional
-        Address that its page listens on; default the node's own.
-    kind : str, optional
-        Of a robot that is no arm, see ``KIND_NODES``; empty for arms and parallel robots.
-    ros_args : tuple of str, optional
-        Other ROS arguments for every node; parameters among them replace those of the options.
+    Fields have the names and the meaning of the options.  Empty, or None, is an option that is not
+    given; `servo` is the opposite of ``--no-servo``, and `kind` that of a robot that is no arm, by
+    ``KIND_NODES``.
     """
 
     robot: str = ""

@@ -30,7 +30,7 @@ from rclpy.utilities import remove_ros_args
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.middleware.parameter_requests import guard_parameter_services
-from robomech_ros.nodes.process.compiler_pages import release_compiler_pages
+from robomech_ros.nodes.process.clean_pages import release_clean_pages
 from robomech_ros.nodes.process.memory import bound_memory, give_back_regularly
 from robomech_ros.nodes.process.namesakes import watch_for_namesakes
 from robomech_ros.nodes.process.simulated_clock import watch_for_simulated_time
@@ -193,7 +193,7 @@ def run_nodes(factories: Sequence[Callable[[], Node]], args: Sequence[str] | Non
         return _end(nodes, _start_failed(program, error))
     watch_for_namesakes(nodes)
     watch_for_simulated_time(nodes)
-    release_compiler_pages()
+    release_clean_pages()
     give_back_regularly()
     # What there is by now stays: to look through it for garbage is a pause for nothing.
     gc.freeze()

@@ -8,7 +8,7 @@ itself import next to nothing.
 import gc
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from importlib import import_module
 from typing import NoReturn
@@ -56,61 +56,6 @@ def main(args: Sequence[str] | None = None) -> NoReturn:
     _run(argv[0] if argv else "", argv)
 
 
-def kinematics_node() -> NoReturn:
-    """Run the node kinematics, and end the process."""
-    _run("kinematics", sys.argv)
-
-
-def dynamics_node() -> NoReturn:
-    """Run the node dynamics, and end the process."""
-    _run("dynamics", sys.argv)
-
-
-def trajectory_planner_node() -> NoReturn:
-    """Run the node trajectory_planner, and end the process."""
-    _run("trajectory_planner", sys.argv)
-
-
-def trajectory_publisher_node() -> NoReturn:
-    """Run the node trajectory_publisher, and end the process."""
-    _run("trajectory_publisher", sys.argv)
-
-
-def joint_state_simulator_node() -> NoReturn:
-    """Run the node joint_trajectory_controller, and end the process."""
-    _run("joint_trajectory_controller", sys.argv)
-
-
-def servo_node() -> NoReturn:
-    """Run the node servo, and end the process."""
-    _run("servo", sys.argv)
-
-
-def calibration_node() -> NoReturn:
-    """Run the node calibration, and end the process."""
-    _run("calibration", sys.argv)
-
-
-def rvs_node() -> NoReturn:
-    """Run the node rvs, and end the process."""
-    _run("rvs", sys.argv)
-
-
-def mobile_base_node() -> NoReturn:
-    """Run the node mobile_base, and end the process."""
-    _run("mobile_base", sys.argv)
-
-
-def grasping_node() -> NoReturn:
-    """Run the node grasping, and end the process."""
-    _run("grasping", sys.argv)
-
-
-def walker_node() -> NoReturn:
-    """Run the node walker, and end the process."""
-    _run("walker", sys.argv)
-
-
 def _run(node: str, argv: Sequence[str]) -> NoReturn:
     leave_on_signals()
     # The linear algebra of NumPy and SciPy would reserve 80 MB for each processor; our matrices
@@ -133,6 +78,23 @@ def _run(node: str, argv: Sequence[str]) -> NoReturn:
     # the node's own end, and waits for threads of the middleware.
     os._exit(code)
 
+
+def _entry(node: str) -> Callable[[], NoReturn]:
+    """Make what runs a node by the arguments of the process, and ends the process."""
+    return lambda: _run(node, sys.argv)
+
+
+kinematics_node = _entry("kinematics")
+dynamics_node = _entry("dynamics")
+trajectory_planner_node = _entry("trajectory_planner")
+trajectory_publisher_node = _entry("trajectory_publisher")
+joint_state_simulator_node = _entry("joint_trajectory_controller")
+servo_node = _entry("servo")
+calibration_node = _entry("calibration")
+rvs_node = _entry("rvs")
+mobile_base_node = _entry("mobile_base")
+grasping_node = _entry("grasping")
+walker_node = _entry("walker")
 
 if __name__ == "__main__":
     main()

@@ -31,7 +31,7 @@ from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.moveit.add_services import add_cartesian_path_service
-from robomech_ros.nodes.process.compiler_pages import release_compiler_pages
+from robomech_ros.nodes.process.clean_pages import release_clean_pages
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.trajectory_planner.cartesian_messages import (
     encode_path_plan,
@@ -123,7 +123,7 @@ class TrajectoryPlannerNode(Node):
             # 20 MB and a third of a second to load.
             self._worker.begin(partial(self._plan_once, profile, profile != "cubic_spline"))
         self._worker.begin(self._motions.warm_up)
-        self._worker.begin(release_compiler_pages)
+        self._worker.begin(release_clean_pages)
 
     def _plan_once(self, profile: str, via: bool = True) -> None:
         """Plan, also through a via point if wanted, so that the next request finds all loaded."""
