@@ -17,7 +17,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import llvmlite.binding
+import llvmlite
 import numba
 import numpy
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
@@ -75,29 +75,7 @@ class KernelCache(FunctionCache):
         found = super().load_overload(sig, target_context)
         if found is None:
             _log_compilation()
-        else:
-            self._drop_bitcode(found.library, sig, target_context)
         return found
-
-    def _drop_bitcode(self, library: Any, sig: Any, target_context: Any) -> None:
-        """Read the bitcode of a loaded kernel only where another function links it.
-
-        Numba parses and keeps it beside the machine code: 14 MB of a node's memory.
-        """
-        bitcode = getattr(library, "_shared_module", None)
-        if bitcode is None:
-            return
-
-        def read() -> Any:
-            library._shared_module = None
-            del library._get_module_for_linking
-            data = self._cache_file.load(self._index_key(sig, target_context.codegen()))
-            library._shared_module = llvmlite.binding.parse_bitcode(data[0][2][1])
-            return library._shared_module
-
-        library._get_module_for_linking = read
-        library._shared_module = None
-        bitcode.close()
 
 
 @functools.lru_cache(maxsize=1)

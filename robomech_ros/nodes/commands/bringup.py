@@ -143,7 +143,9 @@ def run(args: argparse.Namespace) -> int:
 
 def launch_options(args: argparse.Namespace) -> LaunchOptions:
     """Pick what the nodes are started with."""
-    given = {row.name: getattr(args, row.name, None) for row in fields(LaunchOptions)}
+    given: dict[str, Any] = {
+        row.name: getattr(args, row.name, None) for row in fields(LaunchOptions)
+    }
     kind = kind_of(args.robot)
     given |= {
         "params_files": tuple(args.params_file),

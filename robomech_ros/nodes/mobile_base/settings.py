@@ -68,8 +68,11 @@ def _limits_of_axes() -> Any:
     return make_dataclass("LimitsOfAxes", fields, frozen=True)
 
 
+_LimitsOfAxes: Any = _limits_of_axes()
+
+
 @dataclass(frozen=True)
-class MobileBaseSettings(_limits_of_axes()):
+class MobileBaseSettings(_LimitsOfAxes):
     """Parameters of the node."""
 
     robot_description: str = parameter(
