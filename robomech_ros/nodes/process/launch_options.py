@@ -109,8 +109,6 @@ class LaunchOptions:
             if value:
                 # Quoted: YAML would read a robot called 7 as a number.
                 result += ["-p", f"{name}:={json.dumps(value)}"]
-        if "trajectory_planner" in self.nodes:
-            result += ["-p", "trajectory_planner:assume_limits:=true"]
         if self.joint_limits:
             path = json.dumps(_absolute(self.joint_limits))
             result += ["-p", f"trajectory_planner:joint_limits:={path}"]
@@ -135,7 +133,11 @@ class LaunchOptions:
         own = KIND_NODES.get(self.kind)
         variant = own.variant(self._robot()) if own and own.variant and self.robot else ""
         return {
-            node: [*config_file(node), *(config_file(f"{node}.{variant}") if variant else ())]
+            node: [
+                *config_file(node),
+                *config_file(f"{node}.bringup"),
+                *(config_file(f"{node}.{variant}") if variant else ()),
+            ]
             for node in self.nodes
         }
 

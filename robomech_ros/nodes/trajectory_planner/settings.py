@@ -24,7 +24,7 @@ class PlannerSettings(StateSettings):
     assume_limits: bool = parameter(
         False,
         "Whether limits of acceleration and jerk that nobody gives are assumed: full speed in "
-        "0.25 s, full acceleration in 0.1 s; bringup sets it",
+        "0.25 s, full acceleration in 0.1 s; bringup sets it, in trajectory_planner.bringup.yaml",
     )
     sample_period: float = parameter(
         0.01,

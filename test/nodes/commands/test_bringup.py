@@ -73,6 +73,15 @@ def test_plans_move_the_robot_only_where_that_is_asked_for():
     assert [node for node, command in asked.items() if given in command] == ["trajectory_publisher"]
 
 
+def test_bringup_assumes_limits_unless_it_is_told_otherwise():
+    file = str(CONFIG / "trajectory_planner.bringup.yaml")
+    every = commands("--robot", "ur5e", "--params-file", "own.yaml")
+    assert [node for node, command in every.items() if file in command] == ["trajectory_planner"]
+    # What a user gives comes later, and counts.
+    planner = every["trajectory_planner"]
+    assert planner.index(file) < planner.index("own.yaml")
+
+
 def test_the_servo_may_be_left_out():
     every, without = set(commands("--robot", "scara")), set(commands("--no-servo"))
     assert every - without == {"servo"} and every == OF_ARMS - {"calibration", "rvs"}
