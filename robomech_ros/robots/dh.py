@@ -130,6 +130,7 @@ def chain_from_dh(
         dh_given=table,
         bodies=_in_joint_frames(bodies, links),
         drives=checked_entries("drives", () if drives is None else drives, Drive, n),
+        coupling=None,
         **limit_arrays(limits, n),
     )
 

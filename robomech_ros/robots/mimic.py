@@ -71,8 +71,9 @@ class Coupling:
 
     def first(self, count: int) -> "Coupling":
         """Give the coupling of the first joints of the chain."""
-        rows = (self.types, self.drive, self.gain, self.offset)
-        return Coupling(self.joint_names[:count], *(row[:count] for row in rows))
+        types, drive = self.types[:count], self.drive[:count]
+        gain, offset = self.gain[:count], self.offset[:count]
+        return Coupling(self.joint_names[:count], types, drive, gain, offset)
 
     def columns(self, types: NDArray[np.int64]) -> Array:
         """Give what the kernels read of it (m + 1, 4), for drives of these types (n,)."""

@@ -3,9 +3,8 @@
 The rows of their arrays are those of :mod:`.layout`; others are left as they are.
 """
 
-from robomech_ros._kernels.chain.layout import COUPLING_WIDTH, PACKED_WIDTH
+from robomech_ros._kernels.chain.layout import COUPLING_WIDTH, MODEL_WIDTH, PACKED_WIDTH
 from robomech_ros._kernels.compiling.jit import lean
-from robomech_ros._kernels.dynamics.layout import MODEL_WIDTH
 
 __all__ = [
     "collect",

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from robomech_ros._kernels.chain.coupling import collect, collect_columns, expand, is_coupled
+from robomech_ros._kernels.chain.layout import MOST_JOINTS
 from robomech_ros._kernels.chain.serial import NOT_FINITE, OK, jacobian_body, joint_jacobian
 from robomech_ros._kernels.compiling.jit import (
     IN1,
@@ -24,7 +25,6 @@ from robomech_ros._kernels.compiling.jit import (
     lean_part,
     scratch,
 )
-from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
 
 __all__ = ["chain_gradient", "gradient_body", "jacobian_rate", "jacobian_rate_one", "rate_body"]
 

@@ -6,10 +6,22 @@ its value is: TURN, SLIDE, or ANGLE where a whole turn of it does not bring all 
 last row has the number n of drives in the place of the index.
 """
 
-__all__ = ["ANGLE", "COUPLING_WIDTH", "PACKED_WIDTH", "SLIDE", "TURN"]
+__all__ = [
+    "ANGLE",
+    "COUPLING_WIDTH",
+    "MODEL_WIDTH",
+    "MOST_JOINTS",
+    "PACKED_WIDTH",
+    "SLIDE",
+    "TURN",
+]
 
+# Of a plain chain, of one with bodies (``dynamics.layout``), and what a coupling adds to both.
 PACKED_WIDTH = 13
+MODEL_WIDTH = 24
 COUPLING_WIDTH = 4
+# The numbers of all joints stand on the stack, of which a thread may have half a megabyte.
+MOST_JOINTS = 100
 
 TURN = 0.0
 SLIDE = 1.0

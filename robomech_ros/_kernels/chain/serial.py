@@ -15,6 +15,7 @@ then NaN, the Jacobian undefined.
 import math
 
 from robomech_ros._kernels.chain.coupling import collect_columns, expand, is_coupled
+from robomech_ros._kernels.chain.layout import MOST_JOINTS
 from robomech_ros._kernels.compiling.jit import (
     IN1,
     IN2,
@@ -26,7 +27,6 @@ from robomech_ros._kernels.compiling.jit import (
     lean_part,
     scratch,
 )
-from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
 
 __all__ = [
     "NOT_FINITE",

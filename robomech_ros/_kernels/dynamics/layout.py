@@ -13,6 +13,8 @@ acceleration, the acceleration of its origin less gravity, and the wrench [n; f]
 tip, at the tip's origin.
 """
 
+from robomech_ros._kernels.chain.layout import MODEL_WIDTH, MOST_JOINTS
+
 __all__ = [
     "LINEAR_ACCELERATION",
     "MASS",
@@ -23,13 +25,9 @@ __all__ = [
     "TIP_WRENCH",
 ]
 
-MODEL_WIDTH = 24
 MASS = 13
 ROTOR = 23
 
 SURROUNDINGS = 15
 LINEAR_ACCELERATION = 6
 TIP_WRENCH = 9
-
-# Their numbers stand on the stack, of which a thread may have half a megabyte.
-MOST_JOINTS = 100

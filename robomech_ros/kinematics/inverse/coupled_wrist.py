@@ -185,7 +185,7 @@ def _drive_angles(wrist: CoupledWrist, cosine: float) -> list[float] | None:
     degree = sum(map(abs, wrist.gains))
     count = 2 * degree + 1
     angles = 2.0 * math.pi * np.arange(count) / count
-    middle = np.outer(angles, wrist.gains)
+    middle = np.outer(angles, wrist.gains).tolist()
     values = [between_axes(wrist.turns, pair)[2, 2] for pair in middle]
     coefficients = np.roll(np.fft.fft(values) / count, degree)
     coefficients[degree] -= cosine

@@ -59,6 +59,9 @@ def inverse_kinematics(
     Where an arm of fewer joints cannot take a pose, as is the rule, ``nearest`` is the posture that
     misses it least.
 
+    Of a chain on which joints follow others, q are the drives. It gets all its solutions where
+    parallel axes, or a hollow wrist, leave an arm with a closed form; else they are searched.
+
     A redundant arm gets samples of its self-motion, in closed form for each value of its redundancy
     parameter. With seven joints the first is the nearest to the seed on all branches that cross a
     sample, which are traced; with more, the nearest that steps lead to. What is left, redundant partial tasks and chains with

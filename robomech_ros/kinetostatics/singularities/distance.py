@@ -143,8 +143,7 @@ def _derivatives(chain: SerialChain, q: Array, scale: Array) -> Array:
     linear = np.where(own, np.cross(a[:, :, None], p[:, None]), np.cross(a[:, None], p[:, :, None]))
     # The joint that moves comes first here, and the components last.
     derivatives: Array = np.swapaxes(np.concatenate((angular, linear), axis=3), 2, 3)
-    if chain.coupling is None:
-        return derivatives
-    A = chain.coupling.matrix
-    turned: Array = np.einsum("ka,mkrc,cb->marb", A, derivatives, A)
-    return turned
+    if chain.coupling is not None:
+        A = chain.coupling.matrix
+        derivatives = np.einsum("ka,mkrc,cb->marb", A, derivatives, A)
+    return derivatives

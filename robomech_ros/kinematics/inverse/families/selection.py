@@ -40,7 +40,7 @@ class Family:
     ----------
     name : str
         ``"decoupled"``, ``"three-parallel"``, ``"general-6r"``, ``"general-6"``, ``"redundant"``,
-        ``"short"`` or ``"iterative"``.
+        ``"short"``, ``"coupled"`` or ``"iterative"``.
     number : int
         The family in the kernels, BACKWARDS added where the data is that of the inverse motion.
     data : ndarray
