@@ -46,7 +46,7 @@ def test_an_ellipsoid_of_what_is_none_is_refused(page, commander, value):
     send_value(commander, control(page, "velocity ellipsoid")._impl.uuid, True)
     send_value(commander, control(page, "ellipsoids of")._impl.uuid, value)
     alive(page, commander)
-    assert understand(page)._switches.part == "translation"
+    assert understand(page)._kept["part"] == "translation"
     wait_until(lambda: "velocity" in understand(page)._nodes)
     node = understand(page)._nodes["velocity"]
     wait_until(lambda: np.allclose(node.position, page._arm.tip[:3, 3], atol=1e-6))

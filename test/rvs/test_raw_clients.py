@@ -56,9 +56,13 @@ def test_a_gizmo_of_the_commander_moves_the_arm(page, commander):
     from robomech_ros.rvs.page.robot_nodes import placed
 
     place = placed(T)
+    hint = page._panel._hint
+    assert hint.visible and "drag" in hint.text
     commander.send(PACK(grip(owner)))
     commander.send(PACK(gizmo(place["position"].tolist(), place["wxyz"].tolist(), owner)))
     wait_until(lambda: np.allclose(arm.tip, T, atol=1e-6))
+    # Who has dragged it knows.
+    assert not hint.visible
     assert inside_limits(page)
 
 

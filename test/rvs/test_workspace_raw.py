@@ -79,8 +79,8 @@ def mapped(page, commander):
     """A page of a UR5e with a coarse map."""
     switch_on(page, commander, "reach map")
     send_value(commander, known(page, "points"), "coarse")
-    wait_until(lambda: layer(page)._switches.reach_map)
-    wait_until(lambda: layer(page)._switches.density == "coarse")
+    wait_until(lambda: layer(page)._on["reach_map"])
+    wait_until(lambda: layer(page)._chosen.density == "coarse")
     press(page, commander, "Compute the map")
     wait_until(lambda: layer(page)._shown is not None)
     return page, commander
@@ -169,7 +169,7 @@ def test_a_map_is_cancelled_and_one_of_another_robot_forgotten():
         wait_until(lambda: page._panel is not None)
         switch_on(page, connection, "reach map")
         send_value(connection, known(page, "points"), "fine")
-        wait_until(lambda: layer(page)._switches.density == "fine")
+        wait_until(lambda: layer(page)._chosen.density == "fine")
         press(page, connection, "Compute the map")
         wait_until(lambda: " points ..." in layer(page)._legend.content)
         press(page, connection, "Cancel")
@@ -182,4 +182,4 @@ def test_a_map_is_cancelled_and_one_of_another_robot_forgotten():
         wait_until(lambda: layer(page) not in (None, first))
         wait_until(lambda: first._mapper._closing and not first._mapper._thread.is_alive())
         assert first._map is None and layer(page)._map is None
-        assert layer(page)._switches.reach_map and inside_limits(page)
+        assert layer(page)._on["reach_map"] and inside_limits(page)

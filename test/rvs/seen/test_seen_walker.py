@@ -244,7 +244,7 @@ def test_commands_that_are_none_are_refused(walked, value):
     send_value(connection, found["turn"]._impl.uuid, 0.1)
     wait_until(lambda: walker.command[0] == 0.1)
     assert walker.command[1] == 0.0 and walker.stands and walker.gait == "tripod"
-    assert page._layers[1]._shown
+    assert page._layers[1]._switches["support polygon"]
 
 
 def test_the_gait_of_a_browser_is_taken_up_and_the_polygon_hidden(walked):
