@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.errors import BadValueError
 from robomech_ros.rvs.model.following_goal import FollowingGoal
 from robomech_ros.rvs.model.live_robot import LiveRobot, SeenMarker, ServoNews
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.page.live.live_controls import LiveControls
-from robomech_ros.rvs.page.live.news import News, Onlookers
+from robomech_ros.rvs.page.live.live_page import LivePage
 from robomech_ros.rvs.page.marker_nodes import MarkerNodes
 
 __all__ = ["LiveLayer"]
@@ -24,7 +23,7 @@ __all__ = ["LiveLayer"]
 Array = NDArray[np.float64]
 
 
-class LiveLayer:
+class LiveLayer(LivePage):
     """The robot on its page, as :class:`~robomech_ros.rvs.model.live_robot.LiveView`.
 
     Parameters
@@ -34,7 +33,9 @@ class LiveLayer:
     """
 
     def __init__(self, place: Place, robot: LiveRobot) -> None:
-        self._place, self._robot = place, robot
+        lines = ("servo", "dropped", "gripper")
+        super().__init__(place, robot, lines, "Stops whatever moves the robot; every browser may")
+        self._robot = robot
         self._nodes, self._goal_nodes = place.separate()
         self._goal_nodes.show(False)
         self._markers = MarkerNodes(place.server.scene, self._nodes.path)
@@ -43,26 +44,9 @@ class LiveLayer:
         self._behind = False
         self._names = place.moved.state_joints
         self._fingers: dict[str, float] = {}
-        self._onlookers = Onlookers()
         # How often Stop was clicked; what was asked before a click is not done after it.
         self._stops, self._stopping = 0, threading.Lock()
-        self._controls: LiveControls | None = None
         self._waiting, self._wants_markers = False, False
-        gui = place.server.gui
-        self._news = News(
-            gui, place.units, ("state", "servo", "jog", "result", "dropped", "gripper")
-        )
-        hint = "Stops whatever moves the robot; every browser may"
-        stop = gui.add_button("Stop", color="red", hint=hint, order=-0.15)
-
-        @stop.on_click
-        async def _(_: Any) -> None:
-            with self._stopping:
-                self._stops += 1
-                robot.stop()
-
-        place.server.on_client_connect(self._came)
-        place.server.on_client_disconnect(self._left)
         robot.begin(self)
 
     # Of the page, on its thread.
@@ -74,7 +58,7 @@ class LiveLayer:
 
     def controls(self, client: Any) -> LiveControls:
         """Give the browser that commands its controls."""
-        self._controls = LiveControls(
+        controls = self._controls = LiveControls(
             client,
             self._place.jogged,
             self._robot,
@@ -82,11 +66,12 @@ class LiveLayer:
             waiting=self._waiting,
             markers=self._wants_markers,
         )
-        return self._controls
+        return controls
 
-    def close(self) -> None:
-        """End what is jogged."""
-        self._robot.let_go()
+    def _stop(self) -> None:
+        with self._stopping:
+            self._stops += 1
+            self._robot.stop()
 
     # Of the controls.
 
@@ -130,10 +115,6 @@ class LiveLayer:
         self._wants_markers = wanted
         self._robot.want_markers(wanted)
 
-    def refuse(self, error: BadValueError) -> None:
-        """Say that something was refused."""
-        self.show_result(f"Refused: {error}", failed=True)
-
     def _follow(self) -> None:
         """Put the goal where the robot is, at the limits where that is outside."""
         q = self._goal.followed()
@@ -141,19 +122,7 @@ class LiveLayer:
             self._place.moved.follow(q)
             self._goal.put(self._place.moved.q, followed=True)
 
-    async def _came(self, client: Any) -> None:
-        self._onlookers.came(client.client_id)
-
-    async def _left(self, client: Any) -> None:
-        self._onlookers.left(client.client_id)
-        if self._controls is not None and self._controls.client_id == client.client_id:
-            self._robot.let_go()
-
     # Of the robot, on any thread.
-
-    def wait_until_seen(self, seconds: float) -> bool:
-        """Wait until somebody looks, at most so long; says whether somebody does."""
-        return self._onlookers.wait(seconds)
 
     def show_joints(self, positions: Mapping[str, float]) -> None:
         """Draw the robot with its joints there (rad or m, by name)."""
@@ -176,7 +145,7 @@ class LiveLayer:
 
     def show_state(self, text: str) -> None:
         """Say what is wrong with the joint states; empty for nothing."""
-        self._news.say("state", text)
+        super().show_state(text)
         if text:
             # Where the robot is, nobody knows: the goal is all that there is.
             self._leave_behind(False)
@@ -188,19 +157,11 @@ class LiveLayer:
             text = f"at {100.0 * news.scale:.0f} % of the speed: {text}"
         self._news.say("servo", f"Servo: {text}" if text else "")
 
-    def show_result(self, text: str, *, failed: bool = False) -> None:
-        """Say what came of a request."""
-        self._news.say("result", text, failed)
-
     def show_gripper(self, text: str, *, failed: bool = False) -> None:
         """Say what the gripper does, or why it does not."""
         self._news.say("gripper", text, failed)
         # Its slider goes to where it is.
         self._place.ask("gripper", lambda: None)
-
-    def show_jog(self, text: str) -> None:
-        """Say why a jog has ended, or does not begin; empty for nothing."""
-        self._news.say("jog", text)
 
     def show_plan(self, motion: Motion) -> None:
         """Show a planned motion."""

@@ -9,6 +9,7 @@ from typing import Any
 
 from robomech_ros.rvs.model.planning import WAYS
 from robomech_ros.rvs.model.player import FASTEST, SLOWEST
+from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.units import Units
 from robomech_ros.trajectory import PROFILES
 
@@ -37,8 +38,8 @@ class MotionControls:
     """
 
     def __init__(self, client: Any, units: Units, layer: Any, curves: Sequence[str]) -> None:
-        self._layer, self._gui, self._units, self._gone = layer, client.gui, units, False
-        self._folder = client.gui.add_folder("Motion", order=40, expand_by_default=False)
+        self._layer, self._gui = layer, client.gui
+        self._folder = Folder(client.gui, units, "Motion", 40)
         with self._folder:
             self._add_planning()
             self._add_playing()
@@ -51,23 +52,17 @@ class MotionControls:
 
     def _on(self, handle: Any, kind: object, request: Callable[[Any], None]) -> None:
         """Have a request done with the value to which the page changes a control."""
+        self._folder.listen(handle, lambda value: self._layer.ask(kind, partial(request, value)))
 
-        @handle.on_update
-        async def _(event: Any) -> None:
-            if event.client is not None:
-                self._layer.ask(kind, partial(request, handle.value))
-
-    def _on_click(self, button: Any, request: Callable[[], None]) -> None:
-        @button.on_click
-        async def _(_: Any) -> None:
-            self._layer.ask(button.label, request)
+    def _button(self, label: str, request: Callable[[], None], hint: str | None = None) -> Any:
+        return self._folder.button(label, lambda: self._layer.ask(label, request), hint)
 
     def _add_planning(self) -> None:
         gui, layer = self._gui, self._layer
-        self._status = self._units.html(gui)
+        self._status = self._folder.text()
         for label, which in ((START, "start"), (GOAL, "goal")):
-            button = gui.add_button(label, hint=f"The present posture is the {which} of a plan")
-            self._on_click(button, partial(layer.remember, which))
+            hint = f"The present posture is the {which} of a plan"
+            self._button(label, partial(layer.remember, which), hint)
         way = gui.add_dropdown("Way", WAYS, initial_value=layer.way)
         profile = gui.add_dropdown("Profile", tuple(PROFILES), initial_value=layer.profile)
         self._on(way, "way", lambda value: layer.choose_plan(value, layer.profile))
@@ -78,8 +73,7 @@ class MotionControls:
         self._time = gui.add_slider("Time", 0.0, 1.0, STEP, 0.0, hint="s")
         self._time.precision = DECIMALS
         self._on(self._time, "seek", layer.seek)
-        self._play = gui.add_button("Play")
-        self._on_click(self._play, layer.play_or_pause)
+        self._play = self._button("Play", layer.play_or_pause)
         hint = "Times as fast as planned"
         speed = gui.add_slider("Speed", SLOWEST, FASTEST, SPEED_STEP, layer.player.speed, hint=hint)
         self._on(speed, "speed", layer.player.set_speed)
@@ -95,8 +89,7 @@ class MotionControls:
         self._on(drawn, "curves", layer.choose_curves)
         sweep = gui.add_checkbox("sweep of ghosts", layer.sweep)
         self._on(sweep, "sweep", self._sweep)
-        forget = gui.add_button("Forget the plan")
-        self._on_click(forget, layer.forget)
+        self._button("Forget the plan", layer.forget)
 
     def _sweep(self, shown: object) -> None:
         self._layer.sweep = bool(shown)
@@ -108,7 +101,7 @@ class MotionControls:
 
     def load(self) -> None:
         """Show another plan."""
-        if self._gone:
+        if self._folder.removed:
             return
         duration = self._layer.player.duration
         there = duration > 0.0
@@ -119,7 +112,7 @@ class MotionControls:
     def update(self, *, keep_time: bool = False) -> None:
         """Show where the player is; the slider of the time is left where it is if it asked."""
         layer = self._layer
-        if self._gone:
+        if self._folder.removed:
             return
         if not keep_time and self._time.value != layer.player.time:
             self._time.value = layer.player.time
@@ -131,5 +124,4 @@ class MotionControls:
 
     def remove(self) -> None:
         """Take the controls from the browser."""
-        self._gone = True
         self._folder.remove()

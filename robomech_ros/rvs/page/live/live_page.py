@@ -1,0 +1,114 @@
+"""The page of a robot that runs: its messages, its button Stop, and the browsers that show it."""
+
+from __future__ import annotations
+
+import html
+import threading
+from collections.abc import Sequence
+from typing import Any
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.tables import STYLE, WARN
+from robomech_ros.rvs.page.units import Units
+
+__all__ = ["LivePage", "News"]
+
+
+class News:
+    """Messages on top of the panel, which every browser sees; for any thread.
+
+    Parameters
+    ----------
+    gui : viser.GuiApi
+        Of all browsers.
+    units : Units
+    lines : sequence of str
+        Their names, from above; also attributes, as ``data-state``.
+    """
+
+    def __init__(self, gui: Any, units: Units, lines: Sequence[str]) -> None:
+        self._html = units.html(gui, order=-0.2)
+        self._speaking = threading.Lock()
+        self._lines = dict.fromkeys(lines, "")
+
+    def say(self, line: str, text: str, failed: bool = True) -> None:
+        """Write a line; an empty text takes it away."""
+        with self._speaking:
+            row = f'<div style="{WARN if failed else ""}" data-{line}>{html.escape(text)}</div>'
+            row = row if text else ""
+            if self._lines[line] == row:
+                return
+            self._lines[line] = row
+            rows = "".join(self._lines.values())
+            self._html.content = f'<div style="{STYLE}" data-live>{rows}</div>' if rows else ""
+
+
+class LivePage:
+    """What pages of all robots that run have.
+
+    Parameters
+    ----------
+    place : Place
+    robot : LiveRobot or LiveMover
+        ``begin`` is to be called at the end of the construction.
+    lines : sequence of str
+        Names of messages beside "state", "jog" and "result".
+    stop_hint : str
+    """
+
+    def __init__(self, place: Place, robot: Any, lines: Sequence[str], stop_hint: str) -> None:
+        self._place, self._running = place, robot
+        # The controls of the browser that commands.
+        self._controls: Any = None
+        self._somebody, self._clients = threading.Event(), set[int]()
+        gui = place.server.gui
+        self._news = News(gui, place.units, ("state", *lines, "jog", "result"))
+        stop = gui.add_button("Stop", color="red", hint=stop_hint, order=-0.15)
+
+        @stop.on_click
+        async def _(_: Any) -> None:
+            self._stop()
+
+        place.server.on_client_connect(self._came)
+        place.server.on_client_disconnect(self._left)
+
+    def close(self) -> None:
+        """End what is jogged."""
+        self._running.let_go()
+
+    def refuse(self, error: BadValueError) -> None:
+        """Say that something was refused."""
+        self.show_result(f"Refused: {error}", failed=True)
+
+    def _stop(self) -> None:
+        self._running.stop()
+
+    async def _came(self, client: Any) -> None:
+        self._clients.add(client.client_id)
+        self._somebody.set()
+
+    async def _left(self, client: Any) -> None:
+        self._clients.discard(client.client_id)
+        if not self._clients:
+            self._somebody.clear()
+        if self._controls is not None and self._controls.client_id == client.client_id:
+            self._running.let_go()
+
+    # Of the robot, on any thread.
+
+    def wait_until_seen(self, seconds: float) -> bool:
+        """Wait until somebody looks, but no longer; return whether somebody does."""
+        return self._somebody.wait(seconds)
+
+    def show_state(self, text: str) -> None:
+        """Say what is wrong with the state of the robot; empty for nothing."""
+        self._news.say("state", text)
+
+    def show_result(self, text: str, *, failed: bool = False) -> None:
+        """Say what came of a request."""
+        self._news.say("result", text, failed)
+
+    def show_jog(self, text: str) -> None:
+        """Say why a jog has ended, or does not begin; empty for nothing."""
+        self._news.say("jog", text)
