@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 # Points nearer to each other than this (of the size; m) are one.
 _SAME, _LEAST = 1e-9, 1e-12
 # Best ratio of singular values over many poses, below which a platform is architecturally
-# singular: it is about the deviation, over the size, from one that is.  From 5e-5 on poses are found.
+# singular: it is about the deviation, over the size, from one that is, and from 5e-5 on solved.
 SINGULAR_ARCHITECTURE = 3e-5
 _POSES_TRIED = 64
 # A turn that makes no anchor lie along an axis, so that pivots vanish for no pose people choose.

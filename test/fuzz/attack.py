@@ -186,7 +186,10 @@ class Attack:
         self._executor.spin_once(seconds)
 
     def _spin(self, most: int) -> None:
-        self._executor.spin_once(0.0)
+        # With another timeout the executor begins anew, with topics: on a busy machine these come
+        # so fast that it would never get to the answers.
+        if most:
+            self._executor.spin_once(0.0)
         while (count := len(self._waiting)) > most:
             self._executor.spin_once(0.01)
             # What is here already is not late, however long this process was held up.
