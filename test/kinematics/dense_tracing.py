@@ -9,8 +9,9 @@ from robomech_ros.kinetostatics import jacobian
 
 __all__ = ["dense_branches", "nearest_of"]
 
-# Length of a step (rad, of the joint that moves most) and how many there are to each side of a
-# start; values of the parameter and random starts that give the starts, and how far these are apart.
+# Length of a step (rad, of the joint that moves most), and how many there are to each side of a
+# start.  Values of the parameter and random starts that give the starts, and how far apart these
+# are.
 _STEP, _STEPS = 0.04, 70
 _VALUES, _STARTS, _APART = 24, 60, 0.1
 # Postures near the least that are looked at closer, in rounds with a finer grid each.

@@ -92,7 +92,7 @@ def _entered(data, packed, T, found, q, errors, count):
 
 @inline
 def _leave_exact(q, errors, count):
-    """Drop postures that only come near to the pose, if others take it; return how many are left."""
+    """Drop what only comes near to the pose, if others take it; return how many are left."""
     least = math.inf
     for k in range(count):
         least = min(least, errors[k])

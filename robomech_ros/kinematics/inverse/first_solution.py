@@ -63,7 +63,7 @@ def first_solution(
     usual = {"respect_limits": True, "include_windings": False, "metric": "linf"}
     ranking = (options.get(name, usual.get(name)) for name in _RANKING)
     request = with_task(
-        as_request(chain, seed, *ranking), *(options.get(name) for name in _TASK)
+        chain, as_request(chain, seed, *ranking), *(options.get(name) for name in _TASK)
     )._replace(include_windings=False, max_solutions=1)
     target = as_targets(as_target(T))[0]
     data, turned = task_data(

@@ -64,9 +64,11 @@ def inverse_kinematics(
 
     A redundant arm gets samples of its self-motion, in closed form for each value of its redundancy
     parameter. With seven joints the first is the nearest to the seed on all branches that cross a
-    sample, which are traced; with more, the nearest that steps lead to. What is left, redundant partial tasks and chains with
-    very special geometry, is searched iteratively, and tolerances that are looser than the default
-    are where no exact solution is found. ``complete`` is False for all of these.
+    sample, which are traced; with more, the nearest that steps lead to.
+
+    Redundant partial tasks and chains with very special geometry are searched iteratively, and so
+    are poses without a solution if tolerances are looser than the default. ``complete`` is False
+    for all of these.
 
     At a pose where joints can move while the tip stays, each branch is represented by one posture,
     with the free joint at the seed's value where that is possible, and the result is marked as a
@@ -148,7 +150,9 @@ def inverse_kinematics(
         or orientation_tolerance is not None
         or timeout is not None
     ):
-        request = with_task(chain, request, task_mask, position_tolerance, orientation_tolerance, timeout)
+        request = with_task(
+            chain, request, task_mask, position_tolerance, orientation_tolerance, timeout
+        )
     started = time.monotonic()
     family = family_of(chain)
     if family.lists_all and request.task == FULL_TASK:

@@ -166,7 +166,7 @@ class InverseKinematicsResult(Printed):
         return f"{len(self)} {noun} of {name}, {more} ({self.family}, {self.status.name})"
 
     def within(self, position: float, orientation: float) -> InverseKinematicsResult:
-        """Return the solutions with errors of at most ``position`` (m) and ``orientation`` (rad)."""
+        """Return the solutions with errors of at most ``position`` m and ``orientation`` rad."""
         good = (self.position_error <= position) & (self.orientation_error <= orientation)
         if good.all():
             return self

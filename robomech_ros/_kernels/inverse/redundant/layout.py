@@ -18,11 +18,13 @@ GENERAL = 5  # where their constants as a general arm stand, asked where their o
 # doubt; 0.0 where it never is
 SAMPLES = 6  # values of the redundancy parameter that are tried
 SIZE = 7  # length of the arm (m)
-ANGLE = 8  # where the constants of a LOCKED arm as an ARM_ANGLE one stand whose axes nearly meet in
-# two points, laid out as those of an arm of its own; 0.0 where it is no such arm
-# Where shoulder and wrist of a LOCKED arm are as near to each other, or as far, as its locked joint
-# brings them: the one beyond the six joints, in the base or, where joint 1 is locked, in the tip
-# frame (m); the direction of the other in the frame of the locked joint; and whether they are known.
+ANGLE = (
+    8  # where a LOCKED arm whose axes nearly meet in two points is laid out as an ARM_ANGLE one;
+)
+# 0.0 where it is no such arm
+# Of a LOCKED arm whose locked joint moves shoulder and wrist towards each other: the centre beyond
+# the six joints, in the base or, where joint 1 is locked, in the tip frame (m); the direction of
+# the other one in the frame of the locked joint; and 1.0 where they are known.
 CENTRE = 9
 TOWARDS = 12
 STRETCHED = 14

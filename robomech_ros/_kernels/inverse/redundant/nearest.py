@@ -7,6 +7,7 @@ far as the linearised distance asks, inside the joint limits.
 import math
 
 import numpy as np
+
 from robomech_ros._kernels.algebra.dense import cholesky_again, cholesky_solve
 from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, b1, f8, i8, lean, part, scratch

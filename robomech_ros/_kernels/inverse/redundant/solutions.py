@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numba import types
 
+from robomech_ros._kernels.algebra.angles import wrapped
 from robomech_ros._kernels.compiling.jit import (
     IN1,
     IN3,
@@ -104,59 +105,6 @@ def _is_inside(request, q):
 
 
 @lean
-def _take_samples(data, T, request, nearest, steps, bench, distance, starts):
-    """Enter the postures of samples among the ``starts``, in the windings nearest to the seed.
-
-    Where only the ``nearest`` is asked for, samples are left out that are farther from the seed
-    than the nearest posture known.  Returns how many starts there are, and the least distance of
-    one inside the limits.
-    """
-    turns, lower, upper, seed, metric, _ = request
-    q, branch, locked, best, _ = bench
-    count = ZERO
-    by_angle = data[at.KIND] == at.ARM_ANGLE
-    start = best if nearest and distance < math.inf else seed
-    angle = call_arm_angle(data, start) if by_angle else stretched(data, T)
-    if distance < math.inf:
-        count = insert(turns, best, _NAME, distance, count, starts)
-        if nearest and not by_angle and distance > small_distance(metric):
-            # A few samples within the distance to either side.
-            steps = max(steps, int(WITHIN * 2.0 * math.pi / distance) + 1)
-    for k in range(steps if by_angle or not data[at.ANGLE] * nearest > 0.0 else 0):
-        turn = _turn_of(k, steps)
-        away = abs(turn) / ANGLE_WITHIN
-        if not by_angle:
-            away = choose(data, lower, upper, seed, k, steps, locked)
-        if nearest and away >= distance:
-            continue
-        for i in range(sample(data, T, seed, angle, locked, turn, (q, branch))):
-            count, here = _enter(request, q[i], branch[i], count, starts)
-            distance = min(distance, here)
-    for k in range(2 if angle == angle and not by_angle else 0):
-        for i in range(7):
-            locked[i] = angle + k * math.pi
-        for i in range(sample(data, T, seed, angle, locked, 0.0, (q, branch))):
-            count, here = _enter(request, q[i], branch[i], count, starts)
-            distance = min(distance, here)
-    if data[at.ANGLE] > 0.0:
-        data = data[int(data[at.ANGLE]) :]
-        angle = call_arm_angle(data, start)
-        for k in range(steps):
-            turn = _turn_of(k, steps)
-            if distance < math.inf and abs(turn) >= ANGLE_WITHIN * distance:
-                continue
-            for i in range(sample(data, T, seed, angle, locked, turn, (q, branch))):
-                count, _ = _enter(request, q[i], INEXACT, count, starts)
-    return count, distance
-
-
-@lean
-def _turn_of(k, steps):
-    """Give how far (rad) the k-th of some evenly spread angles is from the first."""
-    return 2.0 * math.pi * ((k + 1) // 2) / steps * (1.0 if k % 2 == 1 else -1.0)
-
-
-@lean
 def _enter(request, q, name, count, starts):
     """Put a posture among the starts, in the winding nearest to the seed.
 
@@ -169,10 +117,71 @@ def _enter(request, q, name, count, starts):
     return count, here if _is_inside(request, q) else math.inf
 
 
+@lean
+def _take_samples(data, T, request, nearest, steps, bench, distance, starts):
+    """Enter the postures of samples among the ``starts``, in the windings nearest to the seed.
+
+    Where only the ``nearest`` is asked for, samples are left out that are farther from the seed
+    than the nearest posture known.  Returns how many starts there are, and the least distance of
+    one inside the limits.
+    """
+    turns, lower, upper, seed, metric, _ = request
+    q, branch, locked, best, _ = bench
+    count, known = ZERO, distance < math.inf
+    if known:
+        count = insert(turns, best, _NAME, distance, count, starts)
+    if data[at.KIND] == at.ARM_ANGLE or (data[at.ANGLE] > 0.0 and nearest):
+        return _take_angles(data, T, request, nearest, steps, bench, distance, starts, count)
+    within = distance if nearest else math.inf
+    if nearest and known and distance > small_distance(metric):
+        # A few samples within the distance to either side.
+        steps = max(steps, int(WITHIN * 2.0 * math.pi / distance) + 1)
+    towards = stretched(data, T)
+    for k in range(steps if math.isnan(towards) else steps + 2):
+        if k < steps:
+            away = choose(data, lower, upper, seed, k, steps, locked)
+        else:
+            joint = 6 if data[at.FIRST] == 0.0 else 0
+            locked[joint] = towards + math.pi * (k - steps)
+            away = abs(wrapped(locked[joint] - seed[joint]))
+        if away < within or k == 0:
+            for i in range(sample(data, T, seed, 0.0, locked, 0.0, (q, branch))):
+                count, here = _enter(request, q[i], branch[i], count, starts)
+                distance = min(distance, here)
+                within = min(within, distance) if nearest else within
+    if data[at.ANGLE] > 0.0:
+        return _take_angles(data, T, request, nearest, steps, bench, distance, starts, count)
+    return count, distance
+
+
+@lean
+def _take_angles(data, T, request, nearest, steps, bench, distance, starts, count):
+    """Enter the postures of samples of the arm angle among the ``starts``.
+
+    Those of an idealised arm are marked.  Returns how many starts there are, and the least distance
+    of one inside the limits.
+    """
+    _, _, _, seed, _, _ = request
+    q, branch, locked, best, _ = bench
+    idealised = data[at.KIND] != at.ARM_ANGLE
+    if idealised:
+        data = data[int(data[at.ANGLE]) :]
+    near = distance < math.inf and (nearest or idealised)
+    angle = call_arm_angle(data, best if near else seed)
+    for k in range(steps):
+        turn = 2.0 * math.pi * ((k + 1) // 2) / steps * (1.0 if k % 2 == 1 else -1.0)
+        if near and abs(turn) >= ANGLE_WITHIN * distance and k > 0:
+            continue
+        for i in range(sample(data, T, seed, angle, locked, turn, (q, branch))):
+            name = INEXACT if idealised else branch[i]
+            count, here = _enter(request, q[i], name, count, starts)
+            distance = distance if idealised else min(distance, here)
+    return count, distance
+
+
 @inline
 def _approach_first(packed, T, request, count, ranked):
-    """Move the first few ranked solutions along their self-motion; return how many there are then.
-    """
+    """Move the first few solutions along their self-motion; return how many there are then."""
     turns, lower, upper, seed, metric, bounded = request
     rows, names, distances = ranked
     n = seed.shape[0]
@@ -200,7 +209,7 @@ def _solve_pose(data, T, request, nearest, joints, bench, starts, ranked):
     :func:`.trace_nearest` has it, and ``bench`` has where they may be, and working space.
     """
     turns, lower, upper, seed, metric, bounded = request
-    q, branch, locked, best, traces = bench
+    _, _, locked, best, traces = bench
     n = seed.shape[0]
     packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
     distance = _approach_from_seed(packed, T, request, locked, best)

@@ -11,14 +11,25 @@ import numpy as np
 
 from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.chain.serial import jacobian_body
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, OUT2, b1, f8, i8, lean, part, scratch
+from robomech_ros._kernels.compiling.jit import (
+    IN1,
+    IN2,
+    OUT1,
+    OUT2,
+    b1,
+    f8,
+    i8,
+    lean,
+    part,
+    scratch,
+)
 from robomech_ros._kernels.inverse.polishing import largest_error, pose_difference
 from robomech_ros._kernels.inverse.ranking import LINF, distance_from, place
 from robomech_ros._kernels.inverse.redundant.nearest import (
     NEAREST_DAMPING,
     NEAREST_ERROR,
-    correct,
     best_step,
+    correct,
     direction_like,
     minimax,
 )
@@ -34,25 +45,27 @@ SMALL, SMALL_ROOT = 0.125, 0.25
 # Length of a step (of the joint that moves most, rad or m), the shortest, and how many there are to
 # each side at most.  A step is shortened where the direction turns by more than TRACE_BENT.
 TRACE_STEP = 0.25
-TRACE_SHORTEST = 0.01
-TRACE_STEPS = 160
+TRACE_SHORTEST = 1e-3
+TRACE_STEPS = 500
 TRACE_BENT = 0.3
 # A trace ends where the error of the pose (rad, m) is larger than this.
 TRACE_ERROR = 0.3
 # Steps that are kept, to see where a curve has been followed already: within so much (rad or m).
-TRACES = 1024
+# Whether it closes is seen by those on the first CLOSING of it, at twice that and beyond.
+TRACES = 2048
 TRACE_NEAR = 0.02
-CLOSING = 4
-# Parts of a step in which it counts as straight, how much nearer than that the curve may come, how
-# far beyond limits it may be, and what is this near to the nearest posture known leads there.
+CLOSING = 0.5
+# A step is divided in so many parts that count as straight.  The curve may be nearer than these by
+# OFF, they may be beyond limits by OUTSIDE, and what is within AGAIN of the nearest posture known
+# leads there (rad or m).  The curve is no longer than so many times its chord.
 TRACE_PARTS = 8
 TRACE_OFF = 5e-3
 TRACE_OUTSIDE = 2e-3
-TRACE_AGAIN = 0.01
+TRACE_AGAIN = 3e-3
 CHORD = 1.3
-# Steps towards a least distance: the first, the longest, by how much they grow, the shortest between
-# two of which the least lies (rad or m), and how many there are at most.  A part of one is no
-# smaller than the edge.
+# Steps towards a least distance: the first, the longest, by how much they grow, the shortest one in
+# which the least lies (rad or m), and how many there are at most.  A part of one is no smaller than
+# the edge.
 SETTLE_STEP = 0.01
 SETTLE_MOST = 0.1
 SETTLE_GROWTH = 2.0
@@ -227,7 +240,7 @@ def _settle(packed, T, request, bench, g, q):
     _copy(a, q)
     for _ in range(FINISH_STEPS):
         error = _step(packed, T, 1.0, bench, g, q)
-        value, slope, joint = _measured(request, q, g)
+        value, slope, _ = _measured(request, q, g)
         if value >= OUTSIDE and abs(slope) > SETTLE_EDGE:
             # Rounding has moved it off the limit.
             for i in range(7):
@@ -294,7 +307,7 @@ def _nearest_between(request, ends, best, found):
     p, move, here = scratch(7), scratch(7), scratch(7)
     length = _reach(ends)
     _copy(ends[0], p)
-    least, before = math.inf, distance_from(p, seed, metric)
+    least = math.inf
     for k in range(1, TRACE_PARTS + 1):
         _on_cubic(ends, length, k / TRACE_PARTS, here)
         for i in range(7):
@@ -342,23 +355,46 @@ def _is_known(known, count, q):
 
 
 @lean
+def _settled(packed, T, request, bench, found, g, distance, best):
+    """Settle ``found`` (7,), where the self-motion goes along g (7,), and keep it if it is nearer.
+
+    Returns the least distance; the posture at that distance is ``best`` (7,) then.
+    """
+    along = scratch(7)
+    _copy(g, along)
+    settled = _settle(packed, T, request, bench, along, found)
+    if settled < distance:
+        _copy(found, best)
+    return min(settled, distance)
+
+
+@lean
+def _improve(packed, T, request, bench, q, g, distance, best):
+    """Settle a posture q (7,) that is as near as the ``best`` one, if it has not settled."""
+    _, _, _, seed, metric, _ = request
+    found = scratch(7)
+    s = best_step(request, q, g, SETTLE_STEP)
+    for i in range(7):
+        found[i] = q[i] + s * g[i]
+    if distance_from(found, seed, metric) < distance - NEARER_BY:
+        distance = _settled(packed, T, request, bench, found, g, distance, best)
+    return distance
+
+
+@lean
 def _look_between(packed, T, request, bench, ends, distance, best):
     """Settle the nearest posture between two, if it may be nearer than the ``best`` one (7,).
 
     Returns the least distance; the posture at that distance is ``best`` then.
     """
     _, _, _, seed, metric, _ = request
-    found, along = scratch(7), scratch(7)
+    found = scratch(7)
     # On the way it is nearer than both by half of its length at most.
     between = distance_from(ends[0], seed, metric) + distance_from(ends[2], seed, metric)
     if between - CHORD * distance_from(ends[0], ends[2], metric) > 2.0 * distance:
         return distance
     if _nearest_between(request, ends, best, found) < distance + TRACE_OFF:
-        _copy(ends[3], along)
-        settled = _settle(packed, T, request, bench, along, found)
-        if settled < distance:
-            distance = settled
-            _copy(found, best)
+        distance = _settled(packed, T, request, bench, found, ends[3], distance, best)
     return distance
 
 
@@ -408,6 +444,7 @@ def _trace_from(packed, T, request, bench, start, known, count, distance, best):
     """
     _, _, _, seed, metric, _ = request
     q, g, bent, first = scratch(7), scratch(7), scratch(7), count
+    closing = 1
     begin, ahead = scratch(7), scratch(7)
     _copy(start, begin)
     for i in range(7):
@@ -429,7 +466,7 @@ def _trace_from(packed, T, request, bench, start, known, count, distance, best):
         _copy(begin, q)
         for i in range(7):
             g[i], bent[i] = ahead[i] * (1.0 - 2.0 * side), 0.0
-        length = TRACE_STEP
+        length, gone = TRACE_STEP, 0.0
         for _ in range(TRACE_STEPS):
             if count + 2 > known.shape[0]:
                 break
@@ -442,10 +479,11 @@ def _trace_from(packed, T, request, bench, start, known, count, distance, best):
             for i in range(7):
                 bent[i] = 0.5 * (ends[3, i] - ends[1, i]) / length
             distance = _look_between(packed, T, request, bench, ends, distance, best)
-            # A step may go over the first one.
-            others = min(count - first, CLOSING) if count - first > CLOSING + 1 else 0
-            closed = _is_known(known[first:], others, ends[2])
+            closed = gone > 2.0 * CLOSING and _is_known(known[first:], closing, ends[2])
+            gone += length
             count += 1
+            if gone < CLOSING:
+                closing = count - first
             for i in range(7):
                 for row in range(4):
                     known[count, row, i] = ends[row, i]
@@ -460,24 +498,8 @@ def _trace_from(packed, T, request, bench, start, known, count, distance, best):
             if distance_from(q, seed, metric) > distance * BEYOND:
                 break
             if turned < 0.5 * TRACE_BENT:
-                length = min(TRACE_STEP, 1.5 * length)
+                length = min(TRACE_STEP, 2.0 * length)
     return count, distance
-
-
-@lean
-def _improve(packed, T, request, bench, q, g, distance, best):
-    """Settle a posture q (7,) that is as near as the ``best`` one, if it has not settled."""
-    _, _, _, seed, metric, _ = request
-    found, along = scratch(7), scratch(7)
-    s = best_step(request, q, g, SETTLE_STEP)
-    for i in range(7):
-        found[i], along[i] = q[i] + s * g[i], g[i]
-    if distance_from(found, seed, metric) < distance - NEARER_BY:
-        settled = _settle(packed, T, request, bench, along, found)
-        if settled < distance:
-            distance = settled
-            _copy(found, best)
-    return distance
 
 
 @part(f8(IN2, IN2, IN2, i8, b1, IN2, IN1, f8, OUT1, OUT2))

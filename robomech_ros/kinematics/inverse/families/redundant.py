@@ -120,7 +120,7 @@ def _locked(
 
 
 def _enter_stretched(chain: SerialChain, C: Array, data: Array) -> None:
-    """Lay out where the locked joint brings shoulder and wrist nearest, if three axes meet there."""
+    """Lay out what tells where the locked joint brings shoulder and wrist nearest."""
     if chain.n != 7 or chain.types.any():
         return
     locked_first = data[at.FIRST] == 1.0
