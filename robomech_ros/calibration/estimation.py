@@ -43,7 +43,7 @@ _refine = direct(refinement.refine)
 _distances = direct(refinement.distances)
 
 # Fewer leave too little to tell noises, or right samples from wrong ones.
-_LEAST_FOR_SHARE, _LEAST_FOR_OUTLIERS, _LEAST_TO_CONTRADICT = 8, 5, 4
+_LEAST_FOR_SHARE, _LEAST_FOR_OUTLIERS, _LEAST_TO_CONTRADICT = 5, 5, 4
 # Squared distance, of six normal numbers, that one sample in 400,000 exceeds.
 _OUTLYING = 36.0
 # The same before the noise is known, by medians.
@@ -58,7 +58,7 @@ _CHAOS = 0.3
 _WEAK = 5.0
 # So few samples may leave nothing of the positions to tell their noise by; it is then at least this
 # part of what the rotations' makes of the distance to the target, as with most cameras.
-_FEW, _USUAL = 4, 0.1
+_FEW, _USUAL = 7, 0.1
 # Fits farther apart than this (rad) are different ones, and so much (twice the logarithm of the
 # likelihood) the best must be more likely.
 _APART, _CLEARLY = 0.5, 20.0
@@ -260,9 +260,11 @@ def _refined(fit: _Fit, robust: bool) -> None:
     Directions are free or not as the noise of these has it.
     """
     _refined_as_free(fit, robust)
-    turns = float(fit.use @ errors_at(fit.A, fit.S, fit.at)[0])
-    freed = 3.0 * fit.use.sum() - 6.0
-    variance = max(turns / freed, _LEAST_VARIANCE, float(fit.noise[0]) if fit.known else 0.0)
+    errors = errors_at(fit.A, fit.S, fit.at)
+    variance = float(fit.use @ errors[0]) / (3.0 * fit.use.sum() - 6.0)
+    if not robust:
+        variance = min(variance, variances_of(errors)[0])
+    variance = max(variance, _LEAST_VARIANCE, float(fit.noise[0]) if fit.known else 0.0)
     before = fit.freedom.is_axis
     fit.freedom = freedom_of(fit.A, fit.S, fit.use, fit.at, variance)
     if fit.freedom.is_axis and not before:
@@ -340,13 +342,19 @@ def _check_convention(fit: _Fit, other: _Fit | None, mount: str, robust: bool) -
     if other is None:
         return
     reach = reach_of(fit.S)
-    before = misfit(errors_at(fit.A, fit.S, fit.at), reach)
-    if misfit(other.start.errors, reach) > before + _WORSE:
+    start, least = misfit(other.start.errors, reach), _misfit(fit, reach)
+    if start > least + _WORSE:
         return
     _refined(other, robust)
-    gain = before - misfit(errors_at(other.A, other.S, other.at), reach)
+    gain = least - min(start, _misfit(other, reach))
     if gain > _BETTER:
         refuse_convention(mount, gain)
+
+
+def _misfit(fit: _Fit, reach: float) -> float:
+    """Misfit of a fit or of its start, which wrong samples cannot spoil, whichever is less."""
+    refined = misfit(errors_at(fit.A, fit.S, fit.at), reach)
+    return min(refined, misfit(fit.start.errors, reach))
 
 
 def _check_single(fit: _Fit) -> None:
@@ -391,9 +399,15 @@ def _left_out(fit: _Fit, wrong: NDArray[np.bool_]) -> bool:
 
 
 def _freedom(fit: _Fit) -> int:
-    """Residuals that are left over for one variance, fewer where the robot's share is another."""
-    left = 3 * int(fit.use.sum()) - 9
-    return max(left // 2 if fit.noise[2] > 0.0 else left, 1)
+    """Residuals left over for one variance, fewer where the robot's share takes some of them.
+
+    It takes less of few samples, whose positions are not believed to be better than usual.
+    """
+    n = int(fit.use.sum())
+    left = 3 * n - 9
+    if fit.noise[2] > 0.0:
+        left = 2 * left // 3 if n <= _FEW else left // 2
+    return max(left, 1)
 
 
 @lru_cache(maxsize=256)

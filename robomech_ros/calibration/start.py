@@ -125,27 +125,27 @@ def started(A: Array, S: Array, voters: Array, least: float = 0.0) -> Start:
     _, values, vectors = np.linalg.svd(square)
     space = top_vectors(values, vectors)
     found = space if len(space) == 1 else rotations_between(space)
-    tries = [_completed(A, S, voters, square, matrix, least) for matrix in found]
-    reach = float(voters @ (A[:, 9:] ** 2 + S[:, 9:] ** 2).sum(axis=1)) / (3.0 * voters.sum())
-    scale = np.array([1.0, 1.0 / (reach or 1.0)])
-    best, *others = sorted(tries, key=lambda one: float(scale @ one.errors @ voters))
-    best.others = [one.at for one in others]
-    return best
-
-
-def _completed(
-    A: Array, S: Array, voters: Array, square: Array, matrix: Array, least: float
-) -> Start:
-    at = np.zeros(24)
-    at[:9] = matrix.reshape(9)
-    _make_rotations(square, at)
-    _positions(A, S, voters.copy(), _ROUNDS, at)
+    ats = [_completed(A, S, voters, square, matrix) for matrix in found]
+    if len(ats) > 1:
+        reach = float(voters @ (A[:, 9:] ** 2 + S[:, 9:] ** 2).sum(axis=1)) / (3.0 * voters.sum())
+        scale = np.array([1.0, 1.0 / (reach or 1.0)])
+        ats.sort(key=lambda at: float(scale @ errors_at(A, S, at) @ voters))
+    at = ats[0]
     errors = errors_at(A, S, at)
     freedom = freedom_of(A, S, voters, at, max(variances_of(errors)[0], least))
     if freedom.is_axis:
         put_on_axis(A, S, voters, at, freedom)
         errors = errors_at(A, S, at)
-    return Start(at, [], errors, variances_of(errors), freedom)
+    return Start(at, ats[1:], errors, variances_of(errors), freedom)
+
+
+def _completed(A: Array, S: Array, voters: Array, square: Array, matrix: Array) -> Array:
+    """Complete X and Z (24) of a matrix near X's rotation."""
+    at = np.zeros(24)
+    at[:9] = matrix.reshape(9)
+    _make_rotations(square, at)
+    _positions(A, S, voters.copy(), _ROUNDS, at)
+    return at
 
 
 def put_on_axis(A: Array, S: Array, use: Array, at: Array, freedom: Freedom) -> None:

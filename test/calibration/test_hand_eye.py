@@ -1,8 +1,11 @@
 """Hand-eye calibration: golden data, noise, outliers, what cannot be found and what is wrong."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
-from hand_eye_cells import KINDS, samples
+from hand_eye_cells import KINDS, noisy, samples
 from scipy.stats import chi2
 
 from robomech_ros import spatial
@@ -14,9 +17,27 @@ from robomech_ros.calibration import (
     relative_hand_eye,
     robot_world,
 )
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.errors import (
+    BadValueError,
+    ContradictionError,
+    NonFiniteError,
+    UndeterminedError,
+    WrongSizeError,
+)
 
 CAMERA = np.radians(0.1), 0.5e-3
+DATA = Path(__file__).resolve().parents[1] / "data"
+
+
+@pytest.fixture
+def handeye_data():
+    """Read samples from the field: both lists of poses, and all of the file."""
+
+    def read(name):
+        data = json.loads((DATA / f"{name}.json").read_text("utf-8"))
+        return np.array(data["T_base_hand"]), np.array(data["T_sensor_target"]), data
+
+    return read
 
 
 def test_the_golden_motions(golden):
@@ -121,39 +142,82 @@ def test_wrong_positions_alone_are_named_too():
     assert hand_eye(A, S).outliers == (2, 7, 11)
 
 
-@pytest.mark.parametrize("mount", MOUNTS)
-@pytest.mark.parametrize("camera", [(0.0, 0.0), CAMERA], ids=["exact", "noisy"])
-def test_parallel_axes_are_refused_with_the_free_direction(mount, camera):
-    rng = np.random.default_rng(10)
-    e = np.array([0.6, 0.0, 0.8])
-    turns = spatial.matrix_from_axis_angle(np.tile(e, (10, 1)), rng.uniform(-1.5, 1.5, 10))
-    A = spatial.pose_from_matrix(turns, rng.normal(size=(10, 3)))
-    _, S, X, Z = samples(rng, 10, camera=camera)
+def degenerate(rng, n, kind, mount, *, robot=(0.0, 0.0), camera=(0.0, 0.0)):
+    """Samples without turns or about one axis, the true pose of the sensor, and the axis."""
+    axis = rng.normal(size=3)
+    axis /= np.linalg.norm(axis)
+    angles = rng.uniform(-1.5, 1.5, n) * (kind == "parallel axes")
+    turns = spatial.matrix_from_axis_angle(np.tile(axis, (n, 1)), angles)
+    A = spatial.pose_from_matrix(turns, rng.uniform(-0.5, 0.5, (n, 3)))
+    _, _, X, Z = samples(rng, 3)
     S = spatial.inverse_pose((spatial.inverse_pose(A) if mount == MOUNTS[1] else A) @ X) @ Z
-    frame = "base" if mount == MOUNTS[1] else "hand"
-    text = rf"parallel to \[0.6, 0.0, 0.8\].* along \[0.6, 0.0, 0.8\] of the {frame} frame is free"
-    with pytest.raises(BadValueError, match=text):
-        hand_eye(A, S, mount=mount)
+    return noisy(rng, A, *robot), noisy(rng, S, *camera), X, axis
 
 
-def test_parallel_axes_hidden_in_noise_of_both_are_refused_or_said_to_be_weak():
+@pytest.mark.parametrize("mount", MOUNTS)
+@pytest.mark.parametrize("given", [False, True], ids=["estimated", "given"])
+@pytest.mark.parametrize("camera", [(0.0, 0.0), CAMERA], ids=["robot", "robot and camera"])
+@pytest.mark.parametrize("rotation", [1e-5, 1e-4, 1e-3])
+@pytest.mark.filterwarnings("error")
+def test_noise_is_no_turn(rotation, camera, given, mount):
+    robot = rotation, rotation
+    noise = [*camera, *robot] if given else None
+    rng = np.random.default_rng(10)
+    for n in (4, 6, 12):
+        for _ in range(3):
+            A, S, _, _ = degenerate(rng, n, "translations", mount, robot=robot, camera=camera)
+            with pytest.raises(UndeterminedError, match="pure translations") as caught:
+                hand_eye(A, S, mount=mount, noise=noise)
+            assert np.array_equal(caught.value.free, np.eye(3))
+            A, S, X, axis = degenerate(rng, n, "parallel axes", mount, robot=robot, camera=camera)
+            found = hand_eye(A, S, mount=mount, noise=noise)
+            assert found.free_directions.shape == (1, 3)
+            np.testing.assert_allclose(np.abs(found.free_directions[0] @ axis), 1.0, atol=1e-4)
+            assert np.array_equal(found.weak_directions[0], found.free_directions[0])
+            error = spatial.pose_error(found.sensor, X)
+            assert error @ np.linalg.solve(found.covariance, error) < 3.0 * 12.59
+            along = found.free_directions[0]
+            assert abs(along @ found.sensor[:3, 3]) < 1e-3
+            # All but the position along the axis is as good as the noise, of 4 samples, too.
+            across = error[3:] - along * (along @ error[3:])
+            assert max(np.abs(error[:3]).max(), np.abs(across).max()) < 0.03
+
+
+@pytest.mark.parametrize("mount", MOUNTS)
+def test_five_of_six_numbers_are_found_about_parallel_axes(mount):
     rng = np.random.default_rng(11)
-    refused = 0
-    for _ in range(20):
-        turns = spatial.matrix_from_axis_angle(
-            np.tile([0.0, 0.0, 1.0], (20, 1)), rng.uniform(-1.5, 1.5, 20)
-        )
-        A = spatial.pose_from_matrix(turns, rng.normal(size=(20, 3)))
-        _, _, X, Z = samples(rng, 3)
-        S = spatial.inverse_pose(A @ X) @ Z
-        try:
-            found = hand_eye(_shaken(rng, A), _shaken(rng, S))
-        except BadValueError:
-            refused += 1
-        else:
-            np.testing.assert_allclose(np.abs(found.weak_directions[0]), [0, 0, 1], atol=0.05)
-            assert found.position_deviation > 0.02
-    assert refused
+    inside = 0
+    for _ in range(100):
+        A, S, X, axis = degenerate(rng, 15, "parallel axes", mount, robot=CAMERA, camera=CAMERA)
+        found = hand_eye(A, S, mount=mount)
+        assert abs(found.free_directions[0] @ axis) > 0.9999
+        error = spatial.pose_error(found.sensor, X)
+        across = np.linalg.svd(found.free_directions)[2][1:]
+        five = np.concatenate((error[:3], across @ error[3:]))
+        to_five = np.zeros((5, 6))
+        to_five[:3, :3], to_five[3:, 3:] = np.eye(3), across
+        covariance = to_five @ found.covariance @ to_five.T
+        inside += five @ np.linalg.solve(covariance, five) < chi2.ppf(0.95, 5)
+        assert found.position_deviation > 1.0
+    assert 88 <= inside <= 99
+
+
+def test_a_robot_of_four_axes(handeye_data):
+    A, S, data = handeye_data("handeye_scara")
+    found, truth = hand_eye(A, S), np.array(data["true_T_hand_sensor"])
+    np.testing.assert_allclose(found.free_directions, [[0.0, 0.0, 1.0]], atol=1e-6)
+    np.testing.assert_allclose(found.sensor[:3, :3], truth[:3, :3], atol=1e-7)
+    np.testing.assert_allclose(found.sensor[:3, 3], [*truth[:2, 3], 0.0], atol=1e-7)
+    # A tilted pose determines the sixth.
+    tilt = spatial.pose_exponential([0.3, 0.0, 0.0, 0.0, 0.0, 0.0])
+    Z = A[0] @ truth @ S[0]
+    A, S = (
+        np.append(A, (A[0] @ tilt)[None], 0),
+        np.append(S, (spatial.inverse_pose(A[0] @ tilt @ truth) @ Z)[None], 0),
+    )
+    found = hand_eye(A, S)
+    assert found.free_directions.shape == (0, 3)
+    np.testing.assert_allclose(found.sensor, truth, atol=1e-6)
 
 
 def _shaken(rng, poses):
@@ -191,6 +255,50 @@ def test_an_exchanged_mount_and_inverted_poses_are_said():
     both = hand_eye(back(A), back(S))
     np.testing.assert_allclose(both.sensor, Z, atol=5e-3)
     np.testing.assert_allclose(both.target, X, atol=5e-3)
+
+
+def views(rng, n, spread, mount):
+    """Views of a target from nearly the same distance: samples and the true sensor's pose."""
+    X = spatial.pose_exponential(np.append(0.5 * rng.normal(size=3), rng.uniform(-0.1, 0.1, 3)))
+    other = spatial.pose_exponential(np.append(rng.normal(size=3), rng.uniform(-0.5, 0.5, 3)))
+    around, tilt = rng.uniform(0.0, 2.0 * np.pi, n), 0.6 * np.sqrt(rng.uniform(0.0, 1.0, n))
+    vectors = np.stack((tilt * np.cos(around), tilt * np.sin(around), np.zeros(n)), axis=1)
+    T = spatial.pose_from_matrix(spatial.matrix_from_rotation_vector(vectors), np.zeros((n, 3)))
+    away = 0.45 * (1.0 + spread * rng.uniform(-1.0, 1.0, n))
+    T[:, :3, 3] = -away[:, None] * T[:, :3, 2] + 3e-3 * rng.normal(size=(n, 3))
+    S = spatial.inverse_pose(T)
+    if mount == MOUNTS[0]:
+        A, sensor = other @ T @ spatial.inverse_pose(X), X
+    else:
+        A, sensor = other @ S @ spatial.inverse_pose(X), other
+    return noisy(rng, A, 1e-4, 1e-4), noisy(rng, S, 1e-3, 3e-4), sensor
+
+
+@pytest.mark.parametrize("spread", [0.02, 0.05, 0.1])
+@pytest.mark.parametrize("mount", MOUNTS)
+def test_views_from_one_distance_tell_mount_and_inversions(mount, spread):
+    back, rng = spatial.inverse_pose, np.random.default_rng(14)
+    other = MOUNTS[1 - MOUNTS.index(mount)]
+    for n in [6, 10] * 5:
+        A, S, X = views(rng, n, spread, mount)
+        found = hand_eye(A, S, mount=mount)
+        assert np.abs(spatial.pose_error(found.sensor, X)).max() < 0.03
+        for robot, sensor, wrong in ((A, S, other), (back(A), S, mount), (A, back(S), mount)):
+            with pytest.raises(ContradictionError, match=f"mount is '{wrong}', expected"):
+                hand_eye(robot, sensor, mount=wrong)
+
+
+def test_views_in_the_field_tell_the_mount(handeye_data):
+    A, S, data = handeye_data("handeye_wrong_mount")
+    found = hand_eye(A, S, mount=data["true_mount"])
+    assert np.abs(spatial.pose_error(found.sensor, data["true_T_hand_sensor"])).max() < 2e-3
+    for robot, sensor, mount in (
+        (A, S, "eye-to-hand"),
+        (spatial.inverse_pose(A), S, "eye-in-hand"),
+        (A, spatial.inverse_pose(S), "eye-in-hand"),
+    ):
+        with pytest.raises(ContradictionError, match=f"mount is '{mount}', expected"):
+            hand_eye(robot, sensor, mount=mount)
 
 
 def test_order_and_duplicates_do_not_change_a_byte():

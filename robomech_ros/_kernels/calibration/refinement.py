@@ -168,6 +168,7 @@ def _shared(samples, at, noise, free, inverted, M, C):
     Gives twice the gain of the logarithm of the restricted likelihood over no share; where a small
     share gains nothing, no other is tried.
     """
+    noise[2] = 0.0
     plain = _fit(samples, at, noise, free, inverted, False, _BRIEF, M, C)
     best, middle = plain, 0.0
     kept, trial = scratch(24), scratch(3)
