@@ -62,9 +62,9 @@ _FEW, _USUAL = 7, 0.1
 # Fits farther apart than this (rad) are different ones, and so much (twice the logarithm of the
 # likelihood) the best must be more likely.
 _APART, _CLEARLY = 0.5, 20.0
-# A convention is wrong where another one's misfit is so much less, once both are refined, and
-# need not be refined where it is so much more.
-_BETTER, _WORSE = 1.5, 6.0
+# A convention is wrong where another one's misfit is less by the first over (n - 3), once both are
+# refined: by chance it is not.  The other need not be refined where its start's is so much more.
+_BETTER, _WORSE = 2.0, 6.0
 
 
 @dataclass(eq=False)
@@ -251,7 +251,9 @@ def _started(A: Array, S: Array, voters: Array, side: int, given: Array | None) 
     start = started(A, S, voters, 0.0 if given is None else float(given[0]))
     noise = np.array([*start.variances, 0.0]) if given is None else given.copy()
     use, known = np.ones(len(A)), given is not None
-    return _Fit(A, S, side, known, start, start.at.copy(), noise, use, np.zeros((12, 12)), start.freedom)
+    return _Fit(
+        A, S, side, known, start, start.at.copy(), noise, use, np.zeros((12, 12)), start.freedom
+    )
 
 
 def _refined(fit: _Fit, robust: bool) -> None:
@@ -289,7 +291,7 @@ def _refined_as_free(fit: _Fit, robust: bool) -> None:
         shared = not fit.known and bool(fit.use.sum() >= _LEAST_FOR_SHARE)
         fit.refine(fit.at, fit.noise, known=fit.known, shared=shared)
         wrong = fit.distances(fit.at) > _OUTLYING
-        if not wary or not wrong.any() and fit.use.all():
+        if not wary or not (wrong.any() or fit.use.min() < 1.0):
             break
         if not _left_out(fit, wrong & ~_missed_by_less(_EXACT, fit)):
             break
@@ -347,7 +349,7 @@ def _check_convention(fit: _Fit, other: _Fit | None, mount: str, robust: bool) -
         return
     _refined(other, robust)
     gain = least - min(start, _misfit(other, reach))
-    if gain > _BETTER:
+    if gain > _BETTER / (len(fit.A) - 3):
         refuse_convention(mount, gain)
 
 
@@ -406,7 +408,7 @@ def _freedom(fit: _Fit) -> int:
     n = int(fit.use.sum())
     left = 3 * n - 9
     if fit.noise[2] > 0.0:
-        left = 2 * left // 3 if n <= _FEW else left // 2
+        left = (3 * left + 3) // 4 if n <= _FEW else left // 2
     return max(left, 1)
 
 

@@ -88,14 +88,29 @@ class HandEyeResult(Printed):
         return tuple(int(i) for i in np.flatnonzero(~self.inlier))
 
     @property
+    def determined_covariance(self) -> Array:
+        """Covariance of the position (m^2), nothing along directions that are free, (3, 3)."""
+        kept = np.eye(3) - self.free_directions.T @ self.free_directions
+        return kept @ self.covariance[3:, 3:] @ kept
+
+    @property
     def rotation_deviation(self) -> float:
         """Standard deviation of the sensor's rotation about the worst axis (rad)."""
-        return float(np.sqrt(np.linalg.eigvalsh(self.covariance[:3, :3])[-1]))
+        return _largest_deviation(self.covariance[:3, :3])
 
     @property
     def position_deviation(self) -> float:
         """Standard deviation of the sensor's position along the worst direction (m)."""
-        return float(np.sqrt(np.linalg.eigvalsh(self.covariance[3:, 3:])[-1]))
+        return _largest_deviation(self.covariance[3:, 3:])
+
+    @property
+    def determined_deviation(self) -> float:
+        """Standard deviation of the position along the worst direction that is not free (m)."""
+        return _largest_deviation(self.determined_covariance)
+
+
+def _largest_deviation(covariance: Array) -> float:
+    return float(np.sqrt(np.linalg.eigvalsh(covariance)[-1]))
 
 
 def sensor_covariance(information: Array, sensor: Array) -> Array:

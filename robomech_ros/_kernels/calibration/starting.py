@@ -140,7 +140,9 @@ def common_turns(A, S, use, at, out):
                 P[j, k] = 0.0
                 for m in range(3):
                     turned = (
-                        at[3 * k] * S[i, m] + at[3 * k + 1] * S[i, 3 + m] + at[3 * k + 2] * S[i, 6 + m]
+                        at[3 * k] * S[i, m]
+                        + at[3 * k + 1] * S[i, 3 + m]
+                        + at[3 * k + 2] * S[i, 6 + m]
                     )
                     P[j, k] += at[12 + 3 * j + m] * turned
         for j in range(3):

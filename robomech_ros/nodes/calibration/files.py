@@ -165,6 +165,7 @@ def _full(solution: Solution, placed: Placed | None, name: str) -> dict[str, Any
             found.covariance[np.ix_(POSITION_FIRST, POSITION_FIRST)]
         ),
         "weak_directions": _rows(found.weak_directions),
+        "free_directions": _rows(found.free_directions),
         "position_noise": found.noise.position,
         "rotation_noise": found.noise.rotation,
         "robot_share": found.noise.robot_share,

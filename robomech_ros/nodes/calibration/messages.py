@@ -125,7 +125,9 @@ def encode_solution(solution: Solution, response: Any) -> None:
     response.position_residuals = floats(found.residuals[:, 1].copy())
     response.inlier = found.inlier.tolist()
     response.outliers = list(found.outliers)
-    response.weak_directions = [Vector3(x=x, y=y, z=z) for x, y, z in found.weak_directions]
+    for field in ("weak_directions", "free_directions"):
+        rows = getattr(found, field).tolist()
+        setattr(response, field, [Vector3(**dict(zip("xyz", row, strict=True))) for row in rows])
     response.position_noise, response.rotation_noise = found.noise.position, found.noise.rotation
     response.robot_share = found.noise.robot_share
     response.summary = _in_words(solution)
@@ -148,7 +150,7 @@ def _in_words(solution: Solution) -> str:
         f"{frames.sensor or 'the sensor'} in {solution.sensor_parent}: at "
         f"{_listed(found.sensor[:3, 3])} m, rotation vector {_listed(turn)} rad; {found.mount}, "
         f"{int(found.inlier.sum())} of {len(found.inlier)} samples",
-        f"known to {found.position_deviation:.3g} m and {found.rotation_deviation:.3g} rad (one "
+        f"known to {found.determined_deviation:.3g} m and {found.rotation_deviation:.3g} rad (one "
         f"deviation, worst direction); noise of the samples {found.noise.position:.3g} m and "
         f"{found.noise.rotation:.3g} rad",
     ]
@@ -159,7 +161,13 @@ def _in_words(solution: Solution) -> str:
         more = len(found.outliers) - _MOST_NAMED
         named += f" and {more} more" if more > 0 else ""
         lines.append(f"left out, since they contradict the others: samples {named}")
-    for axis in found.weak_directions:
+    free = len(found.free_directions)
+    for axis in found.weak_directions[:free]:
+        lines.append(
+            f"not determined along {_listed(axis)} of {solution.sensor_parent}, where it is taken "
+            "to be 0: all turns are about parallel axes. Measure it, or add a pose that is tilted"
+        )
+    for axis in found.weak_directions[free:]:
         lines.append(f"badly known along {_listed(axis)} of {solution.sensor_parent}")
     return "\n".join(lines)
 

@@ -61,6 +61,8 @@ def residual_ratios(result: HandEyeResult) -> Array:
 def position_half_axes(result: HandEyeResult) -> tuple[Array, Array]:
     """Give the ellipsoid that has the sensor's position with a probability of 95 %.
 
+    Directions that are free are left out of it.
+
     Parameters
     ----------
     result : HandEyeResult
@@ -72,7 +74,7 @@ def position_half_axes(result: HandEyeResult) -> tuple[Array, Array]:
     axes : ndarray, shape (3, 3)
         A rotation; its columns are their directions, in the frame of ``result.sensor``'s parent.
     """
-    values, axes = np.linalg.eigh(result.covariance[3:, 3:])
+    values, axes = np.linalg.eigh(result.determined_covariance)
     values, axes = np.maximum(values[::-1], 0.0), axes[:, ::-1].copy()
     axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])
     return np.sqrt(CHI_SQUARE_95 * values), axes
