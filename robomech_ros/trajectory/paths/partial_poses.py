@@ -52,11 +52,12 @@ def is_partial(arm: Tracked | None) -> TypeGuard[SerialArm]:
 @lru_cache(maxsize=16)
 def partial_rank(arm: SerialArm, joints: int) -> int:
     """Return how many of the held components an arm with n joints can move at the same time."""
-    ranks = [1]
+    rank = 1
     for q in np.random.default_rng(0).uniform(-1.0, 1.0, (_POSTURES, joints)):
         place = PoseSample(np.asarray(arm.forward(q), dtype=np.float64), np.zeros(6), np.zeros(6))
-        ranks.append(int(np.linalg.matrix_rank(_equations(arm, q, place)[:, :-1], rtol=_RANK)))
-    return max(ranks)
+        singular = np.linalg.svd(_equations(arm, q, place)[:, :-1], compute_uv=False)
+        rank = max(rank, int((singular > _RANK * singular[0]).sum()))
+    return rank
 
 
 def partial_deviation(arm: SerialArm, q: FloatArray, pose: FloatArray) -> FloatArray:

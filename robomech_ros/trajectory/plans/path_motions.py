@@ -147,7 +147,8 @@ def along_path(
 
     Examples
     --------
-    >>>     >>> import numpy as np
+    >>> from functools import partial
+    >>> import numpy as np
     >>> from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
     >>> from robomech_ros.kinetostatics import jacobian
     >>> from robomech_ros.robots import load_robot

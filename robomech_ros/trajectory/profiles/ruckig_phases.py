@@ -265,11 +265,11 @@ def failure(solver: Any, request: Any, motion: Any) -> str:
     motion : Trajectory
         Receives the motion.
     """
-    given = {name: getattr(request, name) for name in _TIED}
-    reason = ""
+    reason, given = "", dict[str, list[float]]()
     try:
         for name in ("", *_TIED):
             if name:
+                given[name] = getattr(request, name)
                 setattr(request, name, [limit * (1.0 - _TIE_BREAK) for limit in given[name]])
             try:
                 solver.calculate(request, motion)
@@ -280,8 +280,8 @@ def failure(solver: Any, request: Any, motion: Any) -> str:
     except ValueError:  # the binding has no name for this code
         return "too long"
     finally:
-        for name in _TIED:
-            setattr(request, name, given[name])
+        for name, limits in given.items():
+            setattr(request, name, limits)
     return reason.removeprefix("[ruckig]").strip()
 
 
