@@ -94,9 +94,7 @@ def plan_along(
     start : array_like, shape (n,)
         Joint values (rad or m) at the start of the path, or near: they choose the branch.
     task_mask : sequence of six bool, optional
-        Which of x, y, z, rx, ry, rz are held, along and about the axes of the path's pose, as for
-        `inverse_kinematics`; default (and all False) the full pose.  What is free is chosen for the
-        smallest motion of the joints, away from their limits.
+        Which of x, y, z, rx, ry, rz are held; see `follow_path`.
     bounds : PathBounds, optional
         Condition number, jumps and checks of the caller that end the path.
     limits : JointLimits, optional

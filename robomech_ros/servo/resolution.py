@@ -172,13 +172,7 @@ class TwistResolver:
         self.rank = min(generic_rank(chain), chain.n, 6)
 
     def hold(self, task_mask: Sequence[bool]) -> None:
-        """Hold some components of the tip's pose only, and let the others follow from the joints.
-
-        Parameters
-        ----------
-        task_mask : sequence of six bool
-            x, y, z, rx, ry, rz along and about the axes of the tip; all False for the full pose.
-        """
+        """Hold some components of the tip's pose only, as `Servo.hold` describes."""
         rows = held_rows("task_mask", task_mask)
         self._held = None if len(rows) in (0, 6) else np.isin(np.arange(6), rows).astype(np.float64)
         self.rank = min(generic_rank(self.chain), self.chain.n, 6)

@@ -100,20 +100,7 @@ def as_choice(what: str, value: object, known: Sequence[str]) -> str:
 
 
 def held_rows(what: str, mask: object) -> NDArray[np.int64]:
-    """Return the rows of a twist, angular first, that a task mask holds.
-
-    Parameters
-    ----------
-    what : str
-        Name of the mask in messages.
-    mask : sequence of six bool
-        x, y, z, rx, ry, rz.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Not six of True or False.
-    """
+    """Return the rows of a twist, angular first, that a task mask (x, y, z, rx, ry, rz) holds."""
     given = listed(what, mask, "six of True or False: x, y, z, rx, ry, rz")
     if len(given) != 6:
         raise WrongSizeError(what, len(given), "6: x, y, z, rx, ry, rz")

@@ -255,15 +255,8 @@ def _request(
 def failure(solver: Any, request: Any, motion: Any) -> str:
     """Run Ruckig on a request; return why it failed, or an empty text.
 
-    A refused request is repeated with slightly lower limits of jerk, acceleration and velocity.
-
-    Parameters
-    ----------
-    solver : Ruckig
-    request : InputParameter
-        Unchanged on return.
-    motion : Trajectory
-        Receives the motion.
+    A refused request is repeated with slightly lower limits of jerk, acceleration and velocity; on
+    return it is unchanged.
     """
     reason, given = "", dict[str, list[float]]()
     try:
