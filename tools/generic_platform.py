@@ -8,9 +8,10 @@ import json
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robomech_ros._kernels.parallel.projective import track
-from robomech_ros.parallel.study import parameters_of_pose, quadrics_of_platform
+from robomech_ros.parallel.study import quadrics_of_platform
 
 ROOT = Path(__file__).resolve().parent.parent
 GOLDEN = ROOT / "test" / "data" / "golden" / "sgp_dietmaier40.json"
@@ -37,6 +38,22 @@ _POSES = """
 LEGS = np.array(_LEGS.split(), np.float64).view(np.complex128).reshape(6, 7)
 POSES = np.array(_POSES.split(), np.float64).view(np.complex128).reshape(40, 8)
 '''
+
+
+def parameters_of_pose(rotation: NDArray, position: NDArray) -> NDArray:
+    """Give the Study parameters (8,) of a pose, of unit length."""
+    trace = float(np.trace(rotation))
+    table = np.empty((4, 4))
+    table[0, 0] = 1.0 + trace
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        table[0, 1 + i] = table[1 + i, 0] = rotation[k, j] - rotation[j, k]
+        table[1 + i, 1 + i] = 1.0 - trace + 2.0 * rotation[i, i]
+        table[1 + i, 1 + j] = table[1 + j, 1 + i] = rotation[i, j] + rotation[j, i]
+    e = table[np.argmax(np.diag(table))]
+    g = 0.5 * np.concatenate(([-position @ e[1:]], e[0] * position + np.cross(position, e[1:])))
+    x = np.concatenate((e, g))
+    return x / np.linalg.norm(x)
 
 
 def lines(rows):

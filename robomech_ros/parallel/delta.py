@@ -14,7 +14,7 @@ from robomech_ros.outcomes import Code
 from robomech_ros.parallel.arguments import actuated, angle_limits, positive, translation_only
 from robomech_ros.parallel.limbs import Limb, postures
 from robomech_ros.parallel.mechanism.delta_limbs import delta_limbs
-from robomech_ros.parallel.mechanism.limb import checked_drive_limits, with_drive_limits
+from robomech_ros.parallel.mechanism.limb import checked_drive_limits
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.mechanism.parts import Parts
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
@@ -103,17 +103,9 @@ class Delta:
     def mechanism(self) -> Mechanism:
         """All joints of the robot, passive ones included, in one model: three limbs R U U."""
         limbs = delta_limbs(self.name, self._geometry, self.azimuths, self.limits)
-        limbs = with_drive_limits(limbs, self.drive_limits)
         angles = np.linspace(self.limits.min(), self.limits.max(), _TRIED)
         poses = [self.direct(np.full(3, angle)).poses[:1] for angle in angles]
-        return Mechanism(
-            limbs,
-            name=self.name,
-            direct=self.direct,
-            home_poses=np.concatenate(poses),
-            parts=self.parts,
-            robot=self,
-        )
+        return Mechanism.of(self, limbs, np.concatenate(poses))
 
     def inverse(self, T: ArrayLike, *, seed: ArrayLike | None = None) -> LimbPostures:
         """Find all angles of the arms that hold the platform in a place: up to eight.

@@ -20,7 +20,7 @@ from robomech_ros.parallel.arguments import (
 )
 from robomech_ros.parallel.limbs import planar_limb, postures
 from robomech_ros.parallel.mechanism.home_poses import planar_homes
-from robomech_ros.parallel.mechanism.limb import checked_drive_limits, with_drive_limits
+from robomech_ros.parallel.mechanism.limb import checked_drive_limits
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.mechanism.parts import Parts
 from robomech_ros.parallel.mechanism.planar_limbs import folding_limbs, sliding_limbs
@@ -128,16 +128,7 @@ class Planar3RPR(_Planar):
         """All joints of the robot, passive ones included, in one model: three limbs R P R."""
         a, b = self.base_points, self.platform_points
         limbs = sliding_limbs(self.name, a, b, self.strokes)
-        limbs = with_drive_limits(limbs, self.drive_limits)
-        homes = planar_homes(a, b)
-        return Mechanism(
-            limbs,
-            name=self.name,
-            direct=self.direct,
-            home_poses=homes,
-            parts=self.parts,
-            robot=self,
-        )
+        return Mechanism.of(self, limbs, planar_homes(a, b))
 
     def inverse(self, T: ArrayLike) -> Array:
         """Find the leg lengths (3,) for a pose (m), also where they are outside the strokes.
@@ -241,16 +232,7 @@ class Planar3RRR(_Planar):
         """All joints of the robot, passive ones included, in one model: three limbs R R R."""
         a, b = self.base_points, self.platform_points
         limbs = folding_limbs(self.name, a, b, self.proximal, self.distal, self.limits)
-        limbs = with_drive_limits(limbs, self.drive_limits)
-        homes = planar_homes(a, b)
-        return Mechanism(
-            limbs,
-            name=self.name,
-            direct=self.direct,
-            home_poses=homes,
-            parts=self.parts,
-            robot=self,
-        )
+        return Mechanism.of(self, limbs, planar_homes(a, b))
 
     def inverse(self, T: ArrayLike, *, seed: ArrayLike | None = None) -> LimbPostures:
         """Find all angles of the driven joints that hold a pose: up to eight.

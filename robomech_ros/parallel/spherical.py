@@ -18,7 +18,7 @@ from robomech_ros.parallel.arguments import (
 )
 from robomech_ros.parallel.limbs import postures, turning_limb
 from robomech_ros.parallel.mechanism.home_poses import spherical_homes
-from robomech_ros.parallel.mechanism.limb import checked_drive_limits, with_drive_limits
+from robomech_ros.parallel.mechanism.limb import checked_drive_limits
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.mechanism.parts import Parts
 from robomech_ros.parallel.mechanism.spherical_limbs import spherical_limbs
@@ -112,15 +112,7 @@ class Spherical3RRR:
             self.distal,
             self.limits,
         )
-        limbs = with_drive_limits(limbs, self.drive_limits)
-        return Mechanism(
-            limbs,
-            name=self.name,
-            direct=self.direct,
-            home_poses=spherical_homes(),
-            parts=self.parts,
-            robot=self,
-        )
+        return Mechanism.of(self, limbs, spherical_homes())
 
     def inverse(self, T: ArrayLike, *, seed: ArrayLike | None = None) -> LimbPostures:
         """Find all angles of the drives that hold an orientation: up to eight.

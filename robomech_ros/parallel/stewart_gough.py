@@ -17,7 +17,7 @@ from robomech_ros.parallel.assembly_modes import CONTINUUM, assembly_modes
 from robomech_ros.parallel.joint_cones import checked_cones
 from robomech_ros.parallel.mechanism.home_poses import platform_home
 from robomech_ros.parallel.mechanism.legs import extending_legs
-from robomech_ros.parallel.mechanism.limb import checked_drive_limits, with_drive_limits
+from robomech_ros.parallel.mechanism.limb import checked_drive_limits
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.mechanism.parts import Parts
 from robomech_ros.parallel.platform_geometry import (
@@ -135,15 +135,7 @@ class StewartGough:
         )
         cones = self.base_cones, self.platform_cones
         legs = extending_legs(self.name, a, b, self.strokes, home, cones)
-        legs = with_drive_limits(legs, self.drive_limits)
-        return Mechanism(
-            legs,
-            name=self.name,
-            direct=self.direct,
-            home_poses=home[None],
-            parts=self.parts,
-            robot=self,
-        )
+        return Mechanism.of(self, legs, home[None])
 
     def inverse(self, T: ArrayLike) -> Array:
         r"""Find the leg lengths for a pose: :math:`L_i = |p + R b_i - a_i|`.
@@ -193,27 +185,16 @@ class StewartGough:
         return np.asarray(given - np.clip(given, self.strokes[:, 0], self.strokes[:, 1]))
 
     def cone_excess(self, T: ArrayLike) -> Array:
-        """Say by how much the joints at the ends of the legs bend beyond their cones in a pose.
+        """Say by how much joints at the ends of the legs bend beyond their cones: 0 inside.
 
-        Parameters
-        ----------
-        T : array_like, shape (..., 4, 4)
-            ``T_base_platform`` (m).
-
-        Returns
-        -------
-        ndarray, shape (..., 2, 6)
-            Of the joints on the base, and of those on the platform: rad, 0 inside the cones.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not poses.
+        See Also
+        --------
+        cone_margins : the same, negative inside; with the same arguments.
         """
         return np.maximum(self.cone_margins(T), 0.0)
 
     def cone_margins(self, T: ArrayLike) -> Array:
-        """Give the excess of cones with its sign.
+        """Say how far joints at the ends of the legs bend beyond their cones in poses.
 
         Parameters
         ----------
@@ -223,7 +204,7 @@ class StewartGough:
         Returns
         -------
         ndarray, shape (..., 2, 6)
-            As :meth:`cone_excess`, but negative inside (rad), -pi without a cone.
+            Of those on the base and on the platform: rad, negative inside, -pi without a cone.
 
         Raises
         ------

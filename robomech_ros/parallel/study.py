@@ -7,27 +7,10 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.parallel.quadrics import FORMS, STUDY
 
-__all__ = ["parameters_of_pose", "quadrics_between", "quadrics_of_platform", "still_finite"]
+__all__ = ["quadrics_between", "quadrics_of_platform", "still_finite"]
 
 # Smallest e . e, of |x|^2, of a pose without a regular end that is not on its way to infinity.
 _AT_INFINITY = 1e-5
-
-
-def parameters_of_pose(rotation: NDArray, position: NDArray) -> NDArray[np.float64]:
-    """Give the Study parameters (8,) of a pose, of unit length."""
-    trace = float(np.trace(rotation))
-    table = np.empty((4, 4))
-    table[0, 0] = 1.0 + trace
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        table[0, 1 + i] = table[1 + i, 0] = rotation[k, j] - rotation[j, k]
-        table[1 + i, 1 + i] = 1.0 - trace + 2.0 * rotation[i, i]
-        table[1 + i, 1 + j] = table[1 + j, 1 + i] = rotation[i, j] + rotation[j, i]
-    e = table[np.argmax(np.diag(table))]
-    g = 0.5 * np.concatenate(([-position @ e[1:]], e[0] * position + np.cross(position, e[1:])))
-    x = np.concatenate((e, g))
-    unit: NDArray[np.float64] = x / np.linalg.norm(x)
-    return unit
 
 
 def quadrics_of_platform(

@@ -12,7 +12,6 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.execution.controller.catching_up import Belt
 from robomech_ros.execution.controller.curve_motion import CurveMotion
 from robomech_ros.execution.controller.follower_settings import FollowerSettings
-from robomech_ros.execution.controller.saturation import saturation_text
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.controller.smoothing import braking_time
 from robomech_ros.execution.controller.strain import STREAM, strain_of
@@ -308,7 +307,7 @@ class Follower:
         goal, self.active, self.phase = self.active, None, Phase.HOLDING
         self.held_since = self.now
         if goal is not None:
-            limited = saturation_text(self.simulated_joints.at_limit, self.joints.names)
+            limited = self.simulated_joints.saturation(self.joints.names)
             text = "; ".join(part for part in (text, limited) if part)
             goal.finish(end, code, text, self.actual.position)
 

@@ -5,6 +5,7 @@ They may have faults.
 
 import math
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -219,6 +220,15 @@ class SimulatedJoints:
     def count_anew(self) -> None:
         """Forget how long drives were at their limits."""
         self.at_limit = np.zeros(len(self.at_limit))
+
+    def saturation(self, names: Sequence[str]) -> str:
+        """Name the drives (of joints of these names) that were at their limits; empty for none."""
+        each = [
+            f"joint '{name}' was at its effort limit for {time:.3g} s"
+            for name, time in zip(names, self.at_limit.tolist(), strict=True)
+            if time
+        ]
+        return ", ".join(each)
 
     def _drive(self, plant: Plant, before: State, command: State, span: float) -> None:
         held = None if self._faults is None else self._faults.stuck

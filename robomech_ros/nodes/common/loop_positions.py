@@ -131,14 +131,12 @@ class LoopPositions:
             return q
         if errors.max() > _OPEN:
             # What else is compiled for parallel robots is loaded where there is one.
-            from robomech_ros.parallel.mechanism.gaps import open_loops
-
             drives = ", ".join(mechanism.actuated)
             expected = (
                 f"loops closed to {_OPEN:g}; give the drives alone, {drives}, to have the other "
                 "joints found"
             )
-            raise open_loops(mechanism, q, f"{what}.position", expected)
+            raise mechanism.open_loops(q, f"{what}.position", expected)
         found = mechanism.close(q[mechanism.drive_index], q)
         if found.status != Code.NONE:
             text = f"{what}.position is too close to a singular posture for loops to be closed"

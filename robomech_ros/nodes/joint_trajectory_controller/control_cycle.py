@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 
 from rclpy.node import Node
 
-from robomech_ros.execution.controller.saturation import saturation_text
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.display.robot_display import RobotDisplay
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
@@ -108,8 +107,7 @@ class ControlCycle:
         """Log once in each motion that drives are at their limits."""
         limited = bool(self._robot.simulated_joints.at_limit.any())
         if limited and not self._limited:
-            robot = self._robot
-            saturation = saturation_text(robot.simulated_joints.at_limit, robot.joint_names)
+            saturation = self._robot.simulated_joints.saturation(self._robot.joint_names)
             text = f"the robot may not follow: {saturation} so far"
             self._log.warning(text)
         self._limited = limited

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.execution.controller.saturation import saturation_text
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.joints import Joints
 from robomech_ros.nodes.common.motion_clock import MotionClock
@@ -87,7 +86,7 @@ class SimulatedRobot(CommandedJoints):
 
     def saturation(self) -> str:
         """Say which drives were at their limits since the last motion began; empty for none."""
-        return saturation_text(self.simulated_joints.at_limit, self.joint_names)
+        return self.simulated_joints.saturation(self.joint_names)
 
     def carry(self, settings: ControllerSettings) -> None:
         """Have it carry the payload of these settings from now on."""

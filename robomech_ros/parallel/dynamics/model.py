@@ -13,7 +13,6 @@ from robomech_ros._kernels.dynamics.mass import totals
 from robomech_ros._kernels.loops.dynamics import NO_MASS, OPEN
 from robomech_ros.dynamics.model import body_rows
 from robomech_ros.errors import BadValueError, MissingInertiaError, SingularPostureError
-from robomech_ros.parallel.mechanism.gaps import open_loops
 from robomech_ros.parallel.mechanism.loops import refuse_status
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combined
@@ -112,7 +111,7 @@ def refuse(mechanism: Mechanism, status: int, q: Array, what: str = "q") -> None
         expected = "bodies or rotors that resist every motion, far from singular postures"
         raise BadValueError("least inertia of the robot", 0.0, expected)
     if status == OPEN:
-        raise open_loops(mechanism, q, what)
+        raise mechanism.open_loops(q, what)
     for k, posture in enumerate(q.reshape(-1, mechanism.n) if q.ndim > 1 else ()):
         try:
             mechanism.complement(posture)

@@ -30,7 +30,6 @@ from robomech_ros.parallel.dynamics.complement import (
 )
 from robomech_ros.parallel.dynamics.model import limb_totals, platform_body, refuse
 from robomech_ros.parallel.dynamics.servo import loop_servo, mode_postures
-from robomech_ros.parallel.mechanism.gaps import open_loops
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combined
 from robomech_ros.spatial.arrays import as_finite
@@ -158,7 +157,7 @@ class ParallelDynamics:
         with np.errstate(over="ignore", invalid="ignore"):
             errors = self.mechanism.loop_errors(given)
         if not (errors <= _OPEN * units).all():
-            raise open_loops(self.mechanism, given, what)
+            raise self.mechanism.open_loops(given, what)
         found = self.mechanism.close(given[self.drives_at], given)
         if found.status != Code.NONE:
             raise BadValueError(what, given.tolist(), f"closed loops; {found.reason}")

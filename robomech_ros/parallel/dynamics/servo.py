@@ -20,7 +20,6 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.posture_samples import spread_values
 from robomech_ros.parallel.dynamics.calls import loop_arguments
 from robomech_ros.parallel.dynamics.model import mechanism_model
-from robomech_ros.parallel.mechanism.mode import half_ways
 from robomech_ros.parallel.mechanism.model import Mechanism
 
 __all__ = ["loop_servo", "mode_postures"]
@@ -36,7 +35,7 @@ def mode_postures(mechanism: Mechanism, count: int) -> Array:
     drives = mechanism.drive_index
     limits = mechanism.lower[drives], mechanism.upper[drives]
     count = min(count, _MOST_POSTURES)
-    return half_ways(mechanism, spread_values(mechanism.types[drives], *limits, count))
+    return mechanism.half_ways(spread_values(mechanism.types[drives], *limits, count))
 
 
 def loop_servo(model: Mechanism, plant: Mechanism, law: ServoLaw) -> CompiledServo:

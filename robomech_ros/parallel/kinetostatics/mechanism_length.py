@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
 from robomech_ros.parallel.kinetostatics.limb_wrenches import Wrenches, limb_wrenches
 from robomech_ros.parallel.kinetostatics.square_systems import are_regular
-from robomech_ros.parallel.mechanism.mode import half_ways
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots.chain_layout import PRISMATIC
 
@@ -73,6 +72,6 @@ def _held_postures(mechanism: Mechanism) -> Array:
     low = np.where(np.isfinite(low), low, home[driven] - free)
     high = np.where(np.isfinite(high), high, home[driven] + free)
     parts = (0.5 + np.arange(_POSTURES)[:, None] * low_discrepancy_strides(len(driven))) % 1.0
-    q = np.vstack([home, half_ways(mechanism, low + parts * (high - low))])
+    q = np.vstack([home, mechanism.half_ways(low + parts * (high - low))])
     inside = ~(mechanism.limit_excess(q) > 0.0).any(axis=1)
     return q[inside] if inside.any() else q

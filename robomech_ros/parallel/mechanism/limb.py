@@ -121,16 +121,9 @@ class Limb:
         """The joints without a drive."""
         return tuple(name for name in self.chain.joint_names if name not in self.actuated)
 
-    def limit_margin(self, q: Array) -> Array:
-        """Say how far joints (..., n) are from their limits (rad or m), negative outside.
-
-        How far a joint may still bend in its cone is said of the first of its two joints.
-        """
-        return limit_margins(q, self.chain, *self.bent)
-
     def limit_excess(self, q: Array) -> Array:
         """Say by how much joints (..., n) are outside their limits (rad or m), 0 inside."""
-        return np.maximum(-self.limit_margin(q), 0.0)
+        return np.maximum(-limit_margins(q, self.chain, *self.bent), 0.0)
 
     def branches(self, T: Array, drives: Array | None = None) -> LimbBranches:
         """Find all joints of the limb for a pose (4, 4) of the platform (m).

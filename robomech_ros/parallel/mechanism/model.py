@@ -13,7 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.parallel.arguments import actuated as checked_drives
 from robomech_ros.parallel.arguments import platform_poses
-from robomech_ros.parallel.mechanism.limb import Limb, checked_limbs, limit_margins
+from robomech_ros.parallel.mechanism.limb import (
+    Limb,
+    checked_limbs,
+    limit_margins,
+    with_drive_limits,
+)
 from robomech_ros.parallel.mechanism.loops import Loops
 from robomech_ros.parallel.mechanism.mobility import check_drives
 from robomech_ros.parallel.mechanism.motion import LoopMotion
@@ -115,6 +120,13 @@ class Mechanism(LoopMotion):
         if direct is None:
             check_drives(chains, self.loops, self._home)
 
+    @classmethod
+    def of(cls, robot: Any, limbs: Sequence[Limb], home_poses: ArrayLike) -> Mechanism:
+        """Make the model of a robot with a closed form: its limbs, and where it may begin."""
+        limited = with_drive_limits(limbs, robot.drive_limits)
+        given = {"name": robot.name, "direct": robot.direct, "parts": robot.parts, "robot": robot}
+        return cls(limited, home_poses=home_poses, **given)
+
     lower: Array
     upper: Array
     velocity: Array
@@ -188,26 +200,11 @@ class Mechanism(LoopMotion):
         return limit_margins(self._all_joints("q", q), self, *self.bent)
 
     def limit_excess(self, q: ArrayLike) -> Array:
-        """Say by how much joints are outside their limits, cones of passive joints included.
-
-        Parameters
-        ----------
-        q : array_like, shape (..., n)
-            All joints (rad or m).
-
-        Returns
-        -------
-        ndarray, shape (..., n)
-            rad or m, 0 inside; what bends beyond a cone is said of the first of its two joints.
-
-        Raises
-        ------
-        WrongSizeError, NonFiniteError
-            Not n finite numbers.
+        """Say by how much joints are outside their limits and cones: 0 inside.
 
         See Also
         --------
-        limit_margin : negative there, and the distance inside.
+        limit_margin : negative there, and the distance inside; with the same arguments.
         """
         return np.maximum(-self.limit_margin(q), 0.0)
 
@@ -280,6 +277,20 @@ class Mechanism(LoopMotion):
             All joints (rad or m).
         """
         return self._home.copy()
+
+    def half_ways(self, ends: Array) -> Array:
+        """Return postures (k, n) half the ways from home to where the drives are at ends (k, m).
+
+        Where the mode ends on the first half, in a singular posture, half of the part before it.
+        """
+        start, rows = self._home[self.drive_index], []
+        for end in ends:
+            way = 0.5 * (end - start)
+            closed = self.close(start + way, self._home)
+            if closed.status:
+                closed = self.close(start + 0.5 * closed.part * way, self._home)
+            rows.append(closed.q)
+        return np.array(rows)
 
     @cached_property
     def _home(self) -> Array:

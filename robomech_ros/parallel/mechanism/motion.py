@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros.errors import OpenLoopsError
 from robomech_ros.parallel.arguments import actuated as checked_drives
 from robomech_ros.parallel.mechanism.loops import Loops
 from robomech_ros.parallel.mechanism.result import ClosedPosture
@@ -93,6 +94,26 @@ class LoopMotion:
         # Of a turn by an angle, the difference of the matrices has the norm 2 sqrt(2) sin(angle/2).
         chord = np.linalg.norm(away[..., :3, :3], axis=(-2, -1)) / np.sqrt(8.0)
         return np.stack((distance, 2.0 * np.arcsin(np.minimum(chord, 1.0))), axis=-1)
+
+    def open_loops(self, q: Array, what: str, expected: str = "closed loops") -> OpenLoopsError:
+        """Return the error that names the widest gap of postures, shape (..., n).
+
+        Parameters
+        ----------
+        q : ndarray, shape (..., n)
+            All joints (rad or m).
+        what : str
+            What they are; of several postures the error counts them from 0.
+        expected : str, optional
+            The words after "expected".
+        """
+        with np.errstate(over="ignore", invalid="ignore"):
+            errors = self.loop_errors(q)
+        widest = np.unravel_index(int(errors.max(axis=-1).argmax()), errors.shape[:-1])
+        *at, limb = (int(k) for k in widest)
+        distance, angle = errors[widest].tolist()
+        which = "".join(f"[{k}]" for k in at)
+        return OpenLoopsError(f"{what}{which}", limb + 1, distance, angle, expected)
 
     def close(self, actuated: ArrayLike, near: ArrayLike) -> ClosedPosture:
         """Find all joints for positions of the drives, in the assembly mode of a posture near by.

@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel.mechanism.gaps import open_loops
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.motion.singular_place import named_singularity, singular_values
 from robomech_ros.spatial.arrays import as_finite, real_number
@@ -144,7 +143,7 @@ def require_closed(mechanism: Mechanism, q: ArrayLike, what: str = "start") -> A
     if posture.shape != (mechanism.n,):
         raise WrongSizeError(what, posture.shape, (mechanism.n,))
     if mechanism.loop_errors(posture).max() > OPEN:
-        raise open_loops(mechanism, posture, what, f"loops closed to {OPEN:g}")
+        raise mechanism.open_loops(posture, what, f"loops closed to {OPEN:g}")
     return posture
 
 
