@@ -21,6 +21,8 @@ import numpy as np
 import rclpy
 from rclpy.node import Node
 
+from robomech_ros.nodes.process.run import Spinner
+
 # Defects in the log that are shown, and how much of each.
 _MOST, _SHOWN = 5, 3000
 HERE = Path(__file__).resolve().parent
@@ -86,7 +88,10 @@ def attack_suite(suite: RunningSuite, robot: KnownRobot, count: int, seed: int) 
     rclpy.init(args=[])
     node = Node("attacker")
     suite.wait_until_ready(node)
-    watch = Watch(node, robot)
+    # It has a thread of its own: answers must not keep it from states.
+    watcher = Node("watcher")
+    watch, spinner = Watch(watcher, robot), Spinner([watcher])
+    spinner.start()
     maker = MessageMaker(rng, robot)
     attack = Attack(node, list(suite.nodes), maker, rng, suite.alive, WITH_FAULTS)
     outputs = OutputWatch(node, suite.nodes)
@@ -102,6 +107,8 @@ def attack_suite(suite: RunningSuite, robot: KnownRobot, count: int, seed: int) 
         why = why_it_does_not_drive(attack.topics, outputs, attack.spin_once)
     elif suite.alive() and "trajectory_planner" in suite.nodes:
         why = why_it_does_not_move(attack.call, node, robot, "servo" in suite.nodes)
+    spinner.stop()
+    watcher.destroy_node()
     faults += outputs.faults + [one for one in (watch.fault, why) if one]
     report(attack.outcome, time.monotonic() - began)
     print(f"{outputs.seen} published messages looked at, of {len(outputs.latest)} topics")

@@ -59,7 +59,7 @@ class StateWatch:
         self.seen += 1
         order = [at[name] for name in joints.names]
         q, rates = np.asarray(position)[order], np.asarray(velocity)[order]
-        shares = np.abs(rates) / joints.velocity, self._since_last(time, q, rates)
+        shares = np.abs(rates) / joints.velocity, self._since_last(time, q)
         self.velocity = max(self.velocity, *(float(np.max(share)) for share in shares))
         found = [
             self._outside(q),
@@ -86,14 +86,14 @@ class StateWatch:
         gap = float(self._joints.gaps(q).max())
         return "" if gap <= ROUNDING else f"loops are open by {gap:.3g}"
 
-    def _since_last(self, time: float, q: Array, rates: Array) -> Array:
-        """Return the speeds since the state before, over their limits; a reset counts as none."""
-        put_home = not rates.any() and np.abs(q - self._joints.home).max() <= _SAME
-        if self._last is None or put_home or time < self._last[0]:
+    def _since_last(self, time: float, q: Array) -> Array:
+        """Return the speeds since the state before, or since a reset to home, over their limits."""
+        if self._last is None or time < self._last[0]:
             return np.zeros(len(q))
         span = max(time - self._last[0], _SHORTEST)
-        way = np.maximum(np.abs(q - self._last[1]) - _SAME, 0.0)
-        return np.asarray(way / (span * self._joints.velocity))
+        ways = np.abs(np.array((q - self._last[1], q - self._joints.home)))
+        shares = np.maximum(ways - _SAME, 0.0) / (span * self._joints.velocity)
+        return np.asarray(shares[np.argmin(shares.max(axis=1))])
 
     def _too_fast(self, what: str, shares: Array, rounding: float) -> str:
         if (shares <= 1.0 + rounding).all():
