@@ -17,6 +17,7 @@ from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.process.clean_pages import release_clean_pages
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.servo.driver import Driver
 from robomech_ros.nodes.servo.settings import ServoNodeSettings, check_settings, core_settings
@@ -71,6 +72,8 @@ class ServoNode(Node):
             f"ready: {model.chain.name}, {model.chain.n} joints, "
             f"{settings.publish_rate:g} Hz to '{self._driver.topic}'"
         )
+        # The search for the length has loaded more.
+        release_clean_pages()
         self._driver.wake()
 
     def _pause(self, request: Any, response: Any) -> Any:
