@@ -68,10 +68,10 @@ class JointTrajectoryControllerNode(Node):
         robot = _robot(model, settings, clock)
         gripper = gripper_of(model, settings, clock, robot.lock)
         self._robot, self._gripper = robot, gripper
+        self._check(settings)
         names = [*robot.joint_names, *(() if gripper is None else gripper.joint_names)]
         self._table.declare(constraint_rows(names))
         self._hold_to(settings)
-        self._check(settings)
         robot.simulated_joints.inject(self._faults(settings))
         control = ControlInterfaces(self, robot, clock)
         passive = [name for name in robot.shown_names if name not in robot.joint_names]

@@ -114,7 +114,8 @@ def test_two_trajectory_publishers_at_once(graph):
         lambda **options: TrajectoryPublisherNode(
             cli_args=["--ros-args", "-r", "__node:=second", "-r", "planned_trajectory:=other_plan"],
             **options,
-        )
+        ),
+        auto_execute=True,
     )
     waiting = first.start_execute(first.trajectory(0.0, 5 * MOVE, duration=20.0))
     first.until_moving()
