@@ -279,7 +279,8 @@ class NodeParameters(Generic[Settings]):
         former: Mapping[str, str] | None = None,
         later: str = "",
     ) -> None:
-        self._node, self._former, self._later = node, former or {}, later
+        # Not the node: a circle would keep one alive that cannot start.
+        self._former, self._later = former or {}, later
         self.further: dict[str, Any] = {}
         self._rows = {row.name: row for row in table_rows(table)}
         self._on_change = on_change
@@ -287,11 +288,11 @@ class NodeParameters(Generic[Settings]):
         self.settings: Settings = table(
             **{r.field: _declared(node, r) for r in self._rows.values()}
         )
-        self._warn_of_unknown(later=False)
+        self._warn_of_unknown(node, later=False)
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._store)
 
-    def declare(self, rows: Iterable[ParameterRow]) -> None:
+    def declare(self, node: Node, rows: Iterable[ParameterRow]) -> None:
         """Add parameters that are known only now, such as those of joints.
 
         Raises
@@ -300,13 +301,13 @@ class NodeParameters(Generic[Settings]):
             A value given at start is of the wrong type or out of range.
         """
         for row in rows:
-            self.further[row.name] = _declared(self._node, row)
+            self.further[row.name] = _declared(node, row)
             self._rows[row.name] = row
-        self._warn_of_unknown(later=True)
+        self._warn_of_unknown(node, later=True)
 
-    def _warn_of_unknown(self, *, later: bool) -> None:
+    def _warn_of_unknown(self, node: Node, *, later: bool) -> None:
         """Name given parameters that the node does not have, each with a hint."""
-        for name in getattr(self._node, "_parameter_overrides", {}):
+        for name in getattr(node, "_parameter_overrides", {}):
             head = name.split(".")[0]
             if name in self._rows or head in _FOREIGN or (head == self._later) is not later:
                 continue
@@ -314,7 +315,7 @@ class NodeParameters(Generic[Settings]):
             hint = f" (did you mean '{close[0]}'?)" if close else ""
             if name in self._former:
                 hint = f": its name here is {self._former[name]}"
-            self._node.get_logger().warning(f"unknown parameter '{name}' is ignored{hint}")
+            node.get_logger().warning(f"unknown parameter '{name}' is ignored{hint}")
 
     def _check(self, changes: list[Parameter]) -> SetParametersResult:
         try:

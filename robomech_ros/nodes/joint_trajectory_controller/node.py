@@ -70,7 +70,7 @@ class JointTrajectoryControllerNode(Node):
         self._robot, self._gripper = robot, gripper
         self._check(settings)
         names = [*robot.joint_names, *(() if gripper is None else gripper.joint_names)]
-        self._table.declare(constraint_rows(names))
+        self._table.declare(self, constraint_rows(names))
         self._hold_to(settings)
         robot.simulated_joints.inject(self._faults(settings))
         control = ControlInterfaces(self, robot, clock)
