@@ -199,41 +199,20 @@ def parameter(
 ) -> Any:
     """Make a field of a settings dataclass that is a parameter of the node.
 
-    Parameters
-    ----------
-    default : bool, int, float, str, tuple of float or tuple of str
-        Value where none is given.
-    description : str
-        What it means, and what empty or zero means.
-    low, high : float, optional
-        Allowed range, ends included.
-    unit : str, optional
-        Unit.
-    choices : tuple of str, optional
-        Allowed strings.
-    read_only : bool, optional
-        False lets the value change while the node runs.
+    The arguments are those of `ParameterRow`, which takes name and type from the field.
     """
-    metadata = {
-        "description": description,
-        "low": low,
-        "high": high,
-        "unit": unit,
-        "choices": choices,
-        "read_only": read_only,
-    }
-    return field(default=default, metadata={_METADATA: metadata})
+    row = ParameterRow("", None, default, description, low, high, unit, choices, read_only)
+    return field(default=default, metadata={_METADATA: row})
 
 
 def table_rows(table: type) -> tuple[ParameterRow, ...]:
     """List the parameters of a settings dataclass."""
     kinds = get_type_hints(table)
     return tuple(
-        ParameterRow(
-            entry.name.replace(_DOT, "."),
-            kinds[entry.name],
-            entry.default,
-            **entry.metadata[_METADATA],
+        dataclasses.replace(
+            entry.metadata[_METADATA],
+            name=entry.name.replace(_DOT, "."),
+            kind=kinds[entry.name],
         )
         for entry in dataclasses.fields(table)
     )

@@ -2,6 +2,7 @@
 
 import ctypes
 import os
+import resource
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -30,10 +31,6 @@ def bound_memory(largest: int = LARGEST_DATA) -> None:
         Of the data of the process (bytes), beside what libraries reserve for each processor.
     """
     largest += _EACH_PROCESSOR * (os.cpu_count() or 1)
-    try:
-        import resource
-    except ImportError:
-        return
     soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
     if soft == resource.RLIM_INFINITY or soft > largest:
         with suppress(OSError, ValueError):
@@ -49,11 +46,6 @@ def bounded_memory(largest: int = LARGEST_DATA) -> Iterator[None]:
     largest : int, optional
         Of the data of the process (bytes).
     """
-    try:
-        import resource
-    except ImportError:
-        yield
-        return
     before = resource.getrlimit(resource.RLIMIT_DATA)
     bound_memory(largest)
     try:
