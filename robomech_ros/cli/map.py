@@ -21,7 +21,6 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from robomech_ros.cli.numbers import integer, number
 from robomech_ros.errors import BadValueError, MapFileError
 from robomech_ros.kinematics.posture_samples import reach_bound
 from robomech_ros.kinetostatics import (
@@ -32,6 +31,7 @@ from robomech_ros.kinetostatics import (
     reach_map,
 )
 from robomech_ros.robots import SerialChain, load_description
+from robomech_ros.robots.documents.numbers_in_text import integer, number
 from robomech_ros.spatial import matrix_from_quaternion
 
 __all__ = ["add_arguments", "run"]

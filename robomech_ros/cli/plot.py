@@ -5,11 +5,11 @@ import math
 import sys
 from pathlib import Path
 
-from robomech_ros.cli.numbers import number
 from robomech_ros.errors import BadValueError, SeedOutsideLimitsError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.plotting.postures import plot_postures
 from robomech_ros.robots import SerialChain, load_description, main_chain, semantics_of
+from robomech_ros.robots.documents.numbers_in_text import number
 from robomech_ros.spatial import pose_from_position_quaternion
 
 __all__ = ["add_arguments", "run"]

@@ -3,10 +3,10 @@
 import argparse
 from pathlib import Path
 
-from robomech_ros.cli.numbers import number
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics import load_reach_map
 from robomech_ros.plotting.map_slices import QUANTITIES, plot_map
+from robomech_ros.robots.documents.numbers_in_text import number
 
 __all__ = ["add_arguments", "run"]
 

@@ -4,8 +4,8 @@ import argparse
 import sys
 from importlib.util import find_spec
 
-from robomech_ros.cli.numbers import number
 from robomech_ros.robots import load_description
+from robomech_ros.robots.documents.numbers_in_text import number
 
 __all__ = ["add_arguments", "run"]
 

@@ -8,9 +8,9 @@ import webbrowser
 from typing import TYPE_CHECKING, Any
 
 from robomech_ros.cli.kind_options import refuse_options
-from robomech_ros.cli.numbers import integer
 from robomech_ros.parallel import load_described, load_parallel
 from robomech_ros.robots import main_chain, semantics_of
+from robomech_ros.robots.documents.numbers_in_text import integer
 from robomech_ros.robots.kinds import ARM, check_name, kind_of
 from robomech_ros.rvs.opening import kind_page_of, page_of, platform_page_of
 from robomech_ros.rvs.seen_kinds import SEEN_KINDS

@@ -10,6 +10,7 @@ __all__ = [
     "UnknownJointError",
     "UnknownLinkError",
     "UnknownRobotError",
+    "did_you_mean",
 ]
 
 _MOST_COMPARED = 500
@@ -21,6 +22,12 @@ def _near(name: str, known: Sequence[str], most: int) -> list[str]:
     return get_close_matches(str(name)[:LONGEST_VALUE], candidates, n=max(most, 1))
 
 
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return a hint at the name that is most like one; empty if none is."""
+    close = _near(name, tuple(known), 1)
+    return f" (did you mean '{close[0]}'?)" if close else ""
+
+
 class _UnknownNameError(RobomechError):
     """A name that is not among the known ones."""
 
@@ -30,8 +37,7 @@ class _UnknownNameError(RobomechError):
     def __init__(self, name: str, available: Iterable[str]) -> None:
         self.name = name
         self.available = tuple(available)
-        close = _near(name, self.available, 1)
-        hint = f" (did you mean '{close[0]}'?)" if close else ""
+        hint = did_you_mean(name, self.available)
         known = listed(self.available, self.most)
         super().__init__(f"unknown {self.kind} {shown(name)}{hint}; available: {known}")
 

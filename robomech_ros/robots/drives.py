@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 
 from robomech_ros.errors import BadValueError
 
-__all__ = ["Drive"]
+__all__ = ["DRIVE_KEYS", "Drive"]
 
 
 @dataclass(frozen=True)
@@ -66,3 +66,6 @@ class Drive:
     def reflected_inertia(self) -> float:
         """What the rotor adds to the joint's own inertia (kg m^2, or kg along a slide)."""
         return self.rotor_inertia * self.gear_ratio**2
+
+
+DRIVE_KEYS = tuple(one.name for one in fields(Drive))

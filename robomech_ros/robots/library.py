@@ -9,7 +9,6 @@ The folders are, first to last: those of the environment variable ``ROBOMECH_ROB
 from __future__ import annotations
 
 import os
-import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -20,13 +19,12 @@ from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.documents.guarded_xml import LARGEST_XML, is_xml
 from robomech_ros.robots.documents.guarded_yaml import LARGEST_YAML
 from robomech_ros.robots.documents.reported_notes import report_once
-from robomech_ros.robots.documents.source_files import read_source
+from robomech_ros.robots.documents.source_files import NAME, documents_in, read_source
 from robomech_ros.robots.robot_yaml import description_from_yaml, with_yaml_limits
 from robomech_ros.robots.urdf.document import description_from_urdf
 
 __all__ = ["list_robots", "load_description", "load_robot", "robot_folders"]
 
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
 _SUFFIXES = (".urdf", ".yaml", ".yml")
 _SHARE = Path("share") / "robomech_ros" / "config" / "robots"
 
@@ -172,24 +170,12 @@ def _candidate_folders() -> Iterator[Path]:
 
 def _robot_files() -> dict[str, Path]:
     """Find the file of each robot; of a URDF with YAML beside it the URDF."""
-    files: dict[str, Path] = {}
-    for folder in robot_folders():
-        here: dict[str, Path] = {}
-        try:
-            entries = sorted(folder.iterdir())
-        except OSError:
-            continue
-        for path in entries:
-            if path.suffix in _SUFFIXES and path.is_file():
-                here.setdefault(path.stem, path)
-        for name, path in here.items():
-            files.setdefault(name, path)
-    return files
+    return documents_in(robot_folders(), _SUFFIXES)
 
 
 def _find(name: str) -> Path:
     files = _robot_files()
-    if not _NAME.fullmatch(name) or name not in files:
+    if not NAME.fullmatch(name) or name not in files:
         raise UnknownRobotError(name, sorted(files))
     return files[name]
 

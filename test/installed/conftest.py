@@ -63,7 +63,7 @@ class Installed:
     def call(self, service: str, request: Any) -> dict[str, Any]:
         """Call a service through `robomech call` and return the fields of its answer."""
         text = yaml.safe_dump(request, default_flow_style=True, width=1_000_000)
-        options = ("--timeout", str(PATIENCE), "--full")
+        options = ("--timeout", str(PATIENCE), "--full", "--digits", "17")
         done = self.run("robomech", "call", service, text, *options, timeout=2 * PATIENCE)
         assert done.returncode in (0, 1), f"robomech call {service}: {done.stderr}"
         return yaml.safe_load(done.stdout)

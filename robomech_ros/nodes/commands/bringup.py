@@ -14,7 +14,6 @@ from types import FrameType
 from typing import Any
 
 from robomech_ros.cli.kind_options import note_kinds, refuse_options
-from robomech_ros.cli.numbers import integer, number
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.process.kind_nodes import KIND_NODES, REFUSED, KindNodes
 from robomech_ros.nodes.process.launch_options import OPTIONAL_NODES, LaunchOptions
@@ -23,6 +22,7 @@ from robomech_ros.nodes.process.reach import ports_left, reach, stay_on_this_mac
 from robomech_ros.nodes.process.start import EXIT_CANNOT_START, NODE_MODULES
 from robomech_ros.parallel import DescribedRobot, load_described
 from robomech_ros.robots import main_chain, semantics_of
+from robomech_ros.robots.documents.numbers_in_text import integer, number
 from robomech_ros.robots.kinds import ARM, KINDS, check_name, kind_of
 
 __all__ = [

@@ -6,10 +6,10 @@ import signal
 import sys
 from pathlib import Path
 
-from robomech_ros.cli.numbers import integer, number
 from robomech_ros.cli.warmup import warm
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import load_robot
+from robomech_ros.robots.documents.numbers_in_text import integer, number
 
 __all__ = ["add_arguments", "run"]
 

@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import Any
 
 from robomech_ros.nodes.commands.message_yaml import parse_yaml, to_yaml
-from robomech_ros.robots.documents.numbers_in_text import integer_in_text, number_in_text
+from robomech_ros.robots.documents.numbers_in_text import integer, number
 
 __all__ = ["EXIT_NO_ANSWER", "add_arguments", "run", "seconds_to_wait"]
 
@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def seconds_to_wait(text: str) -> float:
     """Read a time to wait (s)."""
     try:
-        seconds = number_in_text(text)
+        seconds = number(text)
     except ValueError:
         seconds = math.nan
     if not 0.0 < seconds <= _LONGEST:
@@ -58,7 +58,7 @@ def seconds_to_wait(text: str) -> float:
 def significant_digits(text: str) -> int:
     """Read how many digits of a number are shown."""
     with suppress(ValueError):
-        if 1 <= (digits := integer_in_text(text)) <= _ALL_DIGITS:
+        if 1 <= (digits := integer(text)) <= _ALL_DIGITS:
             return digits
     raise argparse.ArgumentTypeError(f"{text[:80]!r}, expected an integer from 1 to {_ALL_DIGITS}")
 

@@ -8,11 +8,11 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 from robomech_ros.cli.kind_options import note_kinds, refuse_options
-from robomech_ros.cli.numbers import number
 from robomech_ros.cli.warmup import warm
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.commands.bringup import refuse_of_kind
 from robomech_ros.nodes.process.kind_nodes import KIND_NODES, REFUSED, KindNodes
+from robomech_ros.robots.documents.numbers_in_text import number
 from robomech_ros.robots.kinds import ARM, check_name, kind_of
 
 __all__ = ["add_arguments", "run"]

@@ -3,7 +3,6 @@
 import array
 import base64
 import contextlib
-import difflib
 import math
 import re
 from collections.abc import Iterator, Mapping
@@ -14,8 +13,9 @@ import numpy as np
 import yaml
 
 from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.errors.names import did_you_mean
 from robomech_ros.robots.documents.guarded_yaml import UniqueKeyLoader
-from robomech_ros.robots.documents.numbers_in_text import number_in_text
+from robomech_ros.robots.documents.numbers_in_text import number
 
 __all__ = [
     "UnknownFieldError",
@@ -47,8 +47,7 @@ class UnknownFieldError(RobomechError):
         self.field = field
         self.kind = kind
         self.available = tuple(available)
-        close = difflib.get_close_matches(field, available, n=1)
-        hint = f" (did you mean '{close[0]}'?)" if close else ""
+        hint = did_you_mean(field, available)
         super().__init__(f"{kind} has no field '{field}'{hint}; it has: {', '.join(available)}")
 
 
@@ -161,12 +160,12 @@ def _scalar(kind: str, value: Any, place: str) -> Any:
     if kind in ("float", "double") and type(value) is not bool:
         # A string, too: YAML 1.1 does not read 1e-3 as a number.
         with contextlib.suppress(TypeError, ValueError):
-            return number_in_text(value) if isinstance(value, str) else float(value)
+            return number(value) if isinstance(value, str) else float(value)
     if kind.startswith(("string", "wstring")) and not isinstance(value, Mapping | list):
         # Like `ros2 service call`: a bare word that YAML reads as a number is a string here.
         return "" if value is None else str(value)
-    if (number := _INTEGER.fullmatch(kind)) and type(value) is int:
-        bits, signed = int(number["bits"]), not number["unsigned"]
+    if (match := _INTEGER.fullmatch(kind)) and type(value) is int:
+        bits, signed = int(match["bits"]), not match["unsigned"]
         low, high = (-(1 << bits - 1), 1 << bits - 1) if signed else (0, 1 << bits)
         if low <= value < high:
             return value

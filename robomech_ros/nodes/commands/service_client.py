@@ -3,13 +3,13 @@
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from difflib import get_close_matches
 from typing import Any
 
 import rclpy
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.errors.names import did_you_mean
 from robomech_ros.nodes.commands.message_yaml import (
     fill_message,
     interface_class,
@@ -122,11 +122,9 @@ def _type_in_graph(node: Node, service: str, deadline: float) -> str:
             break
         time.sleep(_POLL)
     names = [name for name in sorted(services) if not _is_plumbing(name)]
-    close = get_close_matches(service, names, n=1)
-    hint = f" (did you mean '{close[0]}'?)" if close else ""
     there = ", ".join(names[:_MOST_LISTED]) or "none, is anything running?"
-    other = without_types(service)
-    raise NoAnswerError(f"service '{service}' did not appear{other or hint}; there are: {there}")
+    hint = without_types(service) or did_you_mean(service, names)
+    raise NoAnswerError(f"service '{service}' did not appear{hint}; there are: {there}")
 
 
 def _is_plumbing(service: str) -> bool:

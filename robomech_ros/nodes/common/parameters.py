@@ -18,7 +18,6 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from typing import Any, Generic, TypeVar, get_args, get_type_hints
 
 from rcl_interfaces.msg import (
@@ -31,6 +30,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.errors.names import did_you_mean
 
 __all__ = ["NodeParameters", "ParameterError", "ParameterRow", "parameter", "table_rows"]
 
@@ -290,8 +290,7 @@ class NodeParameters(Generic[Settings]):
             head = name.split(".")[0]
             if name in self._rows or head in _FOREIGN or (head == self._later) is not later:
                 continue
-            close = get_close_matches(name, self._rows, n=1)
-            hint = f" (did you mean '{close[0]}'?)" if close else ""
+            hint = did_you_mean(name, self._rows)
             if name in self._former:
                 hint = f": its name here is {self._former[name]}"
             node.get_logger().warning(f"unknown parameter '{name}' is ignored{hint}")

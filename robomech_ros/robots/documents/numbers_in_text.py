@@ -2,10 +2,10 @@
 
 import math
 
-__all__ = ["finite_in_text", "integer_in_text", "number_in_text"]
+__all__ = ["finite_number", "integer", "number"]
 
 
-def number_in_text(text: str) -> float:
+def number(text: str) -> float:
     """Read a number in ASCII, since Python also reads digits of other scripts, and underscores.
 
     Raises
@@ -16,8 +16,8 @@ def number_in_text(text: str) -> float:
     return float(_plain(text))
 
 
-def integer_in_text(text: str) -> int:
-    """Read an integer as :func:`number_in_text` reads a number.
+def integer(text: str) -> int:
+    """Read an integer as :func:`number` reads a number.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def _plain(text: str) -> str:
     return text
 
 
-def finite_in_text(text: str) -> float:
+def finite_number(text: str) -> float:
     """Read a number that is neither infinite nor NaN.
 
     Raises
@@ -41,7 +41,7 @@ def finite_in_text(text: str) -> float:
     ValueError
         The text is none.
     """
-    number = number_in_text(text)
-    if not math.isfinite(number):
+    value = number(text)
+    if not math.isfinite(value):
         raise ValueError(f"'{text[:80]}' is not finite")
-    return number
+    return value

@@ -8,10 +8,10 @@ from pathlib import Path
 from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownRobotError
 from robomech_ros.regular_files import read_regular
 
-__all__ = ["SUFFIXES", "document_source", "documents_in", "read_source"]
+__all__ = ["NAME", "SUFFIXES", "document_source", "documents_in", "read_source"]
 
 SUFFIXES = (".yaml", ".yml")
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
 
 
 def read_source(path: Path, largest: int) -> bytes:
@@ -29,8 +29,8 @@ def read_source(path: Path, largest: int) -> bytes:
         raise RobotDescriptionError(str(path), reason) from None
 
 
-def documents_in(folders: Iterable[Path]) -> dict[str, Path]:
-    """Find the YAML files in folders, by name; the first of a name counts."""
+def documents_in(folders: Iterable[Path], suffixes: tuple[str, ...] = SUFFIXES) -> dict[str, Path]:
+    """Find the files in folders, YAML by default, by name; the first of a name counts."""
     found: dict[str, Path] = {}
     for folder in folders:
         try:
@@ -38,7 +38,7 @@ def documents_in(folders: Iterable[Path]) -> dict[str, Path]:
         except OSError:
             continue
         for path in entries:
-            if path.suffix in SUFFIXES and path.is_file():
+            if path.suffix in suffixes and path.is_file():
                 found.setdefault(path.stem, path)
     return found
 
@@ -72,7 +72,7 @@ def document_source(
         path = Path(given.strip()).expanduser()
     else:
         name, known = given.strip(), files()
-        if not _NAME.fullmatch(name) or name not in known:
+        if not NAME.fullmatch(name) or name not in known:
             raise UnknownRobotError(name, sorted(known))
         path = known[name]
     if path.suffix.lower() not in SUFFIXES:

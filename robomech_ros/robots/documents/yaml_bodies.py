@@ -5,18 +5,9 @@ import numpy as np
 from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.documents.guarded_yaml import check_keys, read_flag
-from robomech_ros.robots.drives import Drive
+from robomech_ros.robots.drives import DRIVE_KEYS, Drive
 
 __all__ = ["body_from_yaml", "drive_from_yaml"]
-
-_DRIVE_KEYS = (
-    "viscous",
-    "coulomb",
-    "static",
-    "stribeck_velocity",
-    "rotor_inertia",
-    "gear_ratio",
-)
 
 
 def body_from_yaml(value: object, where: str) -> Body:
@@ -60,7 +51,7 @@ def drive_from_yaml(value: object, where: str) -> Drive:
     RobotDescriptionError
         A key is unknown, or a value is not what the drive accepts.
     """
-    drive = check_keys(value, where, (), _DRIVE_KEYS)
+    drive = check_keys(value, where, (), DRIVE_KEYS)
     try:
         return Drive(**drive)
     except RobomechError as error:

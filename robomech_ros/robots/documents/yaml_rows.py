@@ -12,6 +12,7 @@ from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.chain_layout import MOST_JOINTS
 from robomech_ros.robots.documents.guarded_yaml import check_keys, shown
 from robomech_ros.robots.documents.yaml_bodies import body_from_yaml, drive_from_yaml
+from robomech_ros.robots.limit_arrays import KEYS as LIMITS
 from robomech_ros.robots.limit_arrays import position_limits
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw
 
@@ -34,7 +35,6 @@ _ROW_OPTIONAL = ("b", "d", "theta", "body", "drive")
 # What is an angle, or a rate of one, of every joint and of a joint that turns.
 _ANGLES = ("alpha", "theta")
 _TURNS = ("lower", "upper", "velocity", "acceleration", "jerk")
-LIMITS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 JOINT_TYPES = ("revolute", "continuous", "prismatic")
 _LONGEST_NAME = 256
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
-from difflib import get_close_matches
 from typing import NoReturn
 
 from robomech_ros.errors import RobotDescriptionError
+from robomech_ros.errors.names import did_you_mean
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.documents.guarded_xml import XmlElement
 from robomech_ros.robots.entry_checks import bare_link
@@ -101,8 +101,7 @@ class SrdfNames:
             name = bare_link(name)
         if name not in known:
             names = list(known)
-            close = get_close_matches(name[:80], names[:1000], n=1)
-            hint = f" (did you mean '{close[0]}'?)" if close else ""
+            hint = did_you_mean(name[:80], names)
             listed = ", ".join(names[:_MOST_NAMES]) or "none"
             self.refuse(element, f"{key} is '{name[:80]}'{hint}, expected a {kind}: {listed}")
         return name

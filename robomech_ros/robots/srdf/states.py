@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 
 from robomech_ros.robots.documents.guarded_xml import XmlElement
-from robomech_ros.robots.documents.numbers_in_text import finite_in_text
+from robomech_ros.robots.documents.numbers_in_text import finite_number
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.semantic import Group
 from robomech_ros.robots.srdf.names import SrdfNames
@@ -109,7 +109,7 @@ class _State:
                 continue
             text = element.attributes.get("value", "")
             try:
-                value = finite_in_text(text)
+                value = finite_number(text)
             except ValueError:
                 self.why = f"joint '{name}' is at '{text[:80]}', expected a finite number, rad or m"
                 continue

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.documents.guarded_xml import XmlElement, parse_xml
-from robomech_ros.robots.documents.numbers_in_text import finite_in_text
+from robomech_ros.robots.documents.numbers_in_text import finite_number
 from robomech_ros.robots.entry_checks import bare_link
 
 __all__ = ["ElementReader", "parse_urdf"]
@@ -68,7 +68,7 @@ class ElementReader:
         if text is None:
             return None
         try:
-            values = [finite_in_text(word) for word in text.split()]
+            values = [finite_number(word) for word in text.split()]
         except ValueError:
             values = []
         what = "a finite number" if count == 1 else f"{count} finite numbers"

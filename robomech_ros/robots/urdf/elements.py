@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.robots.bodies import Body
-from robomech_ros.robots.drives import Drive
+from robomech_ros.robots.drives import DRIVE_KEYS, Drive
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.limit_arrays import LARGEST_ANGLE
-from robomech_ros.robots.urdf.joints import DRIVE_KEYS, DRIVE_TAG
+from robomech_ros.robots.urdf.joints import DRIVE_TAG
 from robomech_ros.robots.urdf.shapes import Shape
 
 __all__ = ["drive_element", "element", "inertial_element", "joint_element", "visual_elements"]

@@ -13,19 +13,18 @@ from numpy.typing import NDArray
 
 from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.robots.documents.guarded_xml import XmlElement
-from robomech_ros.robots.drives import Drive
+from robomech_ros.robots.drives import DRIVE_KEYS, Drive
 from robomech_ros.robots.joint import MOVING, Joint
 from robomech_ros.robots.limit_arrays import position_limits
 from robomech_ros.robots.urdf.element_reader import ElementReader
 
-__all__ = ["DRIVE_KEYS", "DRIVE_TAG", "read_joint"]
+__all__ = ["DRIVE_TAG", "read_joint"]
 
 # A joint axis must be given with at least this length before it is normalised.
 AXIS_LENGTH = 1e-9
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 # Our own element, for what <dynamics> has no attribute for; other readers pass over it.
 DRIVE_TAG = "robomech_drive"
-DRIVE_KEYS = ("viscous", "coulomb", "static", "stribeck_velocity", "rotor_inertia", "gear_ratio")
 _LIMIT_KEYS = ("lower", "upper", "velocity", "effort", "acceleration", "jerk")
 
 Array = NDArray[np.float64]

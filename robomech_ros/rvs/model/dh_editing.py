@@ -10,7 +10,7 @@ import numpy as np
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import DHTable, RobotDescription, SerialChain, dh_from_chain
 from robomech_ros.robots.dh_document import dh_document
-from robomech_ros.robots.documents.numbers_in_text import integer_in_text, number_in_text
+from robomech_ros.robots.documents.numbers_in_text import integer, number
 from robomech_ros.robots.robot_yaml import description_from_yaml
 
 __all__ = [
@@ -69,7 +69,7 @@ def read_change(text: str, joints: int) -> DHChange:
     if len(words) != 3 or words[1] not in PARAMETERS:
         raise error
     try:
-        joint, value = integer_in_text(words[0]), number_in_text(words[2])
+        joint, value = integer(words[0]), number(words[2])
     except ValueError:
         raise error from None
     if not 1 <= joint <= joints or not np.isfinite(value):

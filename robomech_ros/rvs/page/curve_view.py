@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.robots.documents.numbers_in_text import number_in_text
+from robomech_ros.robots.documents.numbers_in_text import number
 from robomech_ros.rvs.model.curve_drawing import COLOURS, Mark, draw_curves, place_script
 from robomech_ros.rvs.model.curve_problems import CurveProblem, Finding
 from robomech_ros.rvs.page.fields import script_that_fills
@@ -251,7 +251,7 @@ def _same(one: Finding, other: Finding) -> bool:
 
 def _pair_of_numbers(text: str) -> list[float]:
     try:
-        first, second = (number_in_text(part) for part in text.replace(",", " ").split())
+        first, second = (number(part) for part in text.replace(",", " ").split())
     except ValueError:
         raise BadValueError("estimate", text, "two numbers, as 0.5, -1.2") from None
     return [first, second]
