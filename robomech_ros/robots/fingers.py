@@ -45,7 +45,10 @@ def finger_joints(
     able = {
         joint.name: joint
         for joint in description.joints
-        if joint.moves and joint.mimic is None and joint.name not in chain.joint_names
+        if joint.moves
+        and joint.mimic is None
+        and joint.fault is None
+        and joint.name not in chain.joint_names
     }
     for name in names:
         if name not in able:

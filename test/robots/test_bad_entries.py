@@ -12,6 +12,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import load_description, load_robot, load_srdf, urdf_from_description
 from robomech_ros.robots.documents.guarded_xml import parse_xml
 from robomech_ros.robots.documents.reported_notes import report_once
+from robomech_ros.robots.fingers import finger_joints
 
 FIELD = Path(__file__).parents[1] / "data/field"
 REACHED = [[0.3 * math.cos(0.5)], [0.3 * math.sin(0.5)], [0.0]]
@@ -36,7 +37,9 @@ def test_a_joint_that_follows_none_is_refused_on_a_chain_only(caplog):
     assert caplog.messages == [note]
     with pytest.raises(RobotDescriptionError, match="joint 'finger_end': <mimic> names joint 'fin"):
         description.chain(tip="finger")
-    assert description.joint_names == ("j1", "finger_end")
+    # It stands still, and is no finger of a gripper.
+    assert finger_joints(description, description.chain(tip="tool0")) == ()
+    assert description.joint_positions()["finger_end"] == 0.0
 
 
 def test_limits_of_minus_one_count_as_missing():

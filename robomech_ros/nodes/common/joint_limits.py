@@ -156,7 +156,8 @@ def with_assumed_rates(description: RobotDescription) -> tuple[RobotDescription,
         acceleration = _or(joint.acceleration, joint.velocity / _TO_SPEED)
         jerk = _or(joint.jerk, acceleration / _TO_ACCELERATION)
         lacks = math.isnan(joint.acceleration) or math.isnan(joint.jerk)
-        if joint.moves and joint.mimic is None and lacks and math.isfinite(acceleration):
+        own = joint.moves and joint.mimic is None and joint.fault is None
+        if own and lacks and math.isfinite(acceleration):
             limits[joint.name] = {"acceleration": acceleration, "jerk": jerk}
     if not limits:
         return description, "", ""

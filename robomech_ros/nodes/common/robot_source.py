@@ -1,5 +1,6 @@
 """The robot of a node, as soon as parameters or latched topics have all of it."""
 
+import logging
 from collections.abc import Callable
 
 from rclpy.node import Node
@@ -12,11 +13,14 @@ from robomech_ros.nodes.common.semantic_source import SEMANTIC_TOPIC, SemanticSo
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.parallel.described import load_described
 from robomech_ros.robots import RobotDescription
+from robomech_ros.robots.documents.reported_notes import report_once
 from robomech_ros.robots.kinds import ARM, check_name, kind_of
 from robomech_ros.robots.library import is_document
 
 __all__ = ["when_robot_known"]
 
+# The log of the node says the same, and goes to /rosout as well.
+logging.getLogger(report_once.__module__).addHandler(logging.NullHandler())
 # Characters that an error shows of what was no robot.
 _SHOWN = 80
 _MOST_NOTES = 5
