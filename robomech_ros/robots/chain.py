@@ -440,8 +440,9 @@ class SerialChain(Printed):
 
     @cached_property
     def _regular(self) -> Array:
-        slides = self.types == PRISMATIC
-        return regular_posture(self.packed, slides, self.lower, self.upper)
+        return regular_posture(
+            self.packed, self.types, self.lower, self.upper, self.joint_values
+        )
 
     def midrange(self) -> Array:
         """Middle of the position limits (rad or m), shape (n,).

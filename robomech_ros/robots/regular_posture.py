@@ -8,8 +8,12 @@ References
 Roberts, M., The unreasonable effectiveness of quasirandom sequences, 2018: the sequence used here.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
+
+from robomech_ros.robots.chain_layout import REVOLUTE
 
 __all__ = ["regular_posture"]
 
@@ -23,24 +27,32 @@ _LOST = 1e-6
 # Half of the range (m) of a slide without limits in which postures are looked for.
 _SLIDE = 0.5
 # How much a posture counts less at the ends of all ranges, and with a joint below the base by
-# more than a part of the mean distance of the axes from the tip.
+# more than a part of all lengths.
 _FAR, _BELOW = 0.3, 0.5
-_LOW = 0.05
+_LOW = 0.02
+# Numbers in a row of a packed chain: type, rotation and origin.
+_WIDTH = 13
 
 
 def regular_posture(
-    packed: Array, slides: NDArray[np.bool_], lower: Array, upper: Array
+    packed: Array,
+    types: NDArray[np.int64],
+    lower: Array,
+    upper: Array,
+    joint_values: Callable[[Array], Array] = lambda q: q,
 ) -> Array:
     """Return a posture far from singular ones and from the limits, near the middle of these.
 
     Parameters
     ----------
-    packed : ndarray, shape (m + 1, 13) or, with joints that follow others, (m + 1, 17)
+    packed : ndarray, shape (n + 1, 13)
         The chain as :func:`pack_chain` lays it out.
-    slides : ndarray of bool, shape (n,)
-        Which joint values are lengths.
+    types : ndarray of int, shape (n,)
+        0 revolute, 1 prismatic.
     lower, upper : ndarray, shape (n,)
         Limits (rad or m), infinite where there is none.
+    joint_values : callable, optional
+        Gives the values (k, m) of all joints on the chain at those (k, n) that move by themselves.
 
     Returns
     -------
@@ -50,12 +62,13 @@ def regular_posture(
     n = len(lower)
     if not n:
         return np.zeros(0)
-    middle, half = _windows(slides, lower, upper)
+    middle, half = _windows(types != REVOLUTE, lower, upper)
     away = _spread(n) * _INNER
     # Turning or moving the whole arm makes no posture more regular.
     away[:, 0] = 0.0
     q = np.ascontiguousarray(middle + away * half)
-    score = _conditioning(packed, slides, q) * (1.0 - _FAR * np.abs(away).mean(axis=1))
+    ratios = _conditioning(packed, types, q) * _standing(packed[:, :_WIDTH], joint_values(q))
+    score = ratios * (1.0 - _FAR * np.abs(away).mean(axis=1))
     best = np.round(q[int(np.argmax(score))], 2)
     inside: Array = np.clip(best, lower, upper)
     return inside
@@ -82,24 +95,33 @@ def _spread(n: int) -> Array:
     return 2.0 * cells - 1.0
 
 
-def _conditioning(packed: Array, slides: NDArray[np.bool_], q: Array) -> Array:
-    """Compare the least singular values with the largest, less where a joint is below the base.
+def _standing(packed: Array, values: Array) -> Array:
+    """Give 1 where all joints are above the base, and less where one is well below it."""
+    # Compiled code is loaded only where somebody asks for this posture.
+    from robomech_ros._kernels.chain.serial import forward
+
+    lowest, poses = np.zeros(len(values)), np.empty((len(values), 4, 4))
+    rows, joints = np.ascontiguousarray(packed), np.ascontiguousarray(values)
+    for count in range(2, len(rows) + 1):
+        forward(rows[:count], joints, poses)
+        lowest = np.minimum(lowest, poses[:, 2, 3])
+    reach = np.linalg.norm(rows[:, -3:], axis=1).sum()
+    return np.where(lowest < -_LOW * reach, _BELOW, 1.0)
+
+
+def _conditioning(packed: Array, types: NDArray[np.int64], q: Array) -> Array:
+    """Compare the least singular values with the largest.
 
     Lengths are divided by the mean distance of the axes from the tip.
     """
-    # Compiled code is loaded only where somebody asks for this posture.
-    from robomech_ros._kernels.chain.serial import forward, jacobian
+    from robomech_ros._kernels.chain.serial import jacobian
 
-    J, heights = np.empty((len(q), 6, q.shape[1])), np.zeros(len(q))
-    poses = np.empty((len(q), 4, 4))
-    for joints in range(1, len(packed)):
-        forward(packed[: joints + 1], q, poses)
-        heights = np.minimum(heights, poses[:, 2, 3])
+    J = np.empty((len(q), 6, q.shape[1]))
     jacobian(packed, q, J, np.empty((4, 4)))
-    arms = np.linalg.norm(J[:, 3:, ~slides], axis=1)
+    arms = np.linalg.norm(J[:, 3:, types == REVOLUTE], axis=1)
     length = float(arms.mean()) if arms.size and arms.any() else 1.0
     J[:, 3:] /= length
     values = np.linalg.svd(J, compute_uv=False)
     rank = max(int((values > _LOST * values.max()).sum(axis=1).max()), 1)
     ratio: Array = values[:, rank - 1] / np.maximum(values[:, 0], np.finfo(float).tiny)
-    return np.where(heights < -_LOW * length, _BELOW, 1.0) * ratio
+    return ratio

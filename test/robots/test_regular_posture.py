@@ -57,4 +57,6 @@ def test_limits_of_every_kind(types, limits):
 
 
 def test_no_joints():
-    assert regular_posture(np.zeros((1, 13)), np.zeros(0), np.zeros(0)).shape == (0,)
+    assert regular_posture(np.zeros((1, 13)), np.zeros(0, dtype=int), *np.zeros((2, 0))).shape == (
+        0,
+    )
