@@ -140,11 +140,10 @@ def _virtual_joints(root: XmlElement, names: SrdfNames) -> Iterator[VirtualJoint
         with names.leaving_out("the virtual joint"):
             parent = bare_link(element.attributes.get("parent_frame", ""))
             child = names.known(element, "child_link", names.links, "link")
-            if not parent or parent in names.links:
-                names.refuse(element, f"parent_frame is '{parent[:80]}', expected no link's name")
-            yield VirtualJoint(
-                names.own(element, ()), element.attributes.get("type", ""), parent, child
-            )
+            name, kind = names.own(element, ()), element.attributes.get("type", "")
+            # A frame that is a link of the robot is known anyway.
+            if parent and parent not in names.links:
+                yield VirtualJoint(name, kind, parent, child)
 
 
 def _disabled(root: XmlElement, names: SrdfNames) -> Iterator[DisabledCollision]:
