@@ -129,7 +129,7 @@ def _source(document: Mapping[str, Any], where: str) -> str:
 
 
 def _implausible(rows: list[dict[str, Any]]) -> Iterator[str]:
-    """Say which limits are hardly in rad; of angles of the table :func:`chain_from_dh` does."""
+    """Say which angles and limits of a table are hardly in rad."""
     names = [row["name"] for row in rows]
     for key in ("alpha", "theta"):
         yield from implausible_angles(key, [row[key] for row in rows], names)

@@ -166,6 +166,14 @@ def test_a_group_without_members_is_refused_only_where_it_is_used():
         semantic.state("arm", "home")
 
 
+def test_a_group_of_groups_that_are_left_out_is_left_out():
+    more = '<group name="tools"><group name="claw"/></group><group name="two"><group name="tools"/>'
+    semantic = load_srdf(SRDF.replace("</robot>", f"{more}</group></robot>"), ROBOT)
+    assert set(semantic.left_out) == {"tools", "two"}
+    with pytest.raises(RobotDescriptionError, match="group 'two'.*no group in it has a joint"):
+        semantic.group("two")
+
+
 def test_members_that_there_are_make_the_group_as_in_moveit():
     semantic = load_srdf(SRDF.replace('<joint name="b"/>', '<joint name="c"/>'), ROBOT)
     assert semantic.groups["by_joints"].joints == ("a",)

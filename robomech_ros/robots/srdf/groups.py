@@ -43,14 +43,16 @@ def read_groups(root: XmlElement, names: SrdfNames) -> tuple[dict[str, Group], d
     count = 0
     for name in _inner_first(elements, names):
         noted = len(names.notes)
-        inner = (one.attributes.get("name", "") for one in elements[name].all("group"))
+        inner = [one.attributes.get("name", "") for one in elements[name].all("group")]
         joints = _joints_of(elements[name], names)
         members[name] = set(joints).union(*(members.get(one, ()) for one in inner))
         count += len(members[name])
         if count > _MOST_MEMBERS:
             names.refuse(elements[name], f"all groups together have more than {_MOST_MEMBERS}")
-        if not members[name] and names.notes[noted:]:
-            left_out[name] = names.notes[noted]
+        lacks = any(one in left_out or one not in elements for one in inner)
+        if not members[name] and (lacks or names.notes[noted:]):
+            why = f"{names.place(elements[name])}: no group in it has a joint of the robot"
+            left_out[name] = names.notes[noted] if names.notes[noted:] else why
     place = {joint.name: i for i, joint in enumerate(names.robot.joints)}
     groups = {}
     for name in (one for one in elements if one not in left_out):
