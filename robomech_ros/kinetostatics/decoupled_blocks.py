@@ -114,7 +114,7 @@ def decoupled_jacobian(chain: SerialChain, q: ArrayLike) -> DecoupledJacobian:
 @functools.lru_cache(maxsize=64)
 def wrist_of(chain: SerialChain) -> Wrist | None:
     """Find the spherical wrist of an arm of six joints; None where there is none."""
-    data = decoupled.match(chain)
+    data = None if chain.coupling else decoupled.match(chain)
     if data is None:
         return None
     centre = data[decoupled_layout.CENTRE : decoupled_layout.CENTRE + 3].copy()

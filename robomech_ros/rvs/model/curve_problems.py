@@ -190,9 +190,11 @@ def minor_names() -> tuple[str, ...]:
 
 def what_is_missing(chain: SerialChain) -> str:
     """Say in a sentence why no contours can be drawn of an arm; empty where they can."""
-    if chain.n == 6 and not chain.types.any():
+    if chain.n == 6 and not chain.types.any() and chain.coupling is None:
         return ""
-    if chain.n != 6:
+    if chain.coupling is not None:
+        why = "joints of this one follow others"
+    elif chain.n != 6:
         joint = "joint" if chain.n == 1 else "joints"
         why = f"this one has {chain.n} {joint}"
     else:

@@ -10,6 +10,7 @@ from robomech_ros.kinematics import (
 )
 from robomech_ros.kinematics.inverse.families.plain_arms import plain_arm
 from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.kinetostatics import jacobian, joint_rates
 from robomech_ros.robots import load_robot
 from test.coupled_robots import DATA, coupled, found_by_newton, lifter
 
@@ -78,6 +79,13 @@ def test_what_has_no_closed_form_is_searched():
     found = inverse_kinematics(chain, forward_kinematics(chain, q), seed=q)
     assert (found.status, found.family, found.complete) == (Status.SUCCESS, "iterative", False)
     np.testing.assert_allclose(found.q[0], q, atol=1e-6)
+
+
+def test_a_hollow_wrist_is_no_plain_one():
+    """Its arm has six drives, and the first three of its four axes meet."""
+    chain, twist = spherical_wrist(), np.arange(1.0, 7.0)
+    q = [0.3, -0.4, 0.2, 0.5, 0.8, -0.6]
+    np.testing.assert_allclose(jacobian(chain, q) @ joint_rates(chain, q, twist), twist, atol=1e-9)
 
 
 def test_reasons_speak_of_drives():
