@@ -45,7 +45,8 @@ def test_the_switch_changes_all_angles_of_a_page_and_moves_nothing(page, command
     assert first._handle.value == pytest.approx(math.degrees(0.5)) and first.value == 0.5
     assert "-360.0 to 360.0 deg" in first.hint
     wait_until(lambda: " deg" in summary.content)
-    assert " rad" not in summary.content and "(deg)" in page._stage._table.content
+    assert " rad" not in summary.content
+    wait_until(lambda: "(deg)" in page._stage._table.content)
     assert (page._arm.q == q).all()
     # What the page sends is in degrees now; so is what is refused.
     send_value(commander, slider(page, 0), 45.0)

@@ -12,8 +12,10 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.rvs.model.recorder import Recorder
 from robomech_ros.rvs.model.view_state import ViewState, state_from_text, text_from_state
 from robomech_ros.rvs.page.audience import Controls
+from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.page.recording import motion_page
+from robomech_ros.rvs.page.units import Units
 from robomech_ros.rvs.serving.scripts import keep_in_address, read_address_into, save_picture
 from robomech_ros.rvs.serving.worker import Worker
 
@@ -53,7 +55,7 @@ class KeepingLayer:
 
     def controls(self, client: Any) -> Controls:
         """Give the browser that commands the folder Keep."""
-        self._controls = KeepingControls(client, self, self._place.ask)
+        self._controls = KeepingControls(client, self._place.units, self, self._place.ask)
         self.notice()
         return self._controls
 
@@ -175,44 +177,49 @@ class KeepingControls:
     Parameters
     ----------
     client : viser.ClientHandle
+    units : Units
     layer : KeepingLayer
     ask : Ask
     """
 
-    def __init__(self, client: Any, layer: KeepingLayer, ask: Callable[..., None]) -> None:
-        self.client, self.gone, self.written = client, False, ""
-        gui = client.gui
-        self._folder = gui.add_folder("Keep", order=60, expand_by_default=False)
-        with self._folder:
+    def __init__(
+        self, client: Any, units: Units, layer: KeepingLayer, ask: Callable[..., None]
+    ) -> None:
+        self.client, self.written = client, ""
+        self._folder = folder = Folder(client.gui, units, "Keep", 60)
+        with folder:
             label = END if layer.recorder.running else RECORD
-            self.record = gui.add_button(label, hint="What the arm does becomes the plan")
-            save = gui.add_button("Save the plan", hint="As a page in a file that plays it")
-            picture = gui.add_button("Save a picture", hint="Of the scene, as PNG")
+            self.record = folder.button(
+                label,
+                partial(ask, "record", layer.record_or_end),
+                "What the arm does becomes the plan",
+            )
+            folder.button(
+                "Save the plan",
+                partial(ask, "download", partial(layer.download, client)),
+                "As a page in a file that plays it",
+            )
+            folder.button(
+                "Save a picture", partial(save_picture, client, "view.png"), "Of the scene, as PNG"
+            )
             hint = "Posture, eye and what is shown; it is in the address of this page, too"
-            self.view = gui.add_text(VIEW, "", hint=hint)
+            self.view = client.gui.add_text(VIEW, "", hint=hint)
 
-        @self.record.on_click
-        async def _(_: Any) -> None:
-            ask("record", layer.record_or_end)
+            def restore(text: str) -> None:
+                if text != self.written:
+                    ask("view", partial(layer.restore, text, client))
 
-        @save.on_click
-        async def _(_: Any) -> None:
-            ask("download", partial(layer.download, client))
-
-        @picture.on_click
-        async def _(_: Any) -> None:
-            save_picture(client, "view.png")
-
-        @self.view.on_update
-        async def _(event: Any) -> None:
-            if event.client is not None and self.view.value != self.written:
-                ask("view", partial(layer.restore, self.view.value, client))
+            folder.listen(self.view, restore)
 
         # Later its address says only where this browser left the arm.
         if layer.known.is_new(client):
             read_address_into(client, VIEW)
 
+    @property
+    def gone(self) -> bool:
+        """Whether the browser commands no more."""
+        return self._folder.removed
+
     def remove(self) -> None:
         """Take the controls from the browser."""
-        self.gone = True
         self._folder.remove()

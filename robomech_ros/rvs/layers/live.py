@@ -60,6 +60,7 @@ class LiveLayer(LivePage):
         """Give the browser that commands its controls."""
         controls = self._controls = LiveControls(
             client,
+            self._place.units,
             self._place.jogged,
             self._robot,
             self,

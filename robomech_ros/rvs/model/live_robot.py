@@ -13,7 +13,7 @@ from robomech_ros.robots.gripper import GripperModel
 from robomech_ros.rvs.model.jog import Beat
 from robomech_ros.rvs.motion import Motion
 
-__all__ = ["LiveRobot", "LiveView", "SeenMarker", "ServoNews"]
+__all__ = ["LiveRobot", "LiveView", "RunningView", "SeenMarker", "ServoNews"]
 
 Array = NDArray[np.float64]
 
@@ -68,26 +68,30 @@ class ServoNews:
     scale: float
 
 
-class LiveView(Protocol):
-    """What a robot tells a page; methods may be called from any thread, and return soon."""
+class RunningView(Protocol):
+    """What any robot tells a page; methods may be called from any thread, and return soon."""
 
     def wait_until_seen(self, seconds: float) -> bool:
-        """Wait until somebody looks, at most so long; says whether somebody does."""
-
-    def show_joints(self, positions: Mapping[str, float]) -> None:
-        """Draw the robot with its joints there (rad or m, by name)."""
+        """Wait until somebody looks, but no longer; return whether somebody does."""
 
     def show_state(self, text: str) -> None:
-        """Say what is wrong with the joint states; empty for nothing."""
-
-    def show_servo(self, news: ServoNews | None) -> None:
-        """Show what the servo says; None if nothing is heard of it."""
+        """Say what is wrong with the state of the robot; empty for nothing."""
 
     def show_result(self, text: str, *, failed: bool = False) -> None:
         """Say what came of a request."""
 
     def show_jog(self, text: str) -> None:
         """Say why a jog has ended, or does not begin; empty for nothing."""
+
+
+class LiveView(RunningView, Protocol):
+    """What an arm or a parallel robot tells a page."""
+
+    def show_joints(self, positions: Mapping[str, float]) -> None:
+        """Draw the robot with its joints there (rad or m, by name)."""
+
+    def show_servo(self, news: ServoNews | None) -> None:
+        """Show what the servo says; None if nothing is heard of it."""
 
     def show_gripper(self, text: str, *, failed: bool = False) -> None:
         """Say what the gripper does, or why it does not."""

@@ -22,8 +22,8 @@ __all__ = ["OPEN_TURN", "ROUNDING", "Moved", "Travel"]
 # Half the travel of sliders of turning joints without a limit (rad).
 OPEN_TURN = 2.0 * math.pi
 # A typed number may be beyond a limit by this much, rounding of what is shown (rad or m): fields
-# have four decimals.
-ROUNDING = 6e-5
+# have four decimals, or two of degrees.
+ROUNDING = 9e-5
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ __all__ = ["RADIANS", "STEP", "AngleSlider", "UnitText", "Units"]
 
 # Steps of sliders, and decimals of their fields, which have room for no more: rad or m, degrees.
 STEP, DECIMALS = 0.001, 4
-STEP_DEGREES, DECIMALS_DEGREES = 0.1, 3
+STEP_DEGREES, DECIMALS_DEGREES = 0.1, 2
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?"
 # One number or several, as "is 7, expected -6.28 to 6.28 rad" or "+0.1 -0.2 rad", and the unit.

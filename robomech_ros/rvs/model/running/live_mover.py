@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.jog import Beat
+from robomech_ros.rvs.model.live_robot import RunningView
 
 if TYPE_CHECKING:
     from robomech_ros.rvs.model.walking.support import Support
@@ -41,11 +42,8 @@ class Stance:
     gait: str
 
 
-class MoverView(Protocol):
-    """What a robot tells a page; methods may be called from any thread, and return soon."""
-
-    def wait_until_seen(self, seconds: float) -> bool:
-        """Wait until somebody looks, at most so long; says whether somebody does."""
+class MoverView(RunningView, Protocol):
+    """What a robot that runs over the ground tells a page."""
 
     def show_place(self, positions: Mapping[str, float], place: Array) -> None:
         """Draw the robot with its joints there (rad or m), at x, y (m) and heading (rad)."""
@@ -53,17 +51,8 @@ class MoverView(Protocol):
     def show_stance(self, stance: Stance) -> None:
         """Draw on which feet it stands, and say how safely."""
 
-    def show_state(self, text: str) -> None:
-        """Say what is wrong with odometry or joint states; empty for nothing."""
-
     def show_condition(self, text: str, links: Sequence[str], *, warns: bool) -> None:
         """Say how it is, or warn of what limits it, and mark links."""
-
-    def show_result(self, text: str, *, failed: bool = False) -> None:
-        """Say what came of a request."""
-
-    def show_jog(self, text: str) -> None:
-        """Say why a jog has ended, or does not begin; empty for nothing."""
 
 
 class LiveMover(Protocol):

@@ -8,9 +8,11 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.jog import read_beat
 from robomech_ros.rvs.model.live_robot import LiveRobot
+from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.live.hold_field import HoldField
 from robomech_ros.rvs.page.live.jog_pad import jog_pad
 from robomech_ros.rvs.page.tables import short_name
+from robomech_ros.rvs.page.units import Units
 from robomech_ros.spatial.arrays import as_choice
 
 __all__ = ["GOAL", "LiveControls"]
@@ -31,6 +33,7 @@ class LiveControls:
     ----------
     client : viser.ClientHandle
         The browser.
+    units : Units
     chain : SerialChain or None
         The arm that is jogged, if there is one.
     robot : LiveRobot
@@ -44,6 +47,7 @@ class LiveControls:
     def __init__(
         self,
         client: Any,
+        units: Units,
         chain: SerialChain | None,
         robot: LiveRobot,
         layer: Any,
@@ -62,22 +66,14 @@ class LiveControls:
         if chain is not None:
             self._joints = chain.n
             self._add_jog(gui, chain)
-        folder = gui.add_folder("ROS", order=50, expand_by_default=False)
+        folder = Folder(gui, units, "ROS", 50)
         self._handles.append(folder)
         with folder:
             hint = "Off: the trajectory publisher executes every plan as soon as it is made"
-            self._waiting = gui.add_checkbox("plans wait", waiting, hint=hint)
-            shown = gui.add_checkbox("markers", markers, hint="What the nodes publish as markers")
-
-        @self._waiting.on_update
-        async def _(event: Any) -> None:
-            if event.client is not None:
-                robot.let_plans_wait(self._waiting.value)
-
-        @shown.on_update
-        async def _(event: Any) -> None:
-            if event.client is not None:
-                layer.want_markers(shown.value)
+            wait = robot.let_plans_wait
+            self._waiting = folder.checkbox("plans wait", waiting, wait, hint)
+            hint = "What the nodes publish as markers"
+            folder.checkbox("markers", markers, layer.want_markers, hint)
 
     def _add_goal(self, gui: Any) -> None:
         hint = (
