@@ -289,8 +289,9 @@ class WorkspaceLayer:
         wanted = (found, measure, self._on["cut"])
         if self._drawn.get("points") != wanted:
             self._drawn["points"] = wanted
-            self._shown = reach_points(found, measure, cut=self._on["cut"])
-            self._nodes.show_points(self._shown)
+            shown = reach_points(found, measure, cut=self._on["cut"])
+            self._nodes.show_points(shown)
+            self._shown = shown
 
     def _write(self) -> None:
         folder = self._folder

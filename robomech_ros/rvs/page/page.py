@@ -255,9 +255,11 @@ class RobotPage:
         else:
             self._switches[what] = shown
             self._show_or_hide(what)
-            self._units.turn(self._switches["degrees"])
         if self._panel is not None:
             self._panel.switch(what, shown)
+        if what == "degrees":
+            self._units.turn(shown)
+            self._show(None)
 
     def _reveal(self, shown: bool) -> None:
         self._revealed = shown
