@@ -74,15 +74,16 @@ class Panel:
         self._sliders = self._add_joints(arm)
         self._self_motion = self._add_self_motion(arm) if arm.self_motion() is not None else None
         self._add_switches(switches)
+        options = arm.gizmo(GIZMO * reach)
         self._gizmo = client.scene.add_transform_controls(
             f"{base}/target",
             depth_test=False,
             visible=switches["gizmo"],
-            **arm.gizmo(GIZMO * reach),
+            **options,
             **placed(arm.target),
         )
         self._handles.append(self._gizmo)
-        self._hint = self._add_hint(f"{base}/target/hint", GIZMO * reach)
+        self._hint = self._add_hint(f"{base}/target/hint", options["scale"])
         self._listen_to_gizmo()
         self.update(arm, None)
 
