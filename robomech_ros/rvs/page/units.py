@@ -39,6 +39,10 @@ class Units:
         for one in list(self._shown):
             one.write()
 
+    def forget(self, one: UnitText | AngleSlider) -> None:
+        """Leave alone what is taken from its page."""
+        self._shown.discard(one)
+
     def factor(self, unit: str) -> float:
         """Return the factor from a unit of the program to that of the page."""
         return math.degrees(1.0) if self.degrees and unit.startswith("rad") else 1.0
@@ -117,6 +121,7 @@ class UnitText:
 
     def remove(self) -> None:
         """Take it from the page."""
+        self._units.forget(self)
         self._handle.remove()
 
 
@@ -151,6 +156,11 @@ class AngleSlider:
     def value(self, value: float) -> None:
         if self._handle.value != self._factor * value:
             self._handle.value = self._factor * value
+
+    def remove(self) -> None:
+        """Take it from the page."""
+        self._units.forget(self)
+        self._handle.remove()
 
     def between(self, low: float, high: float) -> None:
         """Change the ends, in the unit of the program."""
