@@ -440,9 +440,7 @@ class SerialChain(Printed):
 
     @cached_property
     def _regular(self) -> Array:
-        return regular_posture(
-            self.packed, self.types, self.lower, self.upper, self.joint_values
-        )
+        return regular_posture(self.packed, self.types, self.lower, self.upper, self.joint_values)
 
     def midrange(self) -> Array:
         """Middle of the position limits (rad or m), shape (n,).

@@ -88,9 +88,7 @@ def serve_action(
             # rclpy keeps it beside the result: 7 MB of each trajectory of 10,000 points.
             handle._goal_request = None
 
-    return ActionServer(
-        node, kind, name, executed, **dict.fromkeys(_ACTION, _DEEP), **options
-    )
+    return ActionServer(node, kind, name, executed, **dict.fromkeys(_ACTION, _DEEP), **options)
 
 
 def ask_action(node: Node, kind: Any, name: str) -> ActionClient:
