@@ -59,6 +59,7 @@ from robomech_ros.trajectory import (
     TorqueLimits,
     discretise,
     interpolant,
+    nearest_turns,
     point_to_point,
     sampled_motion,
     sampled_point_to_point,
@@ -181,6 +182,7 @@ def calls():
     found |= planned | {"sample": MOTION.sample}
     found |= with_options(state_to_state, q0=[0] * 6, q1=[0.5] * 6, limits=LIMITS)
     points = [[0.0] * 6, [0.3] * 6, [0.5] * 6]
+    found |= with_options(nearest_turns, points=points, continuous=[True] * 6)
     for function in (spline_through, through_points, via_polynomial):
         found |= with_options(function, points=points, limits=LIMITS)
         found[f"{function.__name__}.goal"] = lambda value, function=function: function(

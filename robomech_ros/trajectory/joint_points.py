@@ -1,5 +1,7 @@
 """Check points in joint space that come from a caller, and choose their whole turns."""
 
+from __future__ import annotations
+
 import math
 from typing import NoReturn
 
@@ -8,7 +10,7 @@ import numpy.typing as npt
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import real_array
+from robomech_ros.spatial.arrays import as_flag, listed, real_array
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["check_numbers", "joint_points", "joint_values", "nearest_turns"]
@@ -82,7 +84,8 @@ def nearest_turns(
     ([3.283, 0.0], [1, 0])
     """
     places = joint_points(points)
-    free = np.asarray(continuous, dtype=np.bool_)
+    given = listed("continuous", continuous, "True or False for each joint")
+    free = np.array([as_flag(f"continuous[{i}]", one) for i, one in enumerate(given)])
     if free.shape != places[0].shape:
         raise WrongSizeError("continuous", free.shape, places[0].shape)
     steps = np.where(free, np.round(np.diff(places, axis=0) / math.tau), 0.0)
