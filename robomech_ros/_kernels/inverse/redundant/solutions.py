@@ -132,10 +132,13 @@ def _take_samples(data, T, request, nearest, steps, bench, distance, starts):
         count = insert(turns, best, _NAME, distance, count, starts)
     if data[at.KIND] == at.ARM_ANGLE or (data[at.ANGLE] > 0.0 and nearest):
         return _take_angles(data, T, request, nearest, steps, bench, distance, starts, count)
-    within = distance if nearest else math.inf
-    if nearest and known and distance > small_distance(metric):
-        # A few samples within the distance to either side.
-        steps = max(steps, int(WITHIN * 2.0 * math.pi / distance) + 1)
+    within, beyond = distance if nearest else math.inf, 0.0
+    if nearest and not distance < small_distance(metric):
+        # A few samples within the distance to either side, and one beyond: a branch may begin
+        # between both.
+        if known:
+            steps = max(steps, int(WITHIN * 2.0 * math.pi / distance) + 1)
+        beyond = 2.0 * math.pi / steps
     towards = stretched(data, T)
     for k in range(steps if math.isnan(towards) else steps + 2):
         if k < steps:
@@ -144,7 +147,7 @@ def _take_samples(data, T, request, nearest, steps, bench, distance, starts):
             joint = 6 if data[at.FIRST] == 0.0 else 0
             locked[joint] = towards + math.pi * (k - steps)
             away = abs(wrapped(locked[joint] - seed[joint]))
-        if away < within or k == 0:
+        if away < within + beyond or k == 0:
             for i in range(sample(data, T, seed, 0.0, locked, 0.0, (q, branch))):
                 count, here = _enter(request, q[i], branch[i], count, starts)
                 distance = min(distance, here)
