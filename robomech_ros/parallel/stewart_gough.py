@@ -296,7 +296,7 @@ class StewartGough:
             return FollowedPose(reached, True, Code.NONE, 1.0, steps)
         part, regularity = report.tolist()
         code, what = Code.SINGULAR, "a singular pose is in the way, in which assembly modes meet,"
-        if steps != -1:
+        if steps != following.SINGULAR:
             code, what = Code.NOT_CONVERGED, f"no step is proved (regularity {regularity:.3g})"
         return FollowedPose(reached, False, code, part, 0, f"{what} after {part:.3g} of it")
 

@@ -25,10 +25,13 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.parallel.newton import eliminate, newton, rows, substitute
 
-__all__ = ["follow"]
+__all__ = ["SINGULAR", "follow"]
 
-# Part of the largest step that is proved, and the least, of all the way, before it gives up: to a
-# singular pose in the way goes the root of that.
+# Status where a singularity is in the way, and where no step is proved any more.
+SINGULAR, _UNPROVED = -1, -2
+
+# Part of the largest step that is proved, and the least, of all the way, before it gives up: as
+# steps go with the square of the regularity, that reaches far below _SINGULAR.
 _PART, _LEAST_STEP = 0.9, 1e-13
 _STEPS = 2000
 # Least ratio of norms, 1 / (|J| |J^-1|), of a pose that is not singular.
@@ -121,7 +124,7 @@ def follow(A, B, lengths, pose, report):
 
     Points are of order one.  The squared lengths move along a line.  Written to ``report`` (2,):
     the part of the way that was gone, and the ratio of norms where it ends.  Returns the number of
-    steps, -1 where a singularity is in the way, and -2 where no step is proved any more.
+    steps, or a status below 0.
     """
     J, order, factors = scratch(6, 6), scratch_integers(6), scratch(6, 6)
     H, inverse = scratch(6, 13), scratch(6, 6)
@@ -174,4 +177,4 @@ def follow(A, B, lengths, pose, report):
             return taken
         done += step
     report[0], report[1] = done, regularity
-    return -1 if regularity < _SINGULAR else -2
+    return SINGULAR if regularity < _SINGULAR else _UNPROVED
