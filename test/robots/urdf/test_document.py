@@ -167,7 +167,7 @@ GRIPPER = robot(
 
 
 def test_base_and_tip_are_chosen_or_asked_for():
-    expected = "several links could be the tip, name one with tip= or --tip-link: wrist, left$"
+    expected = "could be the tip, name one with tip= or --tip-link: wrist, left, right$"
     error = refused(GRIPPER, expected)
     assert error.where == "URDF string"
     assert load_robot(GRIPPER, tip="left").joint_names == ("j", "l")
