@@ -55,9 +55,6 @@ BESIDE_BY = 0.9
 BESIDE_MOST = 0.6
 # So many samples of a locked joint, at least, are within the distance of the nearest posture known.
 WITHIN = 3
-# Arm angles farther from that of the nearest posture known than so many times its distance lead to
-# no nearer one.
-ANGLE_WITHIN = 6.0
 
 NONE_EXISTS = -1
 _NAME = np.int64(bit.SELF_MOTION | bit.UNNAMED)
@@ -164,7 +161,7 @@ def _take_angles(data, T, request, nearest, steps, bench, distance, starts, coun
     Those of an idealised arm are marked.  Returns how many starts there are, and the least distance
     of one inside the limits.
     """
-    _, _, _, seed, _, _ = request
+    _, _, _, seed, metric, _ = request
     q, branch, locked, best, _ = bench
     idealised = data[at.KIND] != at.ARM_ANGLE
     if idealised:
@@ -173,8 +170,8 @@ def _take_angles(data, T, request, nearest, steps, bench, distance, starts, coun
     angle = call_arm_angle(data, best if near else seed)
     for k in range(steps):
         turn = 2.0 * math.pi * ((k + 1) // 2) / steps * (1.0 if k % 2 == 1 else -1.0)
-        if near and abs(turn) >= ANGLE_WITHIN * distance and k > 0:
-            continue
+        if k > 0 and nearest and distance < small_distance(metric):
+            break
         for i in range(sample(data, T, seed, angle, locked, turn, (q, branch))):
             name = INEXACT if idealised else branch[i]
             count, here = _enter(request, q[i], name, count, starts)
