@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -83,13 +82,13 @@ class SerialArm:
     task_mask: Sequence[bool] | None = None
     limits: JointLimits | Any = None
 
-    @cached_property
+    @property
     def held(self) -> npt.NDArray[np.int64] | None:
         """Rows of twists, angular first, that a path holds; None for the full pose."""
         rows = None if self.task_mask is None else held_rows("task_mask", self.task_mask)
         return None if rows is None or len(rows) in (0, 6) else rows
 
-    @cached_property
+    @property
     def bounds(self) -> FloatArray | None:
         """Position limits (2, n), if joints keep away from any (rad or m)."""
         known = None if self.limits is None else Limits.of(self.limits)
