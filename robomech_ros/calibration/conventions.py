@@ -28,7 +28,7 @@ _EXACT = 1e-9
 def misfit(errors: Array, reach: float) -> float:
     """Mean logarithm of squared errors (2, n), which a few wrong samples hardly change."""
     least = np.array([[_EXACT**2], [(_EXACT * (1.0 + reach)) ** 2]])
-    return float(np.log(np.maximum(errors, least)).sum()) / errors.shape[1]
+    return float(np.log(np.maximum(errors, least)).sum() / errors.shape[1])
 
 
 def check_units(S: Array, voters: Array, conventions: Sequence[tuple[Array, Start]]) -> None:

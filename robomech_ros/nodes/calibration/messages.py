@@ -173,4 +173,4 @@ def _in_words(solution: Solution) -> str:
 
 
 def _listed(vector: Array) -> str:
-    return " ".join(f"{x:.4f}" for x in vector + 0.0)
+    return " ".join(f"{x:.4f}" for x in np.round(vector, 4) + 0.0)
