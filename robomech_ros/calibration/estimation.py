@@ -30,7 +30,7 @@ from robomech_ros.errors import (
     UndeterminedError,
     WrongSizeError,
 )
-from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag, readable_axis
+from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag
 from robomech_ros.spatial.poses import as_pose, assembled, inverse_pose
 
 __all__ = ["MOUNTS", "hand_eye", "robot_world"]
@@ -135,7 +135,7 @@ def hand_eye(
     BadValueError, WrongSizeError, NonFiniteError
         Not poses, or fewer than three that differ.
     UndeterminedError
-        Pure translations, turns about one line, or half turns that several sensors fit.
+        Pure translations, or half turns that several sensors fit.
     ContradictionError
         An exchanged mount or inverted poses, positions in two units (m and mm), or samples that
         contradict each other.
@@ -193,17 +193,7 @@ def hand_eye(
         )
     _check_turns(fit, None, kind)
     _check_single(fit)
-    found = _result(fit, robot, rows, back, kind)
-    if fit.freedom.is_axis and found.rotation_deviation > _CHAOS:
-        axis = readable_axis(fit.freedom.directions[0])
-        raise UndeterminedError(
-            "motions of the robot",
-            f"turns about one line, along {axis}",
-            "positions across it that differ, too: else the sensor's turn about the line is free, "
-            "and its position along it",
-            [axis],
-        )
-    return found
+    return _result(fit, robot, rows, back, kind)
 
 
 def robot_world(

@@ -165,5 +165,7 @@ def errors_at(A: Array, S: Array, at: Array) -> Array:
 def variances_of(errors: Array) -> tuple[float, float]:
     """Variances of each coordinate of which the medians of squared errors (2, n) speak."""
     freed = 1.0 / (_MEDIAN * max(1.0 - 2.0 / errors.shape[1], 0.25))
-    turn, shift = (max(float(one) * freed, _LEAST_VARIANCE) for one in np.median(errors, axis=1))
+    ordered, n = np.sort(errors, axis=1), errors.shape[1]
+    medians = 0.5 * (ordered[:, (n - 1) // 2] + ordered[:, n // 2])
+    turn, shift = (max(float(one) * freed, _LEAST_VARIANCE) for one in medians)
     return turn, shift
