@@ -44,6 +44,8 @@ _TYPICAL = 2.0
 class StewartGough:
     r"""A platform on six legs: :math:`|p + R b_i - a_i| = L_i`.
 
+    All methods raise BadValueError, WrongSizeError or NonFiniteError where poses are none.
+
     Parameters
     ----------
     base_points : array_like, shape (6, 3)
@@ -149,11 +151,6 @@ class StewartGough:
         -------
         ndarray, shape (..., 6)
             Lengths (m), also where they are outside the strokes; see :meth:`excess`.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not poses.
         """
         poses = platform_poses(T)
         flat = np.ascontiguousarray(poses.reshape(-1, 4, 4))
@@ -173,11 +170,6 @@ class StewartGough:
         -------
         ndarray, shape (..., 6)
             Positive where a leg is too long, negative where it is too short (m), else 0.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not six lengths.
         """
         given = as_finite("lengths", lengths, (6,))
         if self.strokes is None:
@@ -205,11 +197,6 @@ class StewartGough:
         -------
         ndarray, shape (..., 2, 6)
             Of those on the base and on the platform: rad, negative inside, -pi without a cone.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not poses.
         """
         poses = platform_poses(T)
         R = poses[..., :3, :3]

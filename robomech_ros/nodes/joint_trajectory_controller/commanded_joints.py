@@ -114,7 +114,12 @@ class CommandedJoints:
         clock.on_jump(self.follower.clock_jumped)
         self._start = simulated_joints.position if start is None else start
         self._at = np.array([list(self.shown_names).index(name) for name in joints.names])
-        self._check = _state_check(settings, *self._checked_limits())
+        limits, margin = self._checked_limits()
+        if settings.interpolation_method != SPLINES:
+            # The joints step to one point after the other.
+            limits = replace(limits, velocity=np.full(len(limits.joint_names), np.inf))
+        overshoot = (_BEYOND, _FASTER) if settings.simulation == DYNAMIC else ()
+        self._check = StateCheck(limits, margin, *overshoot)
         self._accept(self._start)
 
     @property
@@ -286,11 +291,3 @@ class CommandedJoints:
         self._assume(real)
         self.follower.reset(real[self._at], text)
         self._accept(real)
-
-
-def _state_check(settings: ControllerSettings, limits: Limits, margin: Margin | None) -> StateCheck:
-    if settings.interpolation_method != SPLINES:
-        # The joints step to one point after the other.
-        limits = replace(limits, velocity=np.full(len(limits.joint_names), np.inf))
-    overshoot = (_BEYOND, _FASTER) if settings.simulation == DYNAMIC else ()
-    return StateCheck(limits, margin, *overshoot)

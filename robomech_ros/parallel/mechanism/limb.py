@@ -150,16 +150,9 @@ class Limb:
 
 
 def limit_margins(q: Array, limits: Any, at: NDArray[np.int64], angles: Array) -> Array:
-    """Say how far joints (..., n) are inside limits, and inside cones that begin at some of them.
+    """Say how far joints (..., n) are inside limits (rad or m), and inside cones (c,).
 
-    Parameters
-    ----------
-    q : ndarray, shape (..., n)
-        rad or m.
-    limits : SerialChain or Mechanism
-        Of the joints.
-    at, angles : ndarray, shape (c,)
-        Number of the first joint of each cone, and its angle (rad).
+    These are given by the numbers of the first joints of cones, and their angles (rad).
     """
     margin: Array = np.minimum(q - limits.lower, limits.upper - q)
     if len(at):

@@ -191,11 +191,6 @@ class Mechanism(LoopMotion):
         ndarray, shape (..., n)
             rad or m, negative outside, infinite without limits; how far a joint may still bend
             in its cone is said of the first of its two joints.
-
-        Raises
-        ------
-        WrongSizeError, NonFiniteError
-            Not n finite numbers.
         """
         return limit_margins(self._all_joints("q", q), self, *self.bent)
 

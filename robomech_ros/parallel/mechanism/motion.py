@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 class LoopMotion:
     """Where joints of closed loops are, and how they move.
 
+    All methods raise WrongSizeError or NonFiniteError where joints are not n finite numbers.  Those
+    of velocities and accelerations raise what :meth:`rates` does.
+
     Parameters
     ----------
     loops : Loops
@@ -42,11 +45,6 @@ class LoopMotion:
         -------
         ndarray, shape (..., 4, 4)
             ``T_base_platform`` (m).
-
-        Raises
-        ------
-        WrongSizeError, NonFiniteError
-            Not n finite numbers.
         """
         return np.ascontiguousarray(self.limb_poses(q)[..., 0, :, :])
 
@@ -62,11 +60,6 @@ class LoopMotion:
         -------
         ndarray, shape (..., limbs, 4, 4)
             In the base (m).
-
-        Raises
-        ------
-        WrongSizeError, NonFiniteError
-            Not n finite numbers.
         """
         return self.loops.limb_poses(self._all_joints("q", q))
 
@@ -82,11 +75,6 @@ class LoopMotion:
         -------
         ndarray, shape (..., limbs, 2)
             Distance (m) and angle (rad); 0 for the first limb.
-
-        Raises
-        ------
-        WrongSizeError, NonFiniteError
-            Not n finite numbers.
         """
         poses = self.limb_poses(q)
         away = poses - poses[..., :1, :, :]
@@ -96,16 +84,9 @@ class LoopMotion:
         return np.stack((distance, 2.0 * np.arcsin(np.minimum(chord, 1.0))), axis=-1)
 
     def open_loops(self, q: Array, what: str, expected: str = "closed loops") -> OpenLoopsError:
-        """Return the error that names the widest gap of postures, shape (..., n).
+        """Return the error that names the widest gap of postures, shape (..., n), called `what`.
 
-        Parameters
-        ----------
-        q : ndarray, shape (..., n)
-            All joints (rad or m).
-        what : str
-            What they are; of several postures the error counts them from 0.
-        expected : str, optional
-            The words after "expected".
+        Of several postures it counts them from 0.
         """
         with np.errstate(over="ignore", invalid="ignore"):
             errors = self.loop_errors(q)
@@ -179,11 +160,6 @@ class LoopMotion:
         -------
         ndarray, shape (..., n, m)
 
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            As for :meth:`rates`.
-
         References
         ----------
         Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 12.2.
@@ -202,11 +178,6 @@ class LoopMotion:
         -------
         ndarray, shape (..., 6, m)
             Angular rows first, in the base.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            As for :meth:`rates`.
         """
         return self.loops.rates(self._all_joints("q", q), np.eye(self.dof))[1]
 
@@ -228,11 +199,6 @@ class LoopMotion:
             Of all joints (rad/s^2 or m/s^2).
         acceleration : ndarray, shape (..., 6)
             [angular acceleration; acceleration of the platform's origin] in the base.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            As for :meth:`rates`.
         """
         joints, speeds = self._all_joints("q", q), self._all_joints("qd", qd)
         given = as_finite("actuated_accelerations", actuated_accelerations, (self.dof,))
