@@ -29,14 +29,8 @@ class StateCheck:
     margin : callable, optional
         Returns how far joints are inside their limits (n,) at a position (n,), rad or m; by
         default the distance to the nearer one of two.
-    beyond : float, optional
-        How far joints may overshoot their limits, rad or m.
-    faster : float, optional
-        By which part of their velocity limits joints may be faster.
-
-    Attributes
-    ----------
-    limits : Limits
+    beyond, faster : float, optional
+        How far joints may overshoot their limits (rad or m), and those of velocity (as a part).
     """
 
     def __init__(
