@@ -18,7 +18,7 @@ from robomech_ros.kinematics.inverse.redundant_solutions import (
 from robomech_ros.kinematics.inverse.request import (
     Request,
     as_request,
-    default_tolerances,
+    is_loose,
     with_task,
 )
 from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
@@ -157,30 +157,20 @@ def inverse_kinematics(
     family = family_of(chain)
     if family.lists_all and request.task == FULL_TASK:
         result = solve_closed_form(chain, given, request, family)
-        loose = False
         if position_tolerance is not None or orientation_tolerance is not None:
-            result, loose = _within_tolerances(chain, request, result)
+            # Closed forms are as good as rounding lets them be, and hold these bounds anyway.
+            result = result.within(
+                max(request.position_tolerance, POSITION_TOLERANCE),
+                max(request.orientation_tolerance, ORIENTATION_TOLERANCE),
+            )
         if result.status is _SUCCESS:
             return result
-        if loose or result.status is Status.NOT_CONVERGED:
+        if is_loose(chain, request) or result.status is Status.NOT_CONVERGED:
             near = solve_by_search(chain, result.target, request, started)
             result = near if len(near) else result
     else:
         result = _sampled_or_searched(chain, as_targets(given)[0], request, family, started)
     return add_nearest(chain, result.target, request, result, started)
-
-
-def _within_tolerances(
-    chain: SerialChain, request: Request, result: InverseKinematicsResult
-) -> tuple[InverseKinematicsResult, bool]:
-    """Leave the solutions that tolerances allow; tell whether they allow more than closed forms do.
-
-    Solutions of closed forms are as good as rounding lets them be, and hold 1e-9 anyway.
-    """
-    position, orientation = default_tolerances(chain, FULL_TASK)
-    loose = request.position_tolerance > position or request.orientation_tolerance > orientation
-    least = max(request.position_tolerance, POSITION_TOLERANCE)
-    return result.within(least, max(request.orientation_tolerance, ORIENTATION_TOLERANCE)), loose
 
 
 def _sampled_or_searched(

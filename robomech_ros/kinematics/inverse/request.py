@@ -33,6 +33,7 @@ __all__ = [
     "as_seed",
     "as_tolerance",
     "default_tolerances",
+    "is_loose",
     "with_task",
 ]
 
@@ -76,6 +77,12 @@ def default_tolerances(chain: SerialChain, task: Task) -> tuple[float, float]:
     if chain.n < sum(task) or whole:
         return short_layout.POSITION_TOLERANCE, short_layout.ORIENTATION_TOLERANCE
     return POSITION_TOLERANCE, ORIENTATION_TOLERANCE
+
+
+def is_loose(chain: SerialChain, request: Request) -> bool:
+    """Tell whether a request allows larger errors than the defaults for the full pose."""
+    position, orientation = default_tolerances(chain, FULL_TASK)
+    return request.position_tolerance > position or request.orientation_tolerance > orientation
 
 
 def as_request(

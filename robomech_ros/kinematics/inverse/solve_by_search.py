@@ -24,7 +24,7 @@ from robomech_ros.kinematics.inverse.reasons import (
     explain_unreachable,
     no_solution,
 )
-from robomech_ros.kinematics.inverse.request import Request
+from robomech_ros.kinematics.inverse.request import Request, is_loose
 from robomech_ros.kinematics.inverse.result import Findings, InverseKinematicsResult, Listing
 from robomech_ros.kinematics.inverse.singular_marks import singular_marks
 from robomech_ros.kinematics.inverse.status import Status
@@ -81,7 +81,7 @@ def _through_followers(
         if len(result):
             return result
         return explain_limits(chain, T, found.q, family, continuum=False, proven=complete)
-    if not complete or request.is_loose:
+    if not complete or is_loose(chain, request):
         return None
     return explain_unreachable(chain, T, family, respect_limits=request.respect_limits)
 
