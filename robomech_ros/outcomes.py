@@ -6,8 +6,6 @@ from here, and nodes the code of a response.
 
 from enum import IntEnum
 
-__all__ = ["Code", "name_of"]
-
 
 class Code(IntEnum):
     """How a request or a motion ends.

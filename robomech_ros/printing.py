@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["MOST_LINES", "Printed", "brief"]
-
 MOST_LINES = 10
 _MOST_NUMBERS = 8
 _LONGEST = 80

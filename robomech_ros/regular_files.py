@@ -5,8 +5,6 @@ import stat
 from pathlib import Path
 from typing import IO
 
-__all__ = ["open_regular", "read_regular"]
-
 
 def open_regular(path: Path) -> IO[bytes]:
     """Open a regular file for reading; a pipe or a device could let the reader wait for ever.

@@ -14,14 +14,6 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = [
-    "PORTS_OF_ALL_DOMAINS",
-    "Leftover",
-    "leftovers",
-    "ports_of_domain",
-    "remove_leftovers",
-]
-
 # The first port of domain 0, and how many a domain has (DDSI-RTPS 2.5, section 9.6.2).
 _FIRST_PORT, _PORTS = 7400, 250
 # Where Fast DDS takes the ports for data from, in whatever domain.

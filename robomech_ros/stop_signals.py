@@ -6,8 +6,6 @@ Importing this must answer signals at once, so it imports next to nothing itself
 import os
 import signal
 
-__all__ = ["STOP_SIGNALS", "leave_on_signals"]
-
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 

@@ -11,8 +11,6 @@ from robomech_ros.calibration.freedom import FAR, reach_of
 from robomech_ros.calibration.start import Start, started
 from robomech_ros.errors import ContradictionError
 
-__all__ = ["check_units", "misfit", "refuse_convention"]
-
 Array = NDArray[np.float64]
 
 # What is off by so much (rad, and the same part of the distances) is not noise of a sensor.

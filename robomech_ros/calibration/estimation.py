@@ -33,8 +33,6 @@ from robomech_ros.errors import (
 from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag
 from robomech_ros.spatial.poses import as_pose, assembled, inverse_pose
 
-__all__ = ["MOUNTS", "hand_eye", "robot_world"]
-
 Array = NDArray[np.float64]
 
 MOUNTS = ("eye-in-hand", "eye-to-hand")

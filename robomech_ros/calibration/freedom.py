@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.calibration import starting
 from robomech_ros._kernels.compiling.jit import direct
 
-__all__ = ["FAR", "Freedom", "freedom_of", "reach_of"]
-
 Array = NDArray[np.float64]
 
 _common_turns = direct(starting.common_turns)

@@ -16,8 +16,6 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.poses import as_pose, inverse_pose
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
 
-__all__ = ["NextPose", "next_best_pose"]
-
 Array = NDArray[np.float64]
 
 _information = direct(refinement.information_of)

@@ -12,8 +12,6 @@ from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.spatial.rotations.quaternions import quaternion_from_matrix
 
-__all__ = ["MotionAgreement", "motion_agreement"]
-
 Array = NDArray[np.float64]
 
 _LEAST_SENSORS = 2

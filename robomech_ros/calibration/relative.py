@@ -9,8 +9,6 @@ from robomech_ros.errors import ContradictionError, WrongSizeError
 from robomech_ros.spatial.poses import as_pose, assembled
 from robomech_ros.spatial.transformations.redundant_sensing import frames_between, single_match
 
-__all__ = ["relative_hand_eye"]
-
 Array = NDArray[np.float64]
 
 # Positions that miss by more than this part of the distances contradict each other, unless it is so

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.printing import Printed
 
-__all__ = ["HandEyeNoise", "HandEyeResult", "sensor_covariance"]
-
 Array = NDArray[np.float64]
 
 

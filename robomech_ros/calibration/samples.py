@@ -8,8 +8,6 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.poses import as_pose
 
-__all__ = ["LARGEST_COORDINATE", "checked_samples", "distinct_samples"]
-
 Array = NDArray[np.float64]
 
 _LEAST_SAMPLES = 3

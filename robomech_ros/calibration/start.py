@@ -12,17 +12,6 @@ from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.calibration.freedom import Freedom, freedom_of
 from robomech_ros.spatial.transformations.matching import rotations_between, top_vectors
 
-__all__ = [
-    "Start",
-    "agreeing",
-    "errors_at",
-    "inverted",
-    "packed",
-    "put_on_axis",
-    "started",
-    "variances_of",
-]
-
 Array = NDArray[np.float64]
 
 _make_rotations = direct(starting.make_rotations)

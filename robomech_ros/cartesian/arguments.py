@@ -3,8 +3,6 @@
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import real_number
 
-__all__ = ["above_zero", "whole_number"]
-
 
 def above_zero(what: str, value: object) -> float:
     """Check a number above 0, which may be infinite."""

@@ -13,8 +13,6 @@ from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import Limits, SerialArm
 
-__all__ = ["load_inverse_kinematics", "serial_arm"]
-
 Array = NDArray[np.float64]
 
 

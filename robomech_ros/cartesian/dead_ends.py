@@ -7,8 +7,6 @@ from robomech_ros.cartesian.followers import Follower
 from robomech_ros.trajectory import JointPath, Limits, PathCut, PathTracking, PathTrackingStatus
 from robomech_ros.trajectory.paths.path_cuts import PLACES
 
-__all__ = ["SLOWEST", "dead_end"]
-
 Array = NDArray[np.float64]
 # Below this speed along the path (m/s) the way to a dead end is pointless: it takes minutes for
 # less than a tenth of a millimetre.  Of an arm that is slow everywhere, this part of its fastest.

@@ -21,8 +21,6 @@ from robomech_ros.trajectory import JointPath, Limits, SerialArm
 from robomech_ros.trajectory.paths.arms import Tracked
 from robomech_ros.trajectory.paths.partial_poses import partial_rank
 
-__all__ = ["ChainFollower", "Follower", "as_follower"]
-
 Array = NDArray[np.float64]
 
 

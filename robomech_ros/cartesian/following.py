@@ -29,8 +29,6 @@ from robomech_ros.trajectory import (
     track_path,
 )
 
-__all__ = ["FollowedPath", "StopReason", "follow_path", "waypoint_fraction"]
-
 Array = NDArray[np.float64]
 # Places among which the nearest one to a waypoint is looked for.
 _PLACES = 5000

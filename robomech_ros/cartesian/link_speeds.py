@@ -14,8 +14,6 @@ from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import JointPath, SpeedLimit
 from robomech_ros.trajectory.paths.curve_arguments import as_number, as_positive
 
-__all__ = ["link_speed_limit"]
-
 Array = NDArray[np.float64]
 
 

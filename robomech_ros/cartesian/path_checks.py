@@ -18,15 +18,6 @@ from robomech_ros.spatial.arrays import listed
 from robomech_ros.trajectory import JointPath, PathCut, PathTrackingStatus
 from robomech_ros.trajectory.paths.path_cuts import PLACES, last_good_place
 
-__all__ = [
-    "PathBounds",
-    "PathCheck",
-    "broken_condition",
-    "jump_cut",
-    "relative_jump",
-    "singular_cut",
-]
-
 Array = NDArray[np.float64]
 # Finds where a joint path must end, and why; None where nowhere.
 PathCheck = Callable[[JointPath], PathCut | None]

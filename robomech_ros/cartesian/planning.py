@@ -30,8 +30,6 @@ from robomech_ros.trajectory import (
 from robomech_ros.trajectory.plans.fitting_plan import sampled_to_fit
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 
-__all__ = ["CartesianPlan", "plan_along", "plan_followed"]
-
 
 @dataclass(frozen=True, eq=False)
 class CartesianPlan(Printed):

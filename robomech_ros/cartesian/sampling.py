@@ -11,8 +11,6 @@ from robomech_ros.cartesian.arguments import above_zero, whole_number
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory import Limits, SampledPlan, discretise, verify
 
-__all__ = ["Sampling", "in_steps"]
-
 Array = NDArray[np.float64]
 # A little finer than wanted: the fastest part may lie between two points.
 _FINER = 0.95

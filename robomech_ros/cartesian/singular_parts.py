@@ -13,8 +13,6 @@ from robomech_ros.kinetostatics.singularities.report import posture_report
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import JointPath
 
-__all__ = ["ever_faster", "singular_part"]
-
 Array = NDArray[np.float64]
 # A part of an arm whose factor of the determinant is below this is named as nearly singular.
 _NEARLY = 0.1

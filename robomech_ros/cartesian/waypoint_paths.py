@@ -18,8 +18,6 @@ from robomech_ros.spatial.screws.pose_conversions import pose_error
 from robomech_ros.trajectory import PosePath, arc_path, spline_path, straight_path
 from robomech_ros.trajectory.paths.partial_poses import least_turn
 
-__all__ = ["PathKind", "path_through"]
-
 Array = NDArray[np.float64]
 PathKind = Literal["straight", "spline", "arc"]
 # Poses nearer to the one before than this (rad, m) are the same waypoint.

@@ -10,8 +10,6 @@ from robomech_ros.rolling import load_rolling, rolling_description
 from robomech_ros.rvs.model.hands.tree import fingers_tree
 from robomech_ros.walking import load_legged
 
-__all__ = ["describe"]
-
 
 def describe(robot: str) -> tuple[RobotDescription, str]:
     """Describe a robot as its nodes do, and say what a tree does not tell.

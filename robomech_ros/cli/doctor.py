@@ -14,8 +14,6 @@ from typing import NamedTuple
 
 from robomech_ros.shared_memory import Leftover, leftovers, ports_of_domain, remove_leftovers
 
-__all__ = ["Finding", "add_arguments", "findings", "run"]
-
 OLDEST_PYTHON = (3, 10)
 MULTICAST_GROUP = "239.255.0.1"
 SET_UP = "make setup"

@@ -7,8 +7,6 @@ from pathlib import Path
 from robomech_ros.cli.described_kinds import describe
 from robomech_ros.robots import urdf_from_description
 
-__all__ = ["add_arguments", "run"]
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""

@@ -8,8 +8,6 @@ from rich.table import Table
 
 from robomech_ros.robots import SemanticDescription, load_description, semantics_of
 
-__all__ = ["add_arguments", "run"]
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""

@@ -6,8 +6,6 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-__all__ = ["compiled", "prune"]
-
 # As robomech_ros._kernels names the files of a kernel: with the digest of what it is made from.
 _KERNEL = re.compile(r".+-([0-9a-f]{16})\.py\d+\w*(?:\.\d+)?\.nb[ic]")
 _USERS = "used_by"

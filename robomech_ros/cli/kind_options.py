@@ -5,8 +5,6 @@ from collections.abc import Iterable, Mapping
 
 from robomech_ros.errors import RobomechError
 
-__all__ = ["OptionRefusedError", "note_kinds", "refuse_options"]
-
 # What an argparse.Namespace of the command holds besides its options.
 _NO_OPTIONS = ("command", "run")
 

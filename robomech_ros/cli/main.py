@@ -8,8 +8,6 @@ from importlib import import_module
 from robomech_ros import __version__
 from robomech_ros.stop_signals import leave_on_signals
 
-__all__ = ["main"]
-
 _HERE = "robomech_ros.cli"
 _WITH_ROS = "robomech_ros.nodes.commands"
 # Name: the package that it is a module of, and what it does.

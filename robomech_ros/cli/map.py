@@ -34,8 +34,6 @@ from robomech_ros.robots import SerialChain, load_description
 from robomech_ros.robots.documents.numbers_in_text import integer, number
 from robomech_ros.spatial import matrix_from_quaternion
 
-__all__ = ["add_arguments", "run"]
-
 Array = NDArray[np.float64]
 
 _POINTS = 21

@@ -12,8 +12,6 @@ from robomech_ros.robots import SerialChain, load_description, main_chain, seman
 from robomech_ros.robots.documents.numbers_in_text import number
 from robomech_ros.spatial import pose_from_position_quaternion
 
-__all__ = ["add_arguments", "run"]
-
 EXIT_NONE = 1
 
 

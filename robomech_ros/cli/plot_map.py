@@ -8,8 +8,6 @@ from robomech_ros.kinetostatics import load_reach_map
 from robomech_ros.plotting.map_slices import QUANTITIES, plot_map
 from robomech_ros.robots.documents.numbers_in_text import number
 
-__all__ = ["add_arguments", "run"]
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""

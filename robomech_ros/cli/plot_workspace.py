@@ -9,8 +9,6 @@ from robomech_ros.kinetostatics import workspace_boundary
 from robomech_ros.plotting.workspace_section import plot_workspace
 from robomech_ros.robots import load_description
 
-__all__ = ["add_arguments", "run"]
-
 _ENDINGS = (".png", ".svg", ".pdf")
 
 

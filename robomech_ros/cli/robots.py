@@ -17,8 +17,6 @@ from robomech_ros.robots.kinds import names_of
 from robomech_ros.rolling import rolling_robot
 from robomech_ros.walking import load_legged
 
-__all__ = ["add_arguments", "run"]
-
 _SHORT = 100
 
 

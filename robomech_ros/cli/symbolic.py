@@ -7,8 +7,6 @@ from importlib.util import find_spec
 from robomech_ros.robots import load_description
 from robomech_ros.robots.documents.numbers_in_text import number
 
-__all__ = ["add_arguments", "run"]
-
 EXIT_NONE = 1
 
 EXPRESSIONS = (

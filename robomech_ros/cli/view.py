@@ -20,8 +20,6 @@ from robomech_ros.stop_signals import leave_on_signals
 if TYPE_CHECKING:
     from robomech_ros.rvs.page.page import RobotPage
 
-__all__ = ["add_arguments", "run"]
-
 _OF_ARMS = ("base_link", "tip_link", "srdf", "group")
 
 

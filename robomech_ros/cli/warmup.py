@@ -18,8 +18,6 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from robomech_ros._kernels.compiling.sources import PACKAGE, sources
 from robomech_ros.cli.kernel_cache import compiled, prune
 
-__all__ = ["add_arguments", "kernel_modules", "run", "warm"]
-
 _INSTALLATION = Path(__file__).resolve().parents[1]
 
 # Seconds.

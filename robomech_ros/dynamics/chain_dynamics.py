@@ -25,8 +25,6 @@ from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["ChainDynamics"]
-
 Array = NDArray[np.float64]
 
 _forward_one = direct(forward_dynamics_one)

@@ -12,8 +12,6 @@ from robomech_ros.kinematics.joint_values import as_states, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["as_screw", "as_vector", "finite_result", "finite_states"]
-
 Array = NDArray[np.float64]
 P = ParamSpec("P")
 

@@ -20,13 +20,6 @@ from robomech_ros.dynamics.model import (
 from robomech_ros.kinematics.joint_values import as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = [
-    "ForwardDerivatives",
-    "InverseDerivatives",
-    "forward_dynamics_derivatives",
-    "inverse_dynamics_derivatives",
-]
-
 Array = NDArray[np.float64]
 
 _derivatives_one = direct(kernels.inverse_derivatives_one)

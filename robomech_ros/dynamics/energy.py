@@ -21,15 +21,6 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = [
-    "PowerBalance",
-    "center_of_mass",
-    "kinetic_energy",
-    "momentum",
-    "potential_energy",
-    "power_balance",
-]
-
 Array = NDArray[np.float64]
 
 

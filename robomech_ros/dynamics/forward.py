@@ -17,8 +17,6 @@ from robomech_ros.kinematics.joint_values import as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["METHODS", "forward_dynamics"]
-
 Array = NDArray[np.float64]
 
 METHODS = ("articulated-body", "cholesky")

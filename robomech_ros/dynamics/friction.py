@@ -12,14 +12,6 @@ from robomech_ros.dynamics.model import raise_outcome
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = [
-    "dissipated_power",
-    "dissipation",
-    "friction_model",
-    "friction_of_rates",
-    "friction_torque",
-]
-
 Array = NDArray[np.float64]
 
 

@@ -16,8 +16,6 @@ from robomech_ros.dynamics.model import (
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["bias_torque", "gravity_torque", "inverse_dynamics"]
-
 Array = NDArray[np.float64]
 
 _inverse_one = direct(kernels.inverse_dynamics_one)

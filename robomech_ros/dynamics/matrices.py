@@ -11,8 +11,6 @@ from robomech_ros.dynamics.model import dynamic_model, raise_outcome
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["coriolis_matrix", "mass_matrix"]
-
 Array = NDArray[np.float64]
 
 _mass_one = direct(kernels.mass_matrix_one)

@@ -22,16 +22,6 @@ from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array, real_number
 
-__all__ = [
-    "GRAVITY",
-    "body_parameters",
-    "body_rows",
-    "dynamic_model",
-    "positive_number",
-    "raise_outcome",
-    "surroundings",
-]
-
 Array = NDArray[np.float64]
 
 GRAVITY = (0.0, 0.0, -9.81)

@@ -13,8 +13,6 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array
 
-__all__ = ["TorqueSummary", "torque_summary"]
-
 Array = NDArray[np.float64]
 
 

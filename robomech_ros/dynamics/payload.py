@@ -10,8 +10,6 @@ from robomech_ros.robots.bodies import Body, combined
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import unpack_chain
 
-__all__ = ["with_payload"]
-
 
 def with_payload(chain: SerialChain, payload: Body) -> SerialChain:
     """Give the chain that carries a load at its tip.

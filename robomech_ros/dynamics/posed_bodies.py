@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
 
-__all__ = ["PosedBodies", "body_moments", "link_transforms", "posed_bodies", "reflected_inertias"]
-
 Array = NDArray[np.float64]
 
 

@@ -19,14 +19,6 @@ from robomech_ros.robots.bodies import Body
 from robomech_ros.spatial.arrays import as_finite, real_number
 from robomech_ros.spatial.screws.bodies import inertia_of_point_mass
 
-__all__ = [
-    "bodies_from_parameters",
-    "is_consistent",
-    "nearest_consistent",
-    "parameters_from_pseudo_inertia",
-    "pseudo_inertia",
-]
-
 Array = NDArray[np.float64]
 
 # Products of parameters up to this do not overflow.

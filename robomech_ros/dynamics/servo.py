@@ -14,8 +14,6 @@ from robomech_ros.dynamics.model import dynamic_model, surroundings
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["CompiledServo", "DrivenState", "ServoLaw", "ServoRun", "Timing", "chain_servo"]
-
 Array = NDArray[np.float64]
 
 

@@ -14,8 +14,6 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["CompiledForward", "DynamicSystem", "LostPostureError", "dynamic_system"]
-
 Array = NDArray[np.float64]
 # From q (n,), rates and efforts (m,) to accelerations (m,), written to the last: not 0 for none.
 CompiledForward = Callable[[Array, Array, Array, Array], int]

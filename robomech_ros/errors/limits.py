@@ -3,12 +3,6 @@
 from robomech_ros.errors.texts import of_unit
 from robomech_ros.errors.values import RobomechError
 
-__all__ = [
-    "DurationTooShortError",
-    "LimitExceededError",
-    "SeedOutsideLimitsError",
-]
-
 
 class SeedOutsideLimitsError(RobomechError):
     """The seed or start of a joint lies outside the joint's limits.

@@ -3,11 +3,6 @@
 from robomech_ros.errors.texts import in_bytes
 from robomech_ros.errors.values import RobomechError
 
-__all__ = [
-    "MapFileError",
-    "NotEnoughMemoryError",
-]
-
 
 class MapFileError(RobomechError):
     """The file of a map is damaged, belongs to another map or robot, or cannot be written.

@@ -6,13 +6,6 @@ from difflib import get_close_matches
 from robomech_ros.errors.texts import LONGEST_LIST, LONGEST_VALUE, listed, shown
 from robomech_ros.errors.values import RobomechError
 
-__all__ = [
-    "UnknownJointError",
-    "UnknownLinkError",
-    "UnknownRobotError",
-    "did_you_mean",
-]
-
 _MOST_COMPARED = 500
 
 

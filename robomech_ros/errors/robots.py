@@ -5,14 +5,6 @@ from collections.abc import Iterable
 from robomech_ros.errors.texts import listed
 from robomech_ros.errors.values import BadValueError, RobomechError
 
-__all__ = [
-    "MissingInertiaError",
-    "MissingLimitsError",
-    "OpenLoopsError",
-    "RobotDescriptionError",
-    "SingularPostureError",
-]
-
 
 class RobotDescriptionError(RobomechError):
     """A robot's description is broken, hostile or of a kind that is not supported.

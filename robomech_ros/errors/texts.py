@@ -3,15 +3,6 @@
 import re
 from collections.abc import Sequence
 
-__all__ = [
-    "LONGEST_LIST",
-    "LONGEST_VALUE",
-    "in_bytes",
-    "listed",
-    "of_unit",
-    "shown",
-]
-
 LONGEST_VALUE = 200
 # In the representation of objects that have none of their own, functions included.
 _ADDRESS = re.compile(r" (?:object )?at 0x[0-9A-Fa-f]+(?=>)")

@@ -7,16 +7,6 @@ import numpy as np
 
 from robomech_ros.errors.texts import shown
 
-__all__ = [
-    "BadQuaternionError",
-    "BadValueError",
-    "ContradictionError",
-    "NonFiniteError",
-    "RobomechError",
-    "UndeterminedError",
-    "WrongSizeError",
-]
-
 
 class RobomechError(ValueError):
     """Base of all errors that this package raises for a wrong request."""

@@ -10,8 +10,6 @@ import numpy.typing as npt
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["JointKinds", "Joints", "State", "at_rest"]
-
 # Where a joint has no acceleration limit, it is taken to reach its largest speed in this time (s),
 # and this speed (rad/s, m/s) where it has no limit of speed either.
 TIME_TO_SPEED = 0.2

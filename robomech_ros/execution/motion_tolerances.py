@@ -8,8 +8,6 @@ import numpy as np
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Tolerances", "override_tolerances"]
-
 DEFAULT = 0.0
 NONE = -1.0
 

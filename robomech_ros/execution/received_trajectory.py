@@ -12,8 +12,6 @@ from robomech_ros.execution.refusals import JointMismatchError, TrajectoryRefuse
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["ReceivedPoint", "ReceivedTrajectory", "joint_order", "read_waypoints"]
-
 # A velocity up to this (rad/s, m/s) in the last point is zero with rounding.
 REST = 1e-6
 # Place of a joint that a trajectory does not name.

@@ -2,15 +2,6 @@
 
 from robomech_ros.errors import LimitExceededError, RobomechError, WrongSizeError
 
-__all__ = [
-    "AccelerationRefusedError",
-    "JointMismatchError",
-    "StartMismatchError",
-    "TrajectoryOverError",
-    "TrajectoryRefusedError",
-    "start_mismatch",
-]
-
 _TURN = 6.283185307179586
 
 

@@ -7,8 +7,6 @@ import numpy as np
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Sample
 
-__all__ = ["pace_drop", "slowed_down"]
-
 # The pace never falls from 1 to 0 in less than this (s): a stop within one control cycle would
 # be a step of velocity.
 SHORTEST_STOP = 0.02

@@ -12,8 +12,6 @@ from robomech_ros.execution.stopping import pace_drop
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Sample
 
-__all__ = ["TimeScaling", "constant_pace", "pace_change", "paced_step"]
-
 # The pace never rises from 0 to 1 in less than this, s.
 SHORTEST_START = 0.02
 # Steps of the integration, s, and how many there are at most.

@@ -2,8 +2,6 @@
 
 from typing import NamedTuple
 
-__all__ = ["Verdict"]
-
 
 class Verdict(NamedTuple):
     """What is to be said of a motion that is over.

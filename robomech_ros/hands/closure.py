@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.hands.closing import CLOSED, closed
 from robomech_ros.hands.contacts import Contact, as_contacts, rows_of
 
-__all__ = ["is_force_closed", "is_form_closed"]
-
 Array = NDArray[np.float64]
 
 

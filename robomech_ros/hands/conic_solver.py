@@ -6,8 +6,6 @@ from types import ModuleType
 
 from robomech_ros.errors import RobomechError
 
-__all__ = ["ConicSolverUnavailableError", "conic_solver"]
-
 
 class ConicSolverUnavailableError(RobomechError):
     """Clarabel is not installed."""

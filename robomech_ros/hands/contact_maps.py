@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, span
 
-__all__ = ["grasp_matrix", "internal_forces", "null_space"]
-
 Array = NDArray[np.float64]
 
 # Singular values below this share of the largest are rounding.

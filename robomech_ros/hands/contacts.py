@@ -15,8 +15,6 @@ from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_number
 
-__all__ = ["MODELS", "Contact", "as_contacts", "as_origin", "centre", "cones_of", "rows_of", "span"]
-
 Array = NDArray[np.float64]
 
 MODELS = ("frictionless", "point", "soft")

@@ -19,8 +19,6 @@ from scipy.sparse import csc_matrix
 
 from robomech_ros.hands.conic_solver import conic_solver
 
-__all__ = ["ForceProgram", "force_program", "separating_program"]
-
 Array = NDArray[np.float64]
 
 # Of loads of size 1.

@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.hands.force_program import force_program, separating_program
 
-__all__ = ["ForceStatus", "search"]
-
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 

@@ -38,15 +38,6 @@ from robomech_ros.robots.kinds import checked_document, names_of, source_of
 from robomech_ros.robots.robot_yaml import description_from_yaml
 from robomech_ros.spatial.arrays import as_finite, listed
 
-__all__ = [
-    "Hand",
-    "finger_numbers",
-    "fingers_of",
-    "hand_posture",
-    "list_hands",
-    "load_hand",
-]
-
 Array = NDArray[np.float64]
 
 _MOST_FINGERS = 20

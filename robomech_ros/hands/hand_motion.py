@@ -16,16 +16,6 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import bias_acceleration, jacobian, point_jacobian
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = [
-    "GraspMobility",
-    "finger_accelerations",
-    "finger_rates",
-    "finger_torques",
-    "grasp_mobility",
-    "hand_jacobian",
-    "object_twist",
-]
-
 Array = NDArray[np.float64]
 
 # Squares of more have no digits left.

@@ -16,8 +16,6 @@ from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
 from robomech_ros.spatial.arrays import as_finite, as_flag, listed, real_number
 from robomech_ros.spatial.poses import as_pose
 
-__all__ = ["MOST_POSTURES", "grasp_postures", "tip_postures", "whole_postures"]
-
 Array = NDArray[np.float64]
 
 _POSITION = (True, True, True, False, False, False)

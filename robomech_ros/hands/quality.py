@@ -16,8 +16,6 @@ from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, cones_o
 from robomech_ros.printing import Printed
 from robomech_ros.spatial.arrays import real_number
 
-__all__ = ["SHORTEST", "GraspQuality", "grasp_quality"]
-
 Array = NDArray[np.float64]
 
 # Of lengths (m) and tolerances.

@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.kinematics.tolerances import ARM_RANK
 
-__all__ = ["common_point", "nearest_points"]
-
 Array = NDArray[np.float64]
 
 

@@ -10,8 +10,6 @@ from robomech_ros._kernels.tolerances import AT_LIMIT
 from robomech_ros.kinematics.joint_jumps import find_jumps, shortest_moves
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["fewest_jumps"]
-
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 

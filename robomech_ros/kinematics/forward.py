@@ -12,8 +12,6 @@ from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import listed
 
-__all__ = ["forward_kinematics", "link_poses"]
-
 Array = NDArray[np.float64]
 
 

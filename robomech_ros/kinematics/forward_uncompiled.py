@@ -10,8 +10,6 @@ from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_fini
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["tip_poses"]
-
 Array = NDArray[np.float64]
 
 

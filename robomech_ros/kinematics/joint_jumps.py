@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["Jump", "find_jumps", "shortest_moves"]
-
 Array = NDArray[np.float64]
 
 

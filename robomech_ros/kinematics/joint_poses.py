@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 from robomech_ros.robots import Joint
 from robomech_ros.spatial.plain_poses import plain_pose
 
-__all__ = ["JointPoses"]
-
 
 class JointPoses:
     r"""Poses of the child links of k joints in their parents, all of them at once.

@@ -11,15 +11,6 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array
 
-__all__ = [
-    "as_joint_values",
-    "as_posture",
-    "as_rows",
-    "as_states",
-    "check_chain",
-    "raise_not_finite",
-]
-
 Array = NDArray[np.float64]
 
 # What needs no conversion, as names that are found at once.

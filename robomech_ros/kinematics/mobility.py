@@ -9,8 +9,6 @@ from robomech_ros._kernels.chain.serial import jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["arm_size", "mobility", "moves_in_all_directions"]
-
 # Least ratio of singular values, at the best of some postures, of an arm with six of freedom.
 ARM_MOBILITY = 1e-7
 

@@ -20,8 +20,6 @@ from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["BranchPath", "branch_path"]
-
 # Largest move of a joint (rad, m) between two poses that is no jump: paths are sampled finer.
 TRACK_JUMP = 0.5
 TRACK_JUMP_SLIDE = 0.1

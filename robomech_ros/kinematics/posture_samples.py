@@ -6,8 +6,6 @@ from numpy.typing import NDArray
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["low_discrepancy_strides", "reach_bound", "sample_postures", "spread_values"]
-
 Array = NDArray[np.float64]
 
 

@@ -19,8 +19,6 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.screws.accelerations import point_acceleration
 
-__all__ = ["bias_acceleration", "jacobian_rate", "joint_accelerations"]
-
 Array = NDArray[np.float64]
 
 _rate = direct(jacobian_rates.jacobian_rate)

@@ -16,8 +16,6 @@ from robomech_ros.kinetostatics.indices import as_length, condition_number
 from robomech_ros.kinetostatics.task_parts import TaskPart, task_part
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["BestPosture", "best_conditioned_posture"]
-
 Array = NDArray[np.float64]
 
 # Powers of the Schatten norms that lead from the Frobenius norm to the 2-norm.

@@ -19,14 +19,6 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = [
-    "CharacteristicLength",
-    "ConditioningIndex",
-    "characteristic_length",
-    "conditioning_index",
-    "length_scale",
-]
-
 Array = NDArray[np.float64]
 
 # Powers of the Schatten norms that lead from the Frobenius norm to the 2-norm.

@@ -15,8 +15,6 @@ from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.point_jacobians import point_jacobian
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["DecoupledJacobian", "Wrist", "decoupled_jacobian", "wrist_of"]
-
 Array = NDArray[np.float64]
 
 

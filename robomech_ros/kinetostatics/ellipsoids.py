@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["ManipulabilityEllipsoid", "manipulability_ellipsoid"]
-
 Array = NDArray[np.float64]
 
 # Half axes below this part of the longest are zero.

@@ -17,8 +17,6 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import as_choice, as_flag
 
-__all__ = ["GlobalIndex", "global_conditioning_index"]
-
 Array = NDArray[np.float64]
 
 # Independent shifts of the points, from which the standard error comes; their seed; and how many

@@ -16,18 +16,6 @@ from robomech_ros.kinetostatics.task_parts import PARTS, task_part
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice, real_number
 
-__all__ = [
-    "NORMS",
-    "as_length",
-    "condition_number",
-    "condition_number_gradient",
-    "evaluate",
-    "least_singular_value",
-    "least_singular_value_gradient",
-    "manipulability",
-    "manipulability_gradient",
-]
-
 Array = NDArray[np.float64]
 
 # Columns of the kernels that hold a condition number.

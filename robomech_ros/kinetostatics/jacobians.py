@@ -9,8 +9,6 @@ from robomech_ros._kernels.chain import serial
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["jacobian"]
-
 Array = NDArray[np.float64]
 
 

@@ -14,8 +14,6 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial import as_rotation
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["TIP", "as_point", "point_jacobian", "rotation_of"]
-
 Array = NDArray[np.float64]
 
 # The origin of the tip, the default point.

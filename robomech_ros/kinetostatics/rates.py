@@ -17,8 +17,6 @@ from robomech_ros.kinetostatics.point_jacobians import TIP, as_point, rotation_o
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import all_finite, as_finite, real_number
 
-__all__ = ["joint_rates"]
-
 Array = NDArray[np.float64]
 
 _joint_rates = direct(rates.joint_rates)

@@ -17,8 +17,6 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import held_rows
 
-__all__ = ["planar_jacobian", "planar_rows", "task_jacobian"]
-
 Array = NDArray[np.float64]
 
 # More of the base's x axis than this along the normal, and the y axis gives the directions instead.

@@ -11,8 +11,6 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial import as_rotation, matrix_from_axis_angle, matrix_from_quaternion
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["MOST_ORIENTATIONS", "as_orientations", "even_rotations", "even_turns"]
-
 Array = NDArray[np.float64]
 
 MOST_ORIENTATIONS = 1_000_000

@@ -20,8 +20,6 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial import axial_vector
 from robomech_ros.spatial.arrays import real_number
 
-__all__ = ["SelfMotionCurve", "self_motion_curve"]
-
 CONDITIONS = 6
 # Steps along the way (rad or m), how many at most in each direction, and after how many the
 # beginning counts as reached again.

@@ -13,8 +13,6 @@ from robomech_ros.kinetostatics.point_jacobians import TIP, point_jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["joint_torques", "wrench_from_torques"]
-
 Array = NDArray[np.float64]
 
 _POSE = 6

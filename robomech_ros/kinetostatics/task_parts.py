@@ -13,8 +13,6 @@ from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["PARTS", "TaskPart", "task_part"]
-
 Array = NDArray[np.float64]
 
 # Rows of the Jacobian that a part of the task means.

@@ -7,8 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError
 
-__all__ = ["finite_number", "real_array", "real_number"]
-
 Array = NDArray[np.float64]
 
 _FLOAT64 = np.dtype(np.float64)

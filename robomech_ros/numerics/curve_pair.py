@@ -12,8 +12,6 @@ from robomech_ros.numerics.arrays import real_array
 from robomech_ros.numerics.grid_crossings import STEP, Equations, GridProblem, slopes_at
 from robomech_ros.numerics.two_unknowns import ANGLES, bivariate, refine_root
 
-__all__ = ["CurveCrossing", "CurvePair"]
-
 Array = NDArray[np.float64]
 
 # Cells of the grid on which curves are followed, and points of that on which the others are sized.

@@ -12,16 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array, real_number
 
-__all__ = [
-    "STEP",
-    "Equations",
-    "GridProblem",
-    "check_callable",
-    "shared_cells",
-    "slopes_at",
-    "zero_curves",
-]
-
 Array = NDArray[np.float64]
 Equations = Callable[[Array, Array], ArrayLike]
 

@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array
 
-__all__ = ["least_squares", "minimum_norm"]
-
 Array = NDArray[np.float64]
 
 # A pivot below this (of the longest column) is rounding: the columns depend on each other.

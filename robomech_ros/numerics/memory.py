@@ -6,8 +6,6 @@ from pathlib import Path
 
 from robomech_ros.errors import NotEnoughMemoryError
 
-__all__ = ["available_memory", "check_memory"]
-
 _MEMINFO = Path("/proc/meminfo")
 # What a container is allowed and what it uses.
 _ALLOWED = Path("/sys/fs/cgroup/memory.max")

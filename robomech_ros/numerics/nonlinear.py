@@ -17,8 +17,6 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array, real_number
 from robomech_ros.numerics.linear import least_squares
 
-__all__ = ["Iteration", "newton_gauss", "newton_raphson"]
-
 Array = NDArray[np.float64]
 Function = Callable[[Array], ArrayLike]
 

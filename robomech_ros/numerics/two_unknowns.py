@@ -23,8 +23,6 @@ from robomech_ros.numerics.grid_crossings import (
 )
 from robomech_ros.numerics.nonlinear import Iteration, newton_gauss
 
-__all__ = ["ANGLES", "Bivariate", "bivariate", "refine_root"]
-
 Array = NDArray[np.float64]
 
 # A turn of both unknowns.

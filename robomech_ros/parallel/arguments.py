@@ -11,18 +11,6 @@ from robomech_ros.spatial.arrays import as_finite, real_array, real_number
 from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.poses import as_pose
 
-__all__ = [
-    "actuated",
-    "angle_limits",
-    "planar_pose",
-    "platform_poses",
-    "pose_about_z",
-    "positive",
-    "rotation_only",
-    "translation_only",
-    "unit_axes",
-]
-
 Array = NDArray[np.float64]
 
 # How far a pose may be from one that the platform can take at all (rad, m): rounding of files.

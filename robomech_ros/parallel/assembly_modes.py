@@ -16,8 +16,6 @@ from robomech_ros.parallel.singular_ends import SingularEnds, least_squares, sin
 from robomech_ros.parallel.start_system import StartSystem
 from robomech_ros.parallel.study import quadrics_between
 
-__all__ = ["CONTINUUM", "assembly_modes"]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 

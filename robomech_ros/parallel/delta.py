@@ -20,8 +20,6 @@ from robomech_ros.parallel.mechanism.parts import Parts
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
 from robomech_ros.parallel.seeds import nearest_first
 
-__all__ = ["Delta"]
-
 Array = NDArray[np.float64]
 
 _FAMILY = "delta"

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from robomech_ros.parallel.library import ParallelRobot
     from robomech_ros.parallel.mechanism.model import Mechanism
 
-__all__ = ["DescribedRobot", "load_described"]
-
 _TAG, _DOCUMENT = "parallel_robot", "document"
 _END = "</robot>"
 _CUT = (

@@ -6,8 +6,6 @@ from pathlib import Path
 
 from robomech_ros.robots.kinds import documents_of, names_of
 
-__all__ = ["list_parallel", "parallel_files"]
-
 
 def list_parallel() -> tuple[str, ...]:
     """List the names of the parallel robots in all folders, sorted.

@@ -6,8 +6,6 @@ first use.
 
 import numpy as np
 
-__all__ = ["LEGS", "POSES"]
-
 # Base point, platform point and squared length of each leg: real and imaginary parts in turn.
 _LEGS = """
 -1.1421 -1.0693 -0.7573 0.7687 -1.0379 -1.0260 -0.3926 1.3877

@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["JointCones", "checked_cones"]
-
 Array = NDArray[np.float64]
 
 _LEGS = 6

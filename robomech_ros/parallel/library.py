@@ -39,8 +39,6 @@ from robomech_ros.robots.documents.guarded_yaml import check_choices, check_keys
 from robomech_ros.robots.documents.yaml_bodies import body_from_yaml, drive_from_yaml
 from robomech_ros.robots.kinds import checked_document, source_of
 
-__all__ = ["TYPES", "ParallelRobot", "load_parallel", "parallel_from_yaml"]
-
 ParallelRobot = StewartGough | Delta | Planar3RPR | Planar3RRR | Spherical3RRR
 
 # Of each type: what makes it, the keys that it needs, and those it may have.

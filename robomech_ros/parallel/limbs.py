@@ -14,8 +14,6 @@ from robomech_ros.outcomes import Code
 from robomech_ros.parallel.arguments import actuated
 from robomech_ros.parallel.result import LimbPostures
 
-__all__ = ["Limb", "into_limits", "planar_limb", "postures", "turning_limb"]
-
 Array = NDArray[np.float64]
 
 # Rounding of a cosine at the end of a limb's reach, and of a length that vanishes (of the size).

@@ -52,8 +52,6 @@ from robomech_ros.robots.documents.yaml_rows import (
     read_text,
 )
 
-__all__ = ["mechanism_from_limbs"]
-
 Array = NDArray[np.float64]
 
 _HALF = 0.5 * math.pi

@@ -29,8 +29,6 @@ from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
 from robomech_ros.parallel.seeds import modes_found, nearest_first
 from robomech_ros.spatial.arrays import real_array
 
-__all__ = ["Planar3RPR", "Planar3RRR"]
-
 Array = NDArray[np.float64]
 
 

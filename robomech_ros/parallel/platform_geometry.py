@@ -14,8 +14,6 @@ from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
 
-__all__ = ["ScaledPlatform", "best_conditioning", "checked_points", "checked_strokes", "family_of"]
-
 Array = NDArray[np.float64]
 
 # Points nearer to each other than this (of the size; m) are one.

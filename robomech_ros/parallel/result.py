@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from robomech_ros.outcomes import Code
 from robomech_ros.printing import Printed
 
-__all__ = ["DirectKinematicsResult", "FollowedPose", "LimbPostures"]
-
 Array = NDArray[np.float64]
 
 _NOTHING = np.empty(0)

@@ -20,8 +20,6 @@ from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, joint_transform
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["SixRods", "six_rods"]
-
 Array = NDArray[np.float64]
 
 # How far from each other axes pass that meet (m, of the size), and the least sine between them.

@@ -11,8 +11,6 @@ from robomech_ros.outcomes import Code
 from robomech_ros.parallel.result import DirectKinematicsResult
 from robomech_ros.spatial.rotations.axis_angle import rotation_vector_from_matrix
 
-__all__ = ["modes_found", "nearest_first", "nearest_order"]
-
 
 def nearest_first(
     found: DirectKinematicsResult, seed: NDArray[np.float64], size: float

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.parallel.newton import move, read_parameters, rows_at
 from robomech_ros.parallel.study import still_finite
 
-__all__ = ["SingularEnds", "least_squares", "singular_ends", "truncated_newton"]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 

@@ -28,8 +28,6 @@ from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
 
-__all__ = ["Spherical3RRR"]
-
 Array = NDArray[np.float64]
 
 # Least sine of the angles of an arc: a limb with less would not turn its platform.

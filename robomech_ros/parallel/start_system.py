@@ -13,8 +13,6 @@ from robomech_ros._kernels.parallel.projective import REGULAR, track
 from robomech_ros.parallel.generic_platform import LEGS, POSES
 from robomech_ros.parallel.study import quadrics_of_platform, still_finite
 
-__all__ = ["StartSystem", "start_system", "unlike"]
-
 Complex = NDArray[np.complex128]
 
 # Two ends nearer than this (of unit length) are one: paths have been confused.

@@ -33,8 +33,6 @@ from robomech_ros.parallel.seeds import nearest_first
 from robomech_ros.parallel.start_system import StartSystem, start_system
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["StewartGough"]
-
 Array = NDArray[np.float64]
 
 # Squared lengths that are typical where no strokes are given, of the size of the platform.

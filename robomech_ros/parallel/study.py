@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.parallel.quadrics import FORMS, STUDY
 
-__all__ = ["quadrics_between", "quadrics_of_platform", "still_finite"]
-
 # Smallest e . e, of |x|^2, of a pose without a regular end that is not on its way to infinity.
 _AT_INFINITY = 1e-5
 

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.plotting.pictures import new_figure
 
-__all__ = ["plot_calibration"]
-
 Array = NDArray[np.float64]
 
 _WIDTH, _HEIGHT = 11.0, 6.6

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.plotting.pictures import new_figure
 
-__all__ = ["plot_ways"]
-
 Array = NDArray[np.float64]
 
 _WIDTH, _HEIGHT, _REST = 5.2, 4.6, 0.6

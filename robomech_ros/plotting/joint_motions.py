@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.plotting.pictures import new_figure
 
-__all__ = ["plot_motion"]
-
 Array = NDArray[np.float64]
 
 # Width of a picture, and height of one diagram and of the rest, in inches.

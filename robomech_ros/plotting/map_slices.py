@@ -12,8 +12,6 @@ from robomech_ros.numerics.arrays import real_number
 from robomech_ros.plotting.pictures import new_figure
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["QUANTITIES", "plot_map"]
-
 Array = NDArray[np.float64]
 
 # What can be drawn, and the words beside the scale.

@@ -7,8 +7,6 @@ from robomech_ros.errors import RobomechError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["PlottingUnavailableError", "new_figure"]
-
 _DPI = 110
 
 

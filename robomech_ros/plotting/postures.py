@@ -17,8 +17,6 @@ from robomech_ros.plotting.pictures import new_figure
 from robomech_ros.robots import PRISMATIC, SerialChain
 from robomech_ros.spatial import matrix_from_axis_angle
 
-__all__ = ["plot_postures"]
-
 Array = NDArray[np.float64]
 
 _MOST = 64

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.plotting.pictures import new_figure
 
-__all__ = ["plot_walk"]
-
 Array = NDArray[np.float64]
 
 _WIDTH, _HEIGHT = 12.0, 5.4

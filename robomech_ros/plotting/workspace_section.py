@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 from robomech_ros.kinetostatics import Workspace
 from robomech_ros.plotting.pictures import new_figure
 
-__all__ = ["plot_workspace"]
-
 Array = NDArray[np.float64]
 
 # Points of the grid on which postures are counted for the colours, per metre of the larger side.

@@ -19,8 +19,6 @@ from robomech_ros.robots.chain_layout import PRISMATIC, joint_transform, unpack_
 from robomech_ros.spatial.arrays import listed, real_array
 from robomech_ros.spatial.screws.bodies import inertia_of_point_mass
 
-__all__ = ["Body", "bodies_carried", "combined", "pack_bodies"]
-
 # Largest mass (kg) and moment of inertia (kg m^2) of a body.
 LARGEST_INERTIA = 1e12
 # Part of the greatest principal moment by which published moments, rounded to three digits, may

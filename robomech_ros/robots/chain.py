@@ -29,8 +29,6 @@ from robomech_ros.robots.limit_arrays import KEYS, LARGEST_ANGLE, check_limits, 
 from robomech_ros.robots.mimic import Coupling
 from robomech_ros.robots.regular_posture import regular_posture
 
-__all__ = ["LimitKind", "LinkFrame", "SerialChain"]
-
 Array = NDArray[np.float64]
 LimitKind = Literal["position", "velocity", "acceleration", "jerk", "effort"]
 

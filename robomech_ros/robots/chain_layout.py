@@ -5,16 +5,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "MOST_JOINTS",
-    "PRISMATIC",
-    "REVOLUTE",
-    "joint_transform",
-    "pack_chain",
-    "turn_about_z",
-    "unpack_chain",
-]
-
 Array = NDArray[np.float64]
 
 REVOLUTE = 0

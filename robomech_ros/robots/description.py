@@ -28,8 +28,6 @@ from robomech_ros.robots.limit_arrays import KEYS
 from robomech_ros.robots.link_tree import LinkTree
 from robomech_ros.robots.mimic import Coupling, Follower, drive_limits, followers, joined_drive
 
-__all__ = ["RobotDescription"]
-
 Array = NDArray[np.float64]
 
 

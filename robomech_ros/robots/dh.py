@@ -21,8 +21,6 @@ from robomech_ros.robots.limit_arrays import LARGEST_ANGLE, limit_arrays
 from robomech_ros.spatial import as_pose
 from robomech_ros.spatial.arrays import listed, real_array
 
-__all__ = ["chain_from_dh", "dh_from_chain"]
-
 Array = NDArray[np.float64]
 
 _TYPE_NAMES = {"r": REVOLUTE, "p": PRISMATIC, "revolute": REVOLUTE, "prismatic": PRISMATIC}

@@ -12,8 +12,6 @@ from robomech_ros.robots.dh_recovery import table_of_axes
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.spatial.arrays import real_array
 
-__all__ = ["dh_from_axes"]
-
 
 def dh_from_axes(points: ArrayLike, directions: ArrayLike) -> DHTable:
     """Return the Denavit-Hartenberg table of revolute joints whose axes are given as lines.

@@ -15,8 +15,6 @@ from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.limit_arrays import LARGEST_ANGLE
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 
-__all__ = ["dh_document"]
-
 Array = NDArray[np.float64]
 
 

@@ -12,8 +12,6 @@ from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["recover_dh", "table_of_axes"]
-
 # Below this sine two axes count as parallel: the foot of their common normal would lie so far
 # away (distance / sine) that rounding spoils more digits than the neglected angle does.
 PARALLEL_SINE = 1e-8

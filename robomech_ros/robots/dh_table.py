@@ -20,8 +20,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.printing import MOST_LINES, Printed
 
-__all__ = ["DHTable", "implausible_angles", "link_transforms"]
-
 Array = NDArray[np.float64]
 
 _WIDTHS = (12, 12, 14, 14)

@@ -5,8 +5,6 @@ from dataclasses import dataclass, fields
 
 from robomech_ros.errors import BadValueError
 
-__all__ = ["DRIVE_KEYS", "Drive"]
-
 
 @dataclass(frozen=True)
 class Drive:

@@ -6,8 +6,6 @@ from typing import Any
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import listed
 
-__all__ = ["bare_link", "check_name", "check_names", "checked_entries"]
-
 
 def bare_link(name: str) -> str:
     """Return the name of a link or frame without the leading slash that tf once had."""

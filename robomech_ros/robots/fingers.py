@@ -11,8 +11,6 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.joint import Joint
 
-__all__ = ["FingerOpening", "finger_ends", "finger_joints"]
-
 # Halvings of the range of a joint, after which its position is exact.
 _HALVINGS = 60
 # Of a wider range, rad or m, only a part is used: to where the fingers part again after they met,

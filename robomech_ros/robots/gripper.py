@@ -12,8 +12,6 @@ from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.fingers import FingerOpening, finger_ends, finger_joints
 from robomech_ros.robots.joint import Joint
 
-__all__ = ["GripperModel", "commanded_fingers", "gripper_model"]
-
 
 @dataclass(frozen=True, eq=False)
 class GripperModel:

@@ -11,8 +11,6 @@ from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.semantic import Group, SemanticDescription
 from robomech_ros.robots.srdf.document import load_srdf
 
-__all__ = ["group_chain", "group_of_chain", "groups_by_links", "main_chain", "semantics_of"]
-
 
 def group_chain(description: RobotDescription, group: Group, link: str = "") -> SerialChain:
     """Give the chain of a group, or the one by which it moves a link.

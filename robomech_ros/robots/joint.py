@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from robomech_ros.robots.chain_layout import joint_transform
 from robomech_ros.robots.drives import Drive
 
-__all__ = ["MOVING", "Joint", "turn_of_z"]
-
 Array = NDArray[np.float64]
 
 MOVING = ("revolute", "continuous", "prismatic")

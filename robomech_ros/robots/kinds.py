@@ -29,18 +29,6 @@ from robomech_ros.robots.documents.source_files import (
 from robomech_ros.robots.documents.yaml_rows import read_text
 from robomech_ros.robots.library import is_document, is_name, list_robots, robot_folders
 
-__all__ = [
-    "ARM",
-    "KINDS",
-    "check_name",
-    "checked_document",
-    "documents_of",
-    "kind_of",
-    "names_of",
-    "source_of",
-    "yaml_source",
-]
-
 # The kind in a document, and the folder of such documents.
 KINDS = {"parallel": "parallel", "rolling": "rolling", "walking": "walking", "hand": "hands"}
 # What :func:`kind_of` says of an arm, which is of no kind.

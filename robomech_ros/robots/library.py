@@ -23,8 +23,6 @@ from robomech_ros.robots.documents.source_files import NAME, documents_in, read_
 from robomech_ros.robots.robot_yaml import description_from_yaml, with_yaml_limits
 from robomech_ros.robots.urdf.document import description_from_urdf
 
-__all__ = ["list_robots", "load_description", "load_robot", "robot_folders"]
-
 _SUFFIXES = (".urdf", ".yaml", ".yml")
 _SHARE = Path("share") / "robomech_ros" / "config" / "robots"
 

@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 
-__all__ = ["check_limits", "limit_arrays", "position_limits"]
-
 # Largest angle (rad) of a description, since doubles beyond it no longer hold a solution to 1e-9
 # with room; limits of joints beyond it (rad or m) are what exporters write for none, as in 1e16.
 LARGEST_ANGLE = 1e5

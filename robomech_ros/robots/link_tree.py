@@ -11,8 +11,6 @@ from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.joint import MOVING, Joint
 from robomech_ros.spatial import inverse_pose
 
-__all__ = ["LinkTree"]
-
 Array = NDArray[np.float64]
 
 # Names of the frame at which tools are mounted, in order of preference (ROS-Industrial).

@@ -13,8 +13,6 @@ from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.limit_arrays import KEYS
 
-__all__ = ["Coupling", "Follower", "drive_limits", "followers", "joined_drive", "mimic_faults"]
-
 Array = NDArray[np.float64]
 
 _MOST_NAMES = 20

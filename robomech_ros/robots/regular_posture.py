@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.robots.chain_layout import REVOLUTE
 
-__all__ = ["regular_posture"]
-
 Array = NDArray[np.float64]
 
 _SAMPLES = 512

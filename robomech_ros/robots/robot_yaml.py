@@ -53,8 +53,6 @@ from robomech_ros.robots.documents.yaml_rows import (
 )
 from robomech_ros.robots.joint import Joint
 
-__all__ = ["description_from_yaml", "with_yaml_limits"]
-
 Array = NDArray[np.float64]
 
 # Limits (rad) beyond four turns are mostly degrees; wrists turn twice either way.

@@ -15,15 +15,6 @@ from robomech_ros.errors import BadValueError, RobotDescriptionError
 from robomech_ros.printing import Printed
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = [
-    "HOME",
-    "DisabledCollision",
-    "EndEffector",
-    "Group",
-    "SemanticDescription",
-    "VirtualJoint",
-]
-
 # The posture that every robot has, whatever its description says.
 HOME = "home"
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["moved", "slope_by_pose"]
-
 Array = NDArray[np.float64]
 
 # Below this turn (rad) series replace quotients: what they leave out is below rounding.

@@ -11,8 +11,6 @@ from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, real_number
 
-__all__ = ["above_zero", "angle", "bounded", "duration", "length", "one_vector", "shared_batch"]
-
 Array = NDArray[np.float64]
 
 # Rates, twists, poses and times beyond this (SI) are no motion of a robot; angles have no digits.

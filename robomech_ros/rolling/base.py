@@ -28,8 +28,6 @@ from robomech_ros.rolling.steering import (
 )
 from robomech_ros.rolling.wheels import Wheel
 
-__all__ = ["RollingBase"]
-
 Array = NDArray[np.float64]
 
 

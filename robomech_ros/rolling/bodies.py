@@ -13,8 +13,6 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.arguments import above_zero, one_vector
 from robomech_ros.spatial.arrays import real_number
 
-__all__ = ["PlatformBody", "WheelBody"]
-
 Array = NDArray[np.float64]
 
 # Masses (kg) and inertias (kg m^2) beyond this are none of a robot.

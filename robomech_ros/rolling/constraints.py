@@ -15,16 +15,6 @@ from numpy.typing import NDArray
 from robomech_ros.errors import BadValueError, ContradictionError, UndeterminedError, WrongSizeError
 from robomech_ros.rolling.wheels import Wheel
 
-__all__ = [
-    "Mobility",
-    "checked_mobility",
-    "checked_wheels",
-    "direction_rows",
-    "drive_rows",
-    "side_rows",
-    "wheel_names",
-]
-
 Array = NDArray[np.float64]
 
 # Singular values below this part of the robot's size are rounding of its geometry.

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.base import RollingBase
 
-__all__ = ["Isotropy", "isotropy"]
-
 Array = NDArray[np.float64]
 
 # A condition number this near to 1 is that of an isotropic base.

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from robomech_ros.rolling.base import RollingBase
 
-__all__ = ["WheelJoints"]
-
 
 @dataclass(frozen=True)
 class WheelJoints:

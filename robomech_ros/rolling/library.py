@@ -34,14 +34,6 @@ from robomech_ros.rolling.limits import MotionLimits
 from robomech_ros.rolling.moving import RollingDynamics
 from robomech_ros.rolling.wheels import Wheel
 
-__all__ = [
-    "DRIVES",
-    "RollingRobot",
-    "list_rolling",
-    "load_rolling",
-    "rolling_robot",
-]
-
 # Kinds of drive, by the names of the controllers of ros2_control, and swerve.
 DRIVES = ("diff", "omni", "mecanum", "bicycle", "tricycle", "ackermann", "swerve")
 _WHEEL = tuple(field.name for field in fields(Wheel))

@@ -17,8 +17,6 @@ from robomech_ros.rolling.limits import AXES, MotionLimits
 from robomech_ros.rolling.steering import forward_row
 from robomech_ros.spatial.arrays import real_number
 
-__all__ = ["BaseMotion", "CommandLimiter"]
-
 Array = NDArray[np.float64]
 
 # A limit that leaves more than this part of a command does not shorten it.

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array
 
-__all__ = ["AXES", "MotionLimits"]
-
 Array = NDArray[np.float64]
 
 AXES = ("angular.z", "linear.x", "linear.y")

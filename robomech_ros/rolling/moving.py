@@ -15,8 +15,6 @@ from robomech_ros.rolling.bodies import PlatformBody, WheelBody
 from robomech_ros.rolling.steering import free_twists, require_feasible
 from robomech_ros.rolling.twist_shaping import shaped_twists
 
-__all__ = ["RollingDynamics"]
-
 Array = NDArray[np.float64]
 
 # A torque beyond its limit by no more than this part of it is at the limit.

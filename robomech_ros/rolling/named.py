@@ -19,8 +19,6 @@ from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.wheels import Wheel
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["ackermann", "mecanum", "omnidirectional", "swerve", "tricycle", "two_wheeled"]
-
 
 def two_wheeled(
     radius: float, track: float, *, casters: Sequence[Wheel] = (), **options: Any

@@ -14,8 +14,6 @@ from robomech_ros.rolling.arguments import duration, one_vector
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.spatial.arrays import real_number
 
-__all__ = ["Odometry", "OdometryNoise", "advance_odometry"]
-
 Array = NDArray[np.float64]
 
 # Places and weights of Gauss over [0, 1]: exact for the growth of the covariance on a straight way.

@@ -14,8 +14,6 @@ from robomech_ros.rolling.arguments import duration as checked_duration
 from robomech_ros.rolling.arguments import one_vector
 from robomech_ros.rolling.moving import RollingDynamics
 
-__all__ = ["RollingRun", "simulate_rolling"]
-
 Array = NDArray[np.float64]
 # From the time (s), the twist (3,) and the brackets' angles (c,) to torques (k,) (N m).
 Torques = Callable[[float, Array, Array], ArrayLike]

@@ -10,8 +10,6 @@ from robomech_ros.rolling.arcs import moved
 from robomech_ros.rolling.library import RollingRobot
 from robomech_ros.rolling.limiter import BaseMotion
 
-__all__ = ["SimulatedBase"]
-
 Array = NDArray[np.float64]
 
 # How fast the speed control of the motors takes differences away (1/s).

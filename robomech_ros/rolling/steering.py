@@ -11,16 +11,6 @@ from numpy.typing import NDArray
 from robomech_ros.errors import BadValueError, LimitExceededError
 from robomech_ros.rolling.wheels import Wheel
 
-__all__ = [
-    "axle_of",
-    "check_span",
-    "curvature_range",
-    "feasible_twists",
-    "forward_row",
-    "free_twists",
-    "steering_for",
-]
-
 Array = NDArray[np.float64]
 
 # A pivot that moves slower than this part of the base has no direction.

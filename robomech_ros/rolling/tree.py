@@ -16,8 +16,6 @@ from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.joints import WheelJoints
 from robomech_ros.rolling.wheels import Wheel
 
-__all__ = ["BASE_JOINTS", "rolling_description"]
-
 # Joints that place the base in the frame of odometry: x, y (m) and heading (rad).
 BASE_JOINTS = ("base_x", "base_y", "base_heading")
 

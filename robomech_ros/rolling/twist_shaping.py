@@ -15,8 +15,6 @@ from robomech_ros.rolling.bodies import PlatformBody, WheelBody
 from robomech_ros.rolling.constraints import direction_rows
 from robomech_ros.rolling.wheels import Wheel
 
-__all__ = ["Shaped", "shaped_twists"]
-
 Array = NDArray[np.float64]
 
 # Masses, inertias (r, 3, 3), twist-shaping matrix (6 r, m) and its rate.

@@ -13,8 +13,6 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.rolling.arguments import above_zero, angle, length
 from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag, real_array, real_number
 
-__all__ = ["KINDS", "Wheel"]
-
 Array = NDArray[np.float64]
 
 KINDS = ("fixed", "steered", "caster", "omni")

@@ -23,8 +23,6 @@ from robomech_ros.spatial import as_pose
 if TYPE_CHECKING:
     from robomech_ros.rvs.page.page import RobotPage
 
-__all__ = ["view_calibration", "write_calibration"]
-
 Array = NDArray[np.float64]
 
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from robomech_ros.rvs.model.curve_problems import Axis
     from robomech_ros.rvs.page.equations_page import EquationsPage
 
-__all__ = ["view_equations"]
-
 # Enough cells to see whether equations are what they should be.
 _CELLS = 8
 

@@ -18,8 +18,6 @@ from robomech_ros.trajectory import PiecewisePolynomial, interpolant
 if TYPE_CHECKING:
     from robomech_ros.parallel import Mechanism
 
-__all__ = ["Choice", "Motion", "NamedPosture"]
-
 Array = NDArray[np.float64]
 
 

@@ -22,18 +22,6 @@ if TYPE_CHECKING:
     from robomech_ros.rvs.model.running.live_mover import LiveMover
     from robomech_ros.rvs.page.page import RobotPage
 
-__all__ = [
-    "ViewUnavailableError",
-    "kind_page_of",
-    "live_page_of",
-    "mover_page_of",
-    "page_of",
-    "platform_page_of",
-    "require_viser",
-    "view",
-    "write_motion",
-]
-
 
 class ViewUnavailableError(RobomechError):
     """viser is not installed."""

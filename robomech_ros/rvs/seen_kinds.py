@@ -8,8 +8,6 @@ from collections.abc import Callable
 from robomech_ros.rvs.model.kinds.rolling import seen_base
 from robomech_ros.rvs.model.kinds.seen_tree import SeenTree
 
-__all__ = ["SEEN_KINDS"]
-
 
 def _seen_hand(robot: str | os.PathLike[str]) -> SeenTree:
     # What is compiled for contacts is loaded only where there are some.

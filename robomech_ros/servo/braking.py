@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.servo.limits import RATE_ROUNDING, ServoLimits
 
-__all__ = ["StopPlan"]
-
 Array = NDArray[np.float64]
 Numbers = list[float]
 

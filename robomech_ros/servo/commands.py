@@ -6,8 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Command", "JointCommand", "PoseCommand", "TwistCommand"]
-
 Array = NDArray[np.float64]
 
 

@@ -10,8 +10,6 @@ from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.servo.look_ahead import cubics_inside
 from robomech_ros.servo.limits import RATE_ROUNDING, ServoLimits
 
-__all__ = ["CubicCheck", "Verdict", "end_of_cubic"]
-
 Array = NDArray[np.float64]
 
 _cubics_inside = direct(cubics_inside)

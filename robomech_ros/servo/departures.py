@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 from robomech_ros.servo.poses import moved_pose
 from robomech_ros.servo.resolution import SINGULAR, TwistResolver
 
-__all__ = ["Start", "departures"]
-
 Array = NDArray[np.float64]
 
 # How far beside a singular posture a way begins (rad or m).

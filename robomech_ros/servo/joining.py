@@ -9,8 +9,6 @@ from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.motion import Advance
 from robomech_ros.servo.stream import JOINING_TIMES, Stream
 
-__all__ = ["Joining"]
-
 Array = NDArray[np.float64]
 
 # A twist must have been held for so many periods before joints that move get onto its way.

@@ -3,8 +3,6 @@
 import math
 from collections import deque
 
-__all__ = ["AdaptiveLead"]
-
 # What was late counts for so long; then the lead falls by one period in this time (s).
 _REMEMBERED, _FALL = 10.0, 1.0
 # One that comes late is an accident; as many as these within that time are not.

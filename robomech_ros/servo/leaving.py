@@ -9,8 +9,6 @@ from robomech_ros.servo.departures import Start, departures
 from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.resolution import TwistResolver
 
-__all__ = ["Leaving"]
-
 Array = NDArray[np.float64]
 
 # A way leads out if a joint moves by this much on it (rad or m).

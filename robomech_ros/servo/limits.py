@@ -10,8 +10,6 @@ from robomech_ros.errors import MissingLimitsError
 from robomech_ros.execution.joints import Joints
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["ServoLimits"]
-
 Array = NDArray[np.float64]
 
 # A stream stays this far inside its bounds, over rounding: rad or m, and a part of the rates.

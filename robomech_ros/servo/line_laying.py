@@ -18,8 +18,6 @@ from robomech_ros.servo.departures import Start
 from robomech_ros.servo.poses import moved_pose
 from robomech_ros.servo.resolution import Heading, TwistResolver
 
-__all__ = ["LineLaying", "Node"]
-
 Array = NDArray[np.float64]
 
 # The most by which a joint moves from node to node (rad or m), far from and near a singularity.

@@ -19,8 +19,6 @@ from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.motion import Advance, Samples
 
-__all__ = ["Deviation", "LineMotion"]
-
 Array = NDArray[np.float64]
 
 # Parts of the acceleration limits with which the motion begins and brakes; the bends of the way

@@ -13,8 +13,6 @@ from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.servo.look_ahead import postures_on_way
 from robomech_ros.servo.line_laying import LineLaying
 
-__all__ = ["LinePath"]
-
 Array = NDArray[np.float64]
 
 _postures_on_way = direct(postures_on_way)

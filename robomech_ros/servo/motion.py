@@ -19,8 +19,6 @@ from numpy.typing import NDArray
 from robomech_ros.servo.braking import StopPlan
 from robomech_ros.servo.limits import RATE_ROUNDING, ServoLimits
 
-__all__ = ["Advance", "Motion", "Samples"]
-
 Array = NDArray[np.float64]
 # Vectors of some numbers: Python's arithmetic is faster on them than numpy's.
 Numbers = list[float]

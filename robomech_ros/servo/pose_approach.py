@@ -9,8 +9,6 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.servo.commands import PoseCommand, TwistCommand
 from robomech_ros.servo.resolution import TwistResolver
 
-__all__ = ["PoseApproach"]
-
 Array = NDArray[np.float64]
 
 # Nearer than this (m or rad) the tip is there.

@@ -5,8 +5,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["moved_pose", "small_motion"]
-
 Array = NDArray[np.float64]
 
 

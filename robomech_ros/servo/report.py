@@ -10,8 +10,6 @@ from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.motion import Advance
 from robomech_ros.servo.resolution import Resolution
 
-__all__ = ["ServoCondition", "ServoReport", "motion_report"]
-
 Array = NDArray[np.float64]
 
 # Changes of velocity that take longer than this many periods are worth a word.

@@ -31,8 +31,6 @@ from robomech_ros.servo.poses import small_motion
 from robomech_ros.spatial.arrays import held_rows
 from robomech_ros.trajectory.paths.partial_poses import least_turn
 
-__all__ = ["SINGULAR", "Heading", "Resolution", "TwistResolver"]
-
 Array = NDArray[np.float64]
 
 _jacobian_one = direct(jacobian_one)

@@ -19,8 +19,6 @@ from robomech_ros.servo.stream import Stream
 from robomech_ros.servo.twist_following import TwistFollowing
 from robomech_ros.spatial.arrays import all_finite, as_finite
 
-__all__ = ["Servo", "ServoSettings"]
-
 Array = NDArray[np.float64]
 
 

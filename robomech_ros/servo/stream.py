@@ -12,8 +12,6 @@ from robomech_ros.servo.line_motion import Deviation, LineMotion
 from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.motion import Advance, Motion, Samples
 
-__all__ = ["JOINING_TIMES", "Stream"]
-
 Array = NDArray[np.float64]
 
 # In what time joints that move get onto the way for a twist (s), and no less than this part of the

@@ -8,8 +8,6 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Deviation", "TrackedJoints", "Tracking"]
-
 Array = NDArray[np.float64]
 
 # Fewer commands, or a way shorter than this (rad or m), say nothing of a lag.

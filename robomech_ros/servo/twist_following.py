@@ -16,8 +16,6 @@ from robomech_ros.servo.report import ServoReport, motion_report
 from robomech_ros.servo.resolution import Resolution, TwistResolver
 from robomech_ros.servo.stream import Stream
 
-__all__ = ["TwistFollowing"]
-
 Array = NDArray[np.float64]
 
 # Twists whose directions differ by less than this are the same.

@@ -8,8 +8,6 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.rows import finite_result
 
-__all__ = ["axial_vector", "cross", "cross_product_matrix", "linear_invariants"]
-
 Array = NDArray[np.float64]
 
 

@@ -9,8 +9,6 @@ from robomech_ros._kernels.tolerances import ORTHOGONAL, ROTATION_ERROR
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["as_rotation", "nearest_rotation", "rotation_error"]
-
 Array = NDArray[np.float64]
 
 

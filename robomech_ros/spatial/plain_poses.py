@@ -5,8 +5,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["plain_pose"]
-
 Three = tuple[float, float, float]
 Four = tuple[float, float, float, float]
 

@@ -11,15 +11,6 @@ from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.rows import common_shape
 
-__all__ = [
-    "as_pose",
-    "assembled",
-    "compose_poses",
-    "inverse_pose",
-    "pose_from_matrix",
-    "rigid_inverse",
-]
-
 Array = NDArray[np.float64]
 
 

@@ -8,8 +8,6 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import all_finite, as_finite, real_array
 
-__all__ = ["as_rows", "broadcast_rows", "common_shape", "finite_result", "row_name"]
-
 Array = NDArray[np.float64]
 
 

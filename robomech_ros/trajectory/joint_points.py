@@ -13,8 +13,6 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_flag, listed, real_array
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["check_numbers", "joint_points", "joint_values", "nearest_turns"]
-
 
 def joint_points(
     points: npt.ArrayLike, joints: int | None = None, most: int | None = None

@@ -22,16 +22,6 @@ from robomech_ros.spatial.arrays import listed, real_array
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
 
-__all__ = [
-    "JERK_MARGIN",
-    "MARGIN",
-    "RATES",
-    "SMALLEST_LIMIT",
-    "JointLimits",
-    "Limits",
-    "Rate",
-]
-
 Rate = Literal["velocity", "acceleration", "jerk"]
 RATES: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
 # Smallest limit of a speed or its derivatives: with less the powers of durations would overflow.

@@ -10,8 +10,6 @@ import numpy.typing as npt
 from robomech_ros.errors import NonFiniteError
 from robomech_ros.spatial.arrays import real_array
 
-__all__ = ["FloatArray", "Sample", "Trajectory", "checked_times", "held_outside"]
-
 FloatArray = npt.NDArray[np.float64]
 
 

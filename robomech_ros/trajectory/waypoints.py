@@ -15,8 +15,6 @@ from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Trajectory
 
-__all__ = ["PiecewiseTrajectory", "Waypoints", "discretise", "position_rounding"]
-
 _NANOSECONDS = 1e9
 # Samples nearer to each other (s) could become one when they are rounded to whole nanoseconds.
 _NEAREST = 2e-9

@@ -8,8 +8,6 @@ from dataclasses import replace
 from robomech_ros.parallel.mechanism.tree import tree_of_limbs
 from robomech_ros.robots import RobotDescription, SerialChain, urdf_from_description
 
-__all__ = ["tree_of_legs"]
-
 
 def tree_of_legs(name: str, legs: Sequence[SerialChain], source: str) -> RobotDescription:
     """Put legs side by side below their trunk, with bodies that can be seen.

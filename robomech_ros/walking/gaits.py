@@ -9,8 +9,6 @@ from types import MappingProxyType
 
 from robomech_ros.errors import BadValueError
 
-__all__ = ["GAITS", "Gait"]
-
 
 @dataclass(frozen=True)
 class Gait:

@@ -47,8 +47,6 @@ from robomech_ros.robots.kinds import checked_document, names_of, source_of
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.walking.robot import LeggedRobot
 
-__all__ = ["list_legged", "load_legged"]
-
 Array = NDArray[np.float64]
 
 _LEAST_AXIS = 1e-6

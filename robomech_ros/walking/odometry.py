@@ -13,8 +13,6 @@ from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.walking.robot import LeggedRobot
 
-__all__ = ["leg_odometry"]
-
 Array = NDArray[np.float64]
 
 # Feet that tell all of a motion, and feet that tell it but for turns about the line between them.

@@ -13,8 +13,6 @@ from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.stride import GRAVITY, Stride
 from robomech_ros.walking.support import stability_margin
 
-__all__ = ["SHORTEST_SWING", "SPEED_PART", "fastest_twist", "suitable_cycle", "sway_cycle"]
-
 Array = NDArray[np.float64]
 
 # Part of the limits of speed that joints use at the longest stride.

@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
 
-__all__ = ["PantographLeg"]
-
 Array = NDArray[np.float64]
 
 _KNEES = {"forward": 1.0, "back": -1.0}

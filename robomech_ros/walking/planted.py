@@ -16,8 +16,6 @@ from robomech_ros.parallel.mechanism.limb import Axis, chain_of_axes
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["contact_rows", "planted_mechanism"]
-
 Array = NDArray[np.float64]
 
 # Part of the greatest pivot below which one is zero.

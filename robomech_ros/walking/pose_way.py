@@ -7,8 +7,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["PoseWay"]
-
 Array = NDArray[np.float64]
 
 # Changes under way at one time; of more the last waits.

@@ -22,8 +22,6 @@ from robomech_ros.spatial.poses import inverse_pose
 from robomech_ros.walking.described import tree_of_legs
 from robomech_ros.walking.planted import contact_rows, planted_mechanism
 
-__all__ = ["LeggedRobot"]
-
 Array = NDArray[np.float64]
 
 _JOINTS = 3

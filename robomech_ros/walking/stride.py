@@ -17,8 +17,6 @@ from robomech_ros.walking.gaits import Gait
 from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.support import stability_margin
 
-__all__ = ["GRAVITY", "PoseAnswer", "Stride", "stride_of"]
-
 Array = NDArray[np.float64]
 
 STATIC_BOUND, TROT_BOUND = 0.01, -0.04

@@ -9,8 +9,6 @@ from robomech_ros._kernels.walking.support import margins
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["stability_margin", "support_polygon"]
-
 Array = NDArray[np.float64]
 
 

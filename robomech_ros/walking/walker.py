@@ -22,8 +22,6 @@ from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.stride import PoseAnswer, Stride, stride_of
 from robomech_ros.walking.update import WalkUpdate
 
-__all__ = ["Walker"]
-
 Array = NDArray[np.float64]
 
 _ADVANCE, _POSSIBLE = direct(stepping.advance), direct(stepping.possible_part)

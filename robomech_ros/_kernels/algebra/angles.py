@@ -4,8 +4,6 @@ import math
 
 from robomech_ros._kernels.compiling.jit import lean
 
-__all__ = ["angle_of", "wrapped"]
-
 _TURN = 2.0 * math.pi
 _TURN_AND_HALF = 3.0 * math.pi
 # Tangent of pi / 8.

@@ -12,8 +12,6 @@ import numpy as np
 
 from robomech_ros._kernels.compiling.jit import inline
 
-__all__ = ["to_bernstein"]
-
 # One over the binomial coefficients, up to the degree of the square of a speed.
 _INVERSE_BINOMIALS = np.array(
     [[1.0 / math.comb(n, k) if k <= n else 0.0 for k in range(13)] for n in range(13)]

@@ -4,8 +4,6 @@ import math
 
 from robomech_ros._kernels.compiling.jit import lean
 
-__all__ = ["cholesky_again", "cholesky_solve"]
-
 
 @lean
 def cholesky_solve(A, b, n):

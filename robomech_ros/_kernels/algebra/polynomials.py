@@ -7,15 +7,6 @@ import math
 
 from robomech_ros._kernels.compiling.jit import OUT2, f8, i8, lean, lean_part
 
-__all__ = [
-    "cubic_knots",
-    "order_one_roots",
-    "order_two_roots",
-    "quadratic_roots",
-    "square",
-    "value",
-]
-
 # A polynomial's extremum, or a discriminant, this small (relative) is rounding: a double root.
 # The two roots it merges lie within its square root of each other.
 DOUBLE_ROOT = 1e-14

@@ -4,8 +4,6 @@ import math
 
 from robomech_ros._kernels.compiling.jit import inline
 
-__all__ = ["condition_of", "make_rows_orthogonal", "row_lengths"]
-
 # Least singular value of a Jacobian (of its largest) of a posture that is not called singular.
 SINGULAR = 1e-12
 # Cosine between two rows that counts as zero when singular values are computed.

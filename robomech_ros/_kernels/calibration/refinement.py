@@ -24,8 +24,6 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.spatial.vectors import dot
 
-__all__ = ["distances", "information_of", "refine"]
-
 # Least variance (rad^2, m^2): samples without noise would else have weights without bound.
 _LEAST = 1e-26
 _STEPS = 30

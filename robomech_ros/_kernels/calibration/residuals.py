@@ -16,8 +16,6 @@ from robomech_ros._kernels.spatial.representations import (
 )
 from robomech_ros._kernels.spatial.vectors import combined, cross, dot
 
-__all__ = ["UNKNOWNS", "accumulate", "moved", "residual", "whitened"]
-
 UNKNOWNS = 12
 
 

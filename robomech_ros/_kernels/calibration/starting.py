@@ -10,8 +10,6 @@ from robomech_ros._kernels.calibration.residuals import residual
 from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, OUT2, i8, inline, kernel, scratch
 from robomech_ros._kernels.spatial.vectors import cross, dot
 
-__all__ = ["common_turns", "linear_positions", "make_rotations", "squared_errors"]
-
 
 @inline
 def _reweigh(A, S, at, weight):

@@ -6,16 +6,6 @@ The rows of their arrays are those of :mod:`.layout`; others are left as they ar
 from robomech_ros._kernels.chain.layout import COUPLING_WIDTH, MODEL_WIDTH, PACKED_WIDTH
 from robomech_ros._kernels.compiling.jit import lean
 
-__all__ = [
-    "collect",
-    "collect_columns",
-    "collect_square",
-    "drive_count",
-    "drive_kind",
-    "expand",
-    "is_coupled",
-]
-
 
 @lean
 def is_coupled(packed):

@@ -3,8 +3,6 @@
 from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT3, i8, kernel, lean
 
-__all__ = ["move_jacobian", "point_jacobian"]
-
 
 @lean
 def move_jacobian(J, pose, point):

@@ -26,8 +26,6 @@ from robomech_ros._kernels.compiling.jit import (
     scratch,
 )
 
-__all__ = ["chain_gradient", "gradient_body", "jacobian_rate", "jacobian_rate_one", "rate_body"]
-
 
 @lean
 def rate_body(J, qd, out):

@@ -6,16 +6,6 @@ its value is: TURN, SLIDE, or ANGLE where a whole turn of it does not bring all 
 last row has the number n of drives in the place of the index.
 """
 
-__all__ = [
-    "ANGLE",
-    "COUPLING_WIDTH",
-    "MODEL_WIDTH",
-    "MOST_JOINTS",
-    "PACKED_WIDTH",
-    "SLIDE",
-    "TURN",
-]
-
 # Of a plain chain, of one with bodies (``dynamics.layout``), and what a coupling adds to both.
 PACKED_WIDTH = 13
 MODEL_WIDTH = 24

@@ -28,18 +28,6 @@ from robomech_ros._kernels.compiling.jit import (
     scratch,
 )
 
-__all__ = [
-    "NOT_FINITE",
-    "OK",
-    "forward",
-    "forward_body",
-    "forward_one",
-    "jacobian",
-    "jacobian_body",
-    "jacobian_one",
-    "joint_jacobian",
-]
-
 OK = 0
 NOT_FINITE = 1
 _NO_FRAME = (math.nan,) * 12

@@ -25,8 +25,6 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLoca
 from robomech_ros._kernels.compiling.sources import PACKAGE, sources
 from robomech_ros._kernels.compiling.trust import who_else_can_write
 
-__all__ = ["KernelCache", "cache_directory"]
-
 
 class _Locator(_CacheLocator):
     """Where numba keeps a kernel: in one directory for all installations.

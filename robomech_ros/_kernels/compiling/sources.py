@@ -10,8 +10,6 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-__all__ = ["PACKAGE", "KernelSources", "sources"]
-
 PACKAGE = "robomech_ros._kernels"
 
 _WORD = re.compile(rb"\w+")

@@ -4,8 +4,6 @@ import os
 import stat
 from pathlib import Path
 
-__all__ = ["who_else_can_write"]
-
 
 def who_else_can_write(directory: Path) -> str:
     """Say who else could put files into a directory, or put another one in its place.

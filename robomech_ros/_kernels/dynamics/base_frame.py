@@ -11,22 +11,6 @@ from robomech_ros._kernels.chain.serial import NOT_FINITE, OK
 from robomech_ros._kernels.compiling.jit import lean
 from robomech_ros._kernels.dynamics.inverse import step_between
 
-__all__ = [
-    "base_motion",
-    "dot",
-    "force_cross",
-    "inertia_times",
-    "joined",
-    "motion_cross",
-    "place_frames",
-    "placed_axis",
-    "placed_body",
-    "plus",
-    "six",
-    "wrench_seen",
-    "write_six",
-]
-
 
 @lean
 def place_frames(model, q, frames):

@@ -35,8 +35,6 @@ from robomech_ros._kernels.dynamics.mass import (
     times_rate,
 )
 
-__all__ = ["derivatives_body", "inverse_derivatives", "inverse_derivatives_one"]
-
 
 @lean
 def _tip_terms(axes, wrench, tip, by_q):

@@ -38,14 +38,6 @@ from robomech_ros._kernels.dynamics.inverse import inverse_body
 from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
 from robomech_ros._kernels.dynamics.mass import NO_MOTION, mass_body
 
-__all__ = [
-    "SINGULAR",
-    "forward_body",
-    "forward_dynamics",
-    "forward_dynamics_cholesky",
-    "forward_dynamics_one",
-]
-
 # A mass matrix that is not positive definite to working precision: nothing resists some motion.
 SINGULAR = 2
 _NOTHING = (0.0,) * 21

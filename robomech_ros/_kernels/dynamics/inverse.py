@@ -26,16 +26,6 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
 
-__all__ = [
-    "gravity_body",
-    "gravity_torque",
-    "gravity_torque_one",
-    "inverse_body",
-    "inverse_dynamics",
-    "inverse_dynamics_one",
-    "step_between",
-]
-
 
 @lean
 def step_between(model, i, q):

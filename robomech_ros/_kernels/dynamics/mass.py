@@ -35,21 +35,6 @@ from robomech_ros._kernels.dynamics.base_frame import (
 )
 from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
 
-__all__ = [
-    "NO_BODY",
-    "NO_MOTION",
-    "NO_RATE",
-    "coriolis_matrix",
-    "mass_body",
-    "mass_matrix",
-    "mass_matrix_one",
-    "momentum_rate",
-    "rate_times",
-    "rates_joined",
-    "times_rate",
-    "totals",
-]
-
 NO_MOTION = (0.0,) * 6
 NO_BODY = (0.0,) * 10
 NO_RATE = (0.0,) * 12

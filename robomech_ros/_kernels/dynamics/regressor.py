@@ -13,8 +13,6 @@ from robomech_ros._kernels.dynamics.base_frame import place_frames, placed_axis,
 from robomech_ros._kernels.dynamics.inverse import step_between
 from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
 
-__all__ = ["torque_regressor"]
-
 
 @lean
 def _cross(ax, ay, az, bx, by, bz):

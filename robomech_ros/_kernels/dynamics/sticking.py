@@ -14,8 +14,6 @@ from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.compiling.jit import lean, scratch
 from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
 
-__all__ = ["AT_STOP", "MOST_SERVO_JOINTS", "dry_friction", "settled_rates"]
-
 # Matrices of their numbers stand on the stack.
 MOST_SERVO_JOINTS = 32
 

@@ -25,8 +25,6 @@ from robomech_ros._kernels.compiling.jit import (
     scratch,
 )
 
-__all__ = ["CLOSED", "OPEN", "ROW", "barrier", "closed", "wrench_cones"]
-
 OPEN, CLOSED = 0, 1
 # Of a contact: position, normal, two tangents, how far each of three components may go for a unit
 # of normal force (friction, friction, and torsion as m).

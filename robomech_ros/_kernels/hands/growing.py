@@ -24,8 +24,6 @@ from robomech_ros._kernels.compiling.jit import (
 from robomech_ros._kernels.hands.hull import ABOVE, DEAD, FULL, above, begin, join
 from robomech_ros._kernels.hands.polar import enclosed
 
-__all__ = ["CLOSE", "SPOILT", "USED_UP", "grow"]
-
 CLOSE, USED_UP, SPOILT = 0, 1, 2
 # Of a lower bound, left to rounding of wrenches of size 1.
 _ROUNDING = 1e-12

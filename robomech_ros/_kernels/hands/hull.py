@@ -17,8 +17,6 @@ import math
 
 from robomech_ros._kernels.compiling.jit import lean
 
-__all__ = ["ABOVE", "DEAD", "FULL", "above", "begin", "join"]
-
 # What facets that are gone are marked by, and the answer where there is no room for more.
 DEAD = -(1 << 62)
 FULL = -1

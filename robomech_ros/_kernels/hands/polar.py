@@ -14,8 +14,6 @@ from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.compiling.jit import lean, scratch
 from robomech_ros._kernels.hands.closing import barrier
 
-__all__ = ["enclosed"]
-
 _MOST_STEPS = 200
 # Below this decrement a whole step of Newton's method converges, and below the other it has.
 _NEAR = 0.25

@@ -9,8 +9,6 @@ from robomech_ros._kernels.chain.coupling import drive_kind
 from robomech_ros._kernels.chain.layout import TURN
 from robomech_ros._kernels.compiling.jit import IN1, IN2, IOUT1, OUT1, kernel, lean
 
-__all__ = ["cheapest_moves"]
-
 # What a jump costs: more than any moves can.
 _JUMP = 1e6
 

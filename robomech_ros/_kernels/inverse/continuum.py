@@ -5,8 +5,6 @@ import math
 from robomech_ros._kernels.algebra.angles import wrapped
 from robomech_ros._kernels.compiling.jit import lean
 
-__all__ = ["free_value", "settle_wrist"]
-
 _TURN = 2.0 * math.pi
 # Turns of joint 4 to either side of the seed that are looked at.
 _TURNS = 8

@@ -23,8 +23,6 @@ from robomech_ros._kernels.inverse.poses import clean_pose
 from robomech_ros._kernels.inverse.solutions import BRANCH, MARKS, MAX_SOLUTIONS, NAMES, solve
 from robomech_ros._kernels.tolerances import ROTATION_ERROR
 
-__all__ = ["DISTANCES", "MARKED", "TARGET", "TOTAL", "solve_one", "solve_one_pose"]
-
 # Where, behind the rows for the solutions, the numbers stand that are written besides.
 TARGET = 0  # the pose, row by row
 DISTANCES = 16  # of each solution from the seed

@@ -10,8 +10,6 @@ from robomech_ros._kernels.chain.coupling import drive_count
 from robomech_ros._kernels.chain.serial import forward_body, jacobian_body
 from robomech_ros._kernels.compiling.jit import IN2, OUT1, f8, i8, kernel, lean, linked, scratch
 
-__all__ = ["largest_error", "polish", "pose_difference", "pose_error"]
-
 # Error (rad, m) at which polishing stops: some ten roundings of a pose of an arm of metre size.
 POLISHED = 1e-14
 # Least damping added to J^T J: its rounding is some 1e-16, so nothing smaller would protect the

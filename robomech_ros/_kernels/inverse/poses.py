@@ -7,8 +7,6 @@ import numpy as np
 from robomech_ros._kernels.compiling.jit import OUT3, f8, i8, inline, kernel
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH, ORTHOGONAL
 
-__all__ = ["IMPROPER", "NOT_FINITE", "NOT_RIGID", "TOO_FAR", "clean_pose", "clean_poses"]
-
 NOT_FINITE = 1
 NOT_RIGID = 2
 IMPROPER = 3

@@ -13,8 +13,6 @@ from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT2, ZERO, i8, inline, kernel
 from robomech_ros._kernels.inverse.polishing import pose_difference
 
-__all__ = ["CONDITION", "MARGIN", "ORIENTATION", "POSITION", "measure"]
-
 # Rows of the answer.
 POSITION = 0
 ORIENTATION = 1

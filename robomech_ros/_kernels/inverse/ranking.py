@@ -21,21 +21,6 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.tolerances import AT_LIMIT, SAME_POSTURE
 
-__all__ = [
-    "INSIDE",
-    "LINF",
-    "Ranked",
-    "Request",
-    "excesses",
-    "first_outside",
-    "insert",
-    "is_listed",
-    "place",
-    "rank",
-    "rank_body",
-    "winding_count",
-]
-
 LINF = 0
 INSIDE = -1
 _TURN = 2.0 * math.pi

@@ -22,8 +22,6 @@ from robomech_ros._kernels.inverse.polishing import call_polish, pose_error
 from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
 from robomech_ros._kernels.tolerances import ACCEPTED, CONTINUUM_STEP, SAME_POSTURE
 
-__all__ = ["solve_short"]
-
 # Imagined joints this near to zero (rad, or of the size) may be at zero, where a rounded pose takes
 # them: a polish of the arm itself decides.
 SHORT_SLACK = 3e-2

@@ -30,18 +30,6 @@ from robomech_ros._kernels.compiling.jit import (
     lean,
 )
 
-__all__ = [
-    "CONDITION",
-    "COUNT",
-    "LEAST",
-    "MANIPULABILITY",
-    "SCHATTEN",
-    "fill_weighted",
-    "index_gradient_one",
-    "index_gradients",
-    "indices",
-]
-
 # Columns of the answer.
 MANIPULABILITY = 0
 CONDITION = 1

@@ -9,19 +9,6 @@ import math
 from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.compiling.jit import inline, lean, scratch
 
-__all__ = [
-    "ARM_AND_WRIST",
-    "MOST_FACTORS",
-    "ONE_ELBOW",
-    "PARALLEL",
-    "PARALLEL_OUTER",
-    "PARALLEL_SIX",
-    "SHOULDER_ELBOW_WRIST",
-    "SPHERICAL_ENDS",
-    "WRIST",
-    "named_factors",
-]
-
 # What an arm is made of: nothing with a name; a spherical shoulder and wrist, without or with one
 # joint between them; a spherical wrist after three joints, without or with parallel axes 2 and 3;
 # three parallel axes, alone or as joints 2 to 4 of six, with outer axes that miss each other or

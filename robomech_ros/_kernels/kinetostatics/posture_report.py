@@ -31,8 +31,6 @@ from robomech_ros._kernels.kinetostatics.indices import fill_weighted
 from robomech_ros._kernels.kinetostatics.posture_factors import MOST_FACTORS, named_factors
 from robomech_ros._kernels.tolerances import RANK
 
-__all__ = ["FACTORS", "MOVING", "posture_reports"]
-
 # A named factor of the determinant below this is zero in a posture that is singular.
 FACTOR_ZERO = 1e-4
 

@@ -31,8 +31,6 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.tolerances import RANK
 
-__all__ = ["joint_rates"]
-
 
 @lean
 def _lever(T, here, there):

@@ -23,8 +23,6 @@ import numpy as np
 from robomech_ros._kernels.compiling.jit import inline, lean, scratch
 from robomech_ros._kernels.loops.factors import REGULAR, left_inverse, widest
 
-__all__ = ["Inverse", "invert", "part_of_proof", "passive_moves", "room_for_inverse"]
-
 # G (limbs, 6, 6) and H (limbs, w, 6); what finding them needs; of each limb the sums of |t| for the
 # changes of its columns of M (limbs, 6), and of all its rows (limbs, w); bounds of d_i (limbs, 5).
 Inverse = namedtuple("Inverse", ("G", "H", "S", "sums", "rows", "bounds"))

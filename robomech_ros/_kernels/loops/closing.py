@@ -28,8 +28,6 @@ from robomech_ros._kernels.loops.factors import (
     solve,
 )
 
-__all__ = ["LONG", "close"]
-
 # Status of a way that is too long.
 LONG = 6
 # Longest tangent of a joint (rad; of the size): what is longer is not proved anyway.

@@ -42,8 +42,6 @@ from robomech_ros._kernels.loops.dynamics import (
 )
 from robomech_ros._kernels.loops.factors import REGULAR, Chains, solve
 
-__all__ = ["servo_steps"]
-
 _call_close = linked(close)
 
 # Rate of a passive joint below which its dry friction no longer grows (rad/s, m/s).

@@ -33,21 +33,6 @@ from robomech_ros._kernels.loops.factors import (
     widest,
 )
 
-__all__ = [
-    "NO_MASS",
-    "OPEN",
-    "complements",
-    "forward",
-    "inertias",
-    "inverse",
-    "room_for",
-    "write_complement",
-    "write_efforts",
-    "write_inertia",
-    "write_rates",
-    "write_turning",
-]
-
 # Nothing resists some motion; loops are open by more than this (rad, m over the size).
 NO_MASS, OPEN = 4, 5
 _OPEN = 1e-6

@@ -18,21 +18,6 @@ import numpy as np
 from robomech_ros._kernels.chain.serial import OK, jacobian_body
 from robomech_ros._kernels.compiling.jit import inline, lean
 
-__all__ = [
-    "FREE",
-    "NOT_FINITE",
-    "REGULAR",
-    "SINGULAR",
-    "Chains",
-    "Factors",
-    "factors",
-    "left_inverse",
-    "loop_errors",
-    "room_for_factors",
-    "solve",
-    "widest",
-]
-
 # Status: the drives do not hold the platform; joints of one limb move by themselves; no numbers.
 REGULAR, SINGULAR, FREE, NOT_FINITE = 0, 1, 2, 3
 # Least part of a column that is independent of those before it.

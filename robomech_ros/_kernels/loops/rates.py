@@ -24,8 +24,6 @@ from robomech_ros._kernels.loops.factors import (
     widest,
 )
 
-__all__ = ["accelerations", "limb_poses", "rates"]
-
 
 @kernel(i8(IN2, IIN1, IN2, OUT4))
 def limb_poses(packed, starts, q, poses):

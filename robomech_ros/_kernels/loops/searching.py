@@ -13,8 +13,6 @@ from robomech_ros._kernels.loops.factors import (
     solve,
 )
 
-__all__ = ["search"]
-
 # Largest step of a joint (rad; of the size), and how many.
 _LARGEST, _ITERATIONS = 0.6, 60
 # A step that changes nothing any more, and errors of loops that are closed (rad; of the size).

@@ -10,8 +10,6 @@ import numpy as np
 
 from robomech_ros._kernels.compiling.jit import OUT1, i8, inline, part
 
-__all__ = ["circle_zeros"]
-
 # Sweeps of Aberth's iteration, and the step that ends it.
 _SWEEPS, _SETTLED = 100, 1e-15
 # A zero of the complex polynomial this near to the unit circle may be a real one: those of a double

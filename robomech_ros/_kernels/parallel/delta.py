@@ -10,8 +10,6 @@ import math
 
 from robomech_ros._kernels.compiling.jit import IN1, OUT1, OUT2, i8, kernel
 
-__all__ = ["delta_angles", "delta_points"]
-
 # Rounding of a cosine, and of a squared distance (of the size), at a boundary.
 _ROUNDING = 1e-14
 # Least sine between the sides of the triangle of elbows, shifted by the platform's radius.

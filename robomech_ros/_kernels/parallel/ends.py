@@ -19,8 +19,6 @@ from robomech_ros._kernels.parallel.newton import newton, pose_of_parameters
 from robomech_ros._kernels.parallel.projective import REGULAR
 from robomech_ros._kernels.parallel.quadrics import COUT2
 
-__all__ = ["pair", "real_poses"]
-
 # Ends nearer to each other than this (of unit length) are one: paths have been confused.
 _ONE = 1e-9
 # An end and the conjugate of its partner are this near, and ten times nearer than any other.

@@ -25,8 +25,6 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.parallel.newton import eliminate, newton, rows, substitute
 
-__all__ = ["SINGULAR", "follow"]
-
 # Status where a singularity is in the way, and where no step is proved any more.
 SINGULAR, _UNPROVED = -1, -2
 

@@ -7,8 +7,6 @@ length in it, which are written out; then sums stay in registers.
 
 from robomech_ros._kernels.compiling.jit import fused
 
-__all__ = ["LANES", "factor", "frame", "moved", "solve"]
-
 LANES = 8
 
 

@@ -23,8 +23,6 @@ from robomech_ros._kernels.parallel.projective import FAILED, REGULAR, SINGULAR
 from robomech_ros._kernels.parallel.quadrics import COUT2
 from robomech_ros._kernels.parallel.series import ORDER, coefficients, series
 
-__all__ = ["track_lengths"]
-
 CIN1 = types.Array(types.complex128, 1, "C", readonly=True)
 
 # How large the last term of the series may be, and which part of its radius a step may take.

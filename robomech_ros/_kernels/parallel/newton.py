@@ -15,19 +15,6 @@ from robomech_ros._kernels.compiling.jit import (
     scratch_integers,
 )
 
-__all__ = [
-    "eliminate",
-    "jacobians",
-    "leg_lengths",
-    "move",
-    "newton",
-    "pose_of_parameters",
-    "read_parameters",
-    "rows",
-    "rows_at",
-    "substitute",
-]
-
 _STEPS = 12
 # A correction this small (rad, and of the size) is the last but one: the next is its square.
 _SMALL = 1e-7

@@ -21,8 +21,6 @@ from robomech_ros._kernels.compiling.jit import (
 from robomech_ros._kernels.parallel.circle import circle_zeros
 from robomech_ros._kernels.parallel.small_newton import REGULAR, gather, solve_three
 
-__all__ = ["planar_modes"]
-
 _SAMPLES = 7
 _STEPS = 40
 # Error of a distance (of the size) of a pose, and how near two are that count as one.

@@ -14,8 +14,6 @@ from robomech_ros._kernels.parallel.quadrics import (
     values,
 )
 
-__all__ = ["FAILED", "REGULAR", "SINGULAR", "track"]
-
 REGULAR, SINGULAR, FAILED = 0, 1, 2
 
 # Orders of the power series, and how large its last term may be.

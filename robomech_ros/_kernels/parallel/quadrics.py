@@ -15,19 +15,6 @@ from numba import types
 
 from robomech_ros._kernels.compiling.jit import inline
 
-__all__ = [
-    "CIN2",
-    "COUT2",
-    "FORMS",
-    "PRODUCTS",
-    "STUDY",
-    "derivatives",
-    "factor",
-    "products_of_order",
-    "solve_factored",
-    "values",
-]
-
 c16 = types.complex128
 CIN2 = types.Array(c16, 2, "C", readonly=True)
 COUT2 = types.Array(c16, 2, "C")

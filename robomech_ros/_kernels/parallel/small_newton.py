@@ -2,8 +2,6 @@
 
 from robomech_ros._kernels.compiling.jit import lean
 
-__all__ = ["gather", "solve_three"]
-
 # Least determinant, of the product of the rows' lengths, of a regular pose.
 REGULAR = 1e-6
 

@@ -22,8 +22,6 @@ from robomech_ros._kernels.compiling.jit import (
 from robomech_ros._kernels.parallel.circle import circle_zeros
 from robomech_ros._kernels.parallel.small_newton import REGULAR, gather, solve_three
 
-__all__ = ["spherical_modes"]
-
 _SAMPLES = 9
 _STEPS = 40
 # Error of a cosine, and how near two rotations are (in an entry) that count as one.

@@ -12,8 +12,6 @@ import math
 
 from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT2, i8, inline, kernel, scratch
 
-__all__ = ["ANGLE", "AXIS_ROWS", "COSINE", "PIVOT_COLUMNS", "SINE", "limited_stream"]
-
 # Rows of the axes: acceleration and deceleration forward, the same backward, jerk, and whether the
 # velocity goes through 0 only with the acceleration 0.
 FORTH_UP, FORTH_DOWN, BACK_UP, BACK_DOWN, JERK, STOPS = range(6)

@@ -2,8 +2,6 @@
 
 from robomech_ros._kernels.compiling.jit import IN1, IN2, IOUT1, OUT2, i8, kernel
 
-__all__ = ["CYCLE", "cubics_inside", "postures_on_way"]
-
 # Of controllers: a step of an acceleration is a jerk of so long (s).
 CYCLE = 2e-3
 

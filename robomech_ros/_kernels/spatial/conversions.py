@@ -19,8 +19,6 @@ from robomech_ros._kernels.spatial.representations import (
 from robomech_ros._kernels.spatial.tolerances import UNIT_NORM
 from robomech_ros._kernels.spatial.vectors import sine_cosine
 
-__all__ = ["STATUSES", "compose", "convert", "interpolate"]
-
 # A status is the number of the row times this, plus what is wrong with it; 0 is none.
 STATUSES = 4
 

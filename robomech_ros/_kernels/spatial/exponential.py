@@ -25,16 +25,6 @@ from robomech_ros._kernels.spatial.vectors import (
 )
 from robomech_ros._kernels.tolerances import ROTATION_ERROR
 
-__all__ = [
-    "adjoints",
-    "exponentials",
-    "inverse_factors",
-    "logarithms",
-    "poses_of_screws",
-    "screws",
-    "turn_factors",
-]
-
 # Squares of angles below which series are summed: there the closed forms cancel.
 _SERIES = 1.0
 _TERMS = 11

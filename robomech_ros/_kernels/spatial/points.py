@@ -7,8 +7,6 @@ from robomech_ros._kernels.spatial.conversions import STATUSES
 from robomech_ros._kernels.spatial.rates import SINGULAR
 from robomech_ros._kernels.spatial.vectors import combined, cross, dot, scaled
 
-__all__ = ["accelerations_of_points", "fit_tracks", "velocities_of_points"]
-
 # Determinant of a matrix over the cube of its size below which it is singular: points within 3e-7
 # of their spread from a line.
 _SINGULAR = 1e-13

@@ -21,8 +21,6 @@ from robomech_ros._kernels.spatial.representations import (
 )
 from robomech_ros._kernels.spatial.vectors import combined, cross, dot, scaled, sine_cosine, triple
 
-__all__ = ["SINGULAR", "angular_motions", "rates"]
-
 # No rates give this angular velocity, or infinitely many do.
 SINGULAR = 3
 

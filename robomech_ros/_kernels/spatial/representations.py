@@ -13,26 +13,6 @@ from robomech_ros._kernels.spatial.tolerances import UNIT_NORM
 from robomech_ros._kernels.spatial.vectors import length, sine_cosine
 from robomech_ros._kernels.tolerances import ORTHOGONAL, ROTATION_ERROR
 
-__all__ = [
-    "AXIS_ANGLE",
-    "BAD_INPUT",
-    "EULER",
-    "HALF_TURN",
-    "LINEAR_INVARIANTS",
-    "MATRIX",
-    "QUATERNION",
-    "RODRIGUES_VECTOR",
-    "ROTATION_VECTOR",
-    "canonical",
-    "decoded",
-    "encode",
-    "euler_axes",
-    "quaternion_of_matrix",
-    "quaternion_of_vector",
-    "vector_of_quaternion",
-    "write_matrix",
-]
-
 MATRIX = 0
 QUATERNION = 1
 AXIS_ANGLE = 2

@@ -4,8 +4,6 @@ import math
 
 from robomech_ros._kernels.compiling.jit import lean
 
-__all__ = ["combined", "cross", "dot", "length", "scaled", "sine_cosine", "triple"]
-
 # Beyond these, squares of lengths over- or underflow.
 _SMALL = 1e-140
 _LARGE = 1e140

@@ -4,8 +4,6 @@ import math
 
 from robomech_ros._kernels.compiling.jit import IIN1, IN1, OUT1, f8, i8, inline, kernel
 
-__all__ = ["PARTS", "bends", "refine"]
-
 # Most parts into which a cell is divided at once.
 PARTS = 4
 

@@ -13,8 +13,6 @@ import numpy as np
 from robomech_ros._kernels.compiling.jit import IIN1, IN1, IN2, IOUT1, OUT1, f8, i8, inline, kernel
 from robomech_ros._kernels.timing.planar_program import ROW_SLACK, farthest
 
-__all__ = ["BLOCKED", "DONE", "STALLED", "binding_rows", "speed_profile"]
-
 # What the passes end with.
 DONE, BLOCKED, STALLED = 0, 1, 2
 # A row this near to its bound counts as binding.

@@ -17,8 +17,6 @@ import numpy as np
 from robomech_ros._kernels.algebra.bernstein import to_bernstein
 from robomech_ros._kernels.compiling.jit import IN1, IN3, OUT2, f8, i8, inline, kernel
 
-__all__ = ["peak_above", "piece_extremes"]
-
 # Peaks between samples are located to this part of the largest Bernstein coefficient.
 PEAK_ACCURACY = 1e-11
 

@@ -17,8 +17,6 @@ from robomech_ros._kernels.compiling.jit import (
     kernel,
 )
 
-__all__ = ["piece_counts", "total_time", "write_pieces"]
-
 # Gauss-Legendre quadrature of order 12 on [0, 1]: half the nodes and the weights.
 _NODES = (0.03376524289842397, 0.16939530676686774, 0.38069040695840156)
 _WEIGHTS = (0.08566224618958517, 0.1803807865240693, 0.23395696728634552)

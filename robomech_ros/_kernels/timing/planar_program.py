@@ -11,8 +11,6 @@ import math
 
 from robomech_ros._kernels.compiling.jit import inline
 
-__all__ = ["farthest"]
-
 # Excess over a bound, as a part of it, that is rounding in a cell of a time-optimal path: its rows
 # multiply the squared speeds by up to 1e6, one over the length of the shortest cells.
 ROW_SLACK = 1e-10

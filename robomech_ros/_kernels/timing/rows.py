@@ -17,8 +17,6 @@ import numpy as np
 from robomech_ros._kernels.algebra.bernstein import to_bernstein
 from robomech_ros._kernels.compiling.jit import IN1, IN3, OUT2, OUT3, i8, inline, kernel
 
-__all__ = ["joint_rows", "local_path", "other_rows"]
-
 
 @inline
 def _write_rows(a, size_a, b, size_b, theta, span, scale, degree, first, second):

@@ -2,8 +2,6 @@
 
 from robomech_ros._kernels.compiling.jit import IN1, IN3, OUT3, i8, inline, kernel
 
-__all__ = ["sample_pieces"]
-
 
 @inline
 def _piece(breaks, pieces, t, known):

@@ -4,8 +4,6 @@ import math
 
 from robomech_ros._kernels.compiling.jit import IN1, IN2, f8, i8, kernel
 
-__all__ = ["both_within", "shortest_duration"]
-
 
 @kernel(i8(IN1, IN1, IN2))
 def both_within(start, goal, ranges):

@@ -5,8 +5,6 @@ import math
 from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import IN2, IN3, OUT2, i8, kernel, lean, scratch
 
-__all__ = ["CLOSED", "FOLLOWED", "LOST", "follow_feet", "follow_foot"]
-
 FOLLOWED = 0
 LOST = 1
 # Error of a foot (m) that rounding leaves.

@@ -40,18 +40,6 @@ from robomech_ros._kernels.compiling.jit import (
 from robomech_ros._kernels.walking.legs import FOLLOWED, follow_foot
 from robomech_ros._kernels.walking.support import signed_margin
 
-__all__ = [
-    "LANDING",
-    "MOST_LEGS",
-    "Pattern",
-    "Seen",
-    "State",
-    "Step",
-    "advance",
-    "possible_part",
-    "sustained_part",
-]
-
 # There is room for so many feet.
 MOST_LEGS = 16
 _AT_PLACE = 1e-6

@@ -4,8 +4,6 @@ import math
 
 from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, i8, kernel, lean
 
-__all__ = ["margin_one", "margins", "signed_margin"]
-
 
 @lean
 def _to_segment(px, py, ax, ay, bx, by):

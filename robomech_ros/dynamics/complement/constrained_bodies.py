@@ -33,8 +33,6 @@ from robomech_ros.dynamics.complement.stacking import (
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["ConstrainedBodies"]
-
 Array = NDArray[np.float64]
 
 _OPTIONAL = ("rotors", "N", "N_dot", "t_0", "t_0_dot", "A")

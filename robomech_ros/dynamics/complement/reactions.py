@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["ConstraintReactions", "constraint_reactions"]
-
 Array = NDArray[np.float64]
 
 # Singular values below this part of the largest are those of constraints that say the same twice.

@@ -10,15 +10,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.spatial.screws.bodies import angular_velocity_dyad, inertia_dyad
 
-__all__ = [
-    "extended_angular_velocity",
-    "extended_mass",
-    "mass_roots",
-    "solve",
-    "times",
-    "transposed",
-]
-
 Array = NDArray[np.float64]
 
 

@@ -25,8 +25,6 @@ from robomech_ros.dynamics.formulations.plain_recursions import (
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["ALGORITHMS", "Counted", "Operations", "operation_counts", "plain_links"]
-
 Array = NDArray[np.float64]
 
 ALGORITHMS = (

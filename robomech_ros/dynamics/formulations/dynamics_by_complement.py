@@ -20,12 +20,6 @@ from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.dynamics.posed_bodies import reflected_inertias
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = [
-    "forward_dynamics_by_cholesky",
-    "forward_dynamics_by_reflections",
-    "inverse_dynamics_by_orthogonal_complement",
-]
-
 Array = NDArray[np.float64]
 
 

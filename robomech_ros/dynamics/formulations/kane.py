@@ -24,13 +24,6 @@ from robomech_ros.dynamics.posed_bodies import body_moments, link_transforms, re
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
 
-__all__ = [
-    "PartialVelocities",
-    "forward_dynamics_by_kane",
-    "inverse_dynamics_by_kane",
-    "partial_velocities",
-]
-
 Array = NDArray[np.float64]
 
 

@@ -28,13 +28,6 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
 from robomech_ros.spatial.cross_product import cross_product_matrix
 
-__all__ = [
-    "christoffel_symbols",
-    "forward_dynamics_by_lagrange",
-    "inverse_dynamics_by_lagrange",
-    "mass_matrix_gradient",
-]
-
 Array = NDArray[np.float64]
 
 

@@ -17,8 +17,6 @@ from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.dynamics.posed_bodies import PosedBodies, posed_bodies, reflected_inertias
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["NewtonEuler", "newton_euler"]
-
 Array = NDArray[np.float64]
 
 

@@ -32,8 +32,6 @@ from robomech_ros.dynamics.posed_bodies import PosedBodies, posed_bodies, reflec
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.screws.transfers import transfer_wrench
 
-__all__ = ["OrthogonalComplement", "natural_orthogonal_complement"]
-
 Array = NDArray[np.float64]
 
 

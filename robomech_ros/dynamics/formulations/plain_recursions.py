@@ -15,14 +15,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = [
-    "PlainLink",
-    "cholesky_solution",
-    "composite_inertia",
-    "newton_euler",
-    "orthogonal_complement_inertia",
-]
-
 # Floats, counted numbers, and the whole numbers 0 and 1 where they are known beforehand.
 Number = Any
 Vector = list[Number]

@@ -19,8 +19,6 @@ from robomech_ros.dynamics.posed_bodies import reflected_inertias
 from robomech_ros.kinetostatics.reduced_jacobians import planar_rows
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["PlanarComplement", "planar_orthogonal_complement"]
-
 Array = NDArray[np.float64]
 
 

@@ -12,14 +12,6 @@ from robomech_ros.dynamics.posed_bodies import PosedBodies
 from robomech_ros.spatial.cross_product import cross_product_matrix
 from robomech_ros.spatial.screws.transfers import twist_transfer_matrix
 
-__all__ = [
-    "base_shaping",
-    "constraints",
-    "drive_wrenches",
-    "twist_shaping",
-    "twist_shaping_rate",
-]
-
 Array = NDArray[np.float64]
 
 

@@ -14,8 +14,6 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.drives import Drive
 
-__all__ = ["ConsistentFit", "consistent_fit"]
-
 Array = NDArray[np.float64]
 
 # How much a consistent body is drawn to the one known before, where 1 is a standard error or so.

@@ -26,8 +26,6 @@ from numpy.typing import NDArray
 from robomech_ros.dynamics.pseudo_inertias import parameters_from_pseudo_inertia, pseudo_inertia
 from robomech_ros.numerics import least_squares
 
-__all__ = ["ConsistentParameters", "consistent_least_squares"]
-
 Array = NDArray[np.float64]
 
 # From one gamma to the next, and Newton steps for all of them together.

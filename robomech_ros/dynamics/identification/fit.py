@@ -33,8 +33,6 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.numerics import least_squares, minimum_norm
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["Identification", "excitation", "identify", "known_parameters"]
-
 Array = NDArray[np.float64]
 
 # Singular values below this of the largest: the motion does not show all parameters.

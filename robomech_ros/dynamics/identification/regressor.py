@@ -12,8 +12,6 @@ from robomech_ros.dynamics.model import GRAVITY, raise_outcome, surroundings
 from robomech_ros.kinematics.joint_values import as_rows, as_states, check_chain
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["BaseParameters", "base_parameters", "torque_regressor"]
-
 # A column of a torque regressor, of unit length, that is nearer than this to those before it
 # depends on them: rounding leaves 1e-13, and what a motion can show is above 1e-4.
 BASE_PARAMETER = 1e-8

@@ -18,8 +18,6 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
 
-__all__ = ["CONTROLS", "ControlledArm", "ControlledMotion"]
-
 Array = NDArray[np.float64]
 
 CONTROLS = ("computed-torque", "pd-gravity")

@@ -12,8 +12,6 @@ from robomech_ros.dynamics.systems import DynamicSystem
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import real_number
 
-__all__ = ["Event", "bounced", "first_crossing", "limit_events", "note_events"]
-
 Array = NDArray[np.float64]
 Event = Callable[[float, Array, Array], float]
 Crossing = Callable[[Array], float]

@@ -10,8 +10,6 @@ from robomech_ros.dynamics.systems import CompiledForward, DynamicSystem, LostPo
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 
-__all__ = ["EquationsOfMotion", "RunAwayError", "Torque"]
-
 Array = NDArray[np.float64]
 Torque = Callable[[float, Array, Array], ArrayLike]
 

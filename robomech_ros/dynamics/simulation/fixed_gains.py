@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from robomech_ros.dynamics.systems import DynamicSystem
 from robomech_ros.errors import BadValueError
 
-__all__ = ["felt_inertias"]
-
 Array = NDArray[np.float64]
 
 # Postures from which the inertias come that fixed gains suit, fewer for arms of many joints, whose

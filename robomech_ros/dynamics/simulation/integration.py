@@ -20,8 +20,6 @@ from robomech_ros.dynamics.simulation.midpoint import MidpointSolver
 from robomech_ros.dynamics.simulation.record import Record
 from robomech_ros.errors import BadValueError
 
-__all__ = ["FINISHED", "MOST_STEPS", "Integration", "SolverChoice"]
-
 Array = NDArray[np.float64]
 
 FINISHED = "finished"

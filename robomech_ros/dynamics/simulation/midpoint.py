@@ -6,8 +6,6 @@ from numpy.typing import NDArray
 from robomech_ros.dynamics.simulation.equations_of_motion import EquationsOfMotion
 from robomech_ros.errors import RobomechError
 
-__all__ = ["MidpointSolver"]
-
 Array = NDArray[np.float64]
 
 _ITERATIONS = 100

@@ -24,8 +24,6 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_array, real_number
 
-__all__ = ["AT_LIMITS", "SOLVERS", "Simulation", "simulate"]
-
 Array = NDArray[np.float64]
 
 SOLVERS = ("DOP853", "RK45", "RK23", "LSODA", "Radau", "BDF", "midpoint")

@@ -32,8 +32,6 @@ from robomech_ros.numerics.arrays import real_array
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["EXPRESSIONS", "SymbolicModel", "symbolic_model"]
-
 Array = NDArray[np.float64]
 
 EXPRESSIONS = (

@@ -18,8 +18,6 @@ from robomech_ros.dynamics.symbolic.poses import (
 )
 from robomech_ros.dynamics.symbolic.terms import Poly, TermRing
 
-__all__ = ["potential_moment", "symbolic_mass_rows"]
-
 
 @dataclass(frozen=True, eq=False)
 class _Composite:

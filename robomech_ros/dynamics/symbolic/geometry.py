@@ -21,14 +21,6 @@ from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = [
-    "SymbolicClosure",
-    "SymbolicDecoupled",
-    "SymbolicLoop",
-    "symbolic_closure",
-    "symbolic_decoupled",
-]
-
 
 @dataclass(frozen=True, eq=False)
 class SymbolicLoop:

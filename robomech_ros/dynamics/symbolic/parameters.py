@@ -16,8 +16,6 @@ from robomech_ros.robots.chain_layout import REVOLUTE
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.drives import Drive
 
-__all__ = ["SymbolicLink", "SymbolicParameters", "symbolic_parameters"]
-
 Array = NDArray[np.float64]
 
 # Below this (rad, m, kg m, or of the greatest moment) a parameter is rounding, and 0.

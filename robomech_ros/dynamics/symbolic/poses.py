@@ -5,8 +5,6 @@ from collections.abc import Sequence
 from robomech_ros.dynamics.symbolic.parameters import SymbolicLink, SymbolicParameters
 from robomech_ros.dynamics.symbolic.terms import Poly, TermRing
 
-__all__ = ["add", "cross", "rotated", "rotation", "symbolic_frames", "translation"]
-
 Rows = list[list[Poly]]
 Vector = list[Poly]
 

@@ -11,8 +11,6 @@ from sympy.printing.numpy import NumPyPrinter
 from robomech_ros.dynamics.symbolic.closed_forms import SymbolicModel
 from robomech_ros.errors import BadValueError
 
-__all__ = ["FORMS", "abbreviated", "expression_latex", "expression_source", "expression_text"]
-
 _NAMES = {
     "forward_kinematics": ("T", "T"),
     "jacobian": ("J", "J"),

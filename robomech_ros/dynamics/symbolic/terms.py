@@ -15,8 +15,6 @@ from typing import Any
 import sympy
 from sympy.polys.rings import PolyRing
 
-__all__ = ["Angle", "TermRing"]
-
 # Polynomials of SymPy's rings, which have no types.
 Poly = Any
 # Fractions with greater denominators are numbers that were measured.

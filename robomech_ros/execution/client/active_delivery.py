@@ -10,8 +10,6 @@ from robomech_ros.execution.verdict import Verdict
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["ActiveDelivery"]
-
 # A robot that still moves this long after it should stand was stopped too late, s.
 _UNHEARD = 0.1
 

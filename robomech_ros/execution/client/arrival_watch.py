@@ -10,8 +10,6 @@ from robomech_ros.execution.verdict import Verdict
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["CONFIRMATION", "ArrivalWatch"]
-
 # How long the joint states may take to confirm what the controller says, and to come at all, s.
 CONFIRMATION = 1.0
 # How long there are no joint states when a controller without signs of life has died (s): some

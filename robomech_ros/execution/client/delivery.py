@@ -8,8 +8,6 @@ from typing import Any
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["Delivery", "DeliveryReport", "Stage", "Transport"]
-
 
 class Transport(Enum):
     """How a trajectory reaches the controller."""

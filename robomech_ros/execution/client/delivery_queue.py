@@ -12,8 +12,6 @@ from robomech_ros.execution.verdict import Verdict
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["DeliveryQueue", "QueueFullError", "Ready", "TimedOut"]
-
 
 class QueueFullError(TrajectoryRefusedError):
     """As many trajectories wait as may."""

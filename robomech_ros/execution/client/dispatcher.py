@@ -17,8 +17,6 @@ from robomech_ros.execution.client.position_check import off_start
 from robomech_ros.execution.verdict import Verdict
 from robomech_ros.outcomes import Code
 
-__all__ = ["Dispatcher", "Tally"]
-
 
 @dataclass
 class Tally:

@@ -8,8 +8,6 @@ from robomech_ros.execution.joints import JointKinds
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Excursion"]
-
 # A loop is looked at in so many places; a way out of less than this (rad, m) counts for none.
 _PLACES = 200
 _NOTICEABLE = 0.01

@@ -7,8 +7,6 @@ from robomech_ros.execution.client.delivery import Delivery, Transport
 from robomech_ros.execution.joints import JointKinds
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Gateway"]
-
 
 class Gateway(Protocol):
     """The way to the controller and to the robot's state."""

@@ -13,8 +13,6 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["PaceControl", "too_slow"]
-
 # What changes the pace takes over this long after it is sent (s), for it to arrive in time.  The
 # pace stays for a while after that (s), in which the controller moves to the first point
 # from where the robot really is.

@@ -10,8 +10,6 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["paced_waypoints", "slowed_waypoints"]
-
 # Time between points while the pace changes, and what points are apart at least, s.
 _PERIOD = 0.02
 _NEAREST = 1e-3

@@ -8,8 +8,6 @@ from robomech_ros.execution.joints import JointKinds
 from robomech_ros.execution.refusals import start_mismatch
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["STILL", "apart", "off_goal", "off_start"]
-
 # A robot whose joints move by less than this (rad, m) between two looks stands.
 STILL = 1e-3
 

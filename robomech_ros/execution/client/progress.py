@@ -8,8 +8,6 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["Progress", "curve_from"]
-
 # A trajectory that leads farther than this (rad, m) from where it was should be seen to move.
 NOTICEABLE = 10.0 * STILL
 

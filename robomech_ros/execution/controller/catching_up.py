@@ -31,8 +31,6 @@ from robomech_ros.trajectory.plans.verification import first_violation
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["LONGEST_LAG", "Belt", "caught_up", "going_by", "too_hard"]
-
 # No robot follows a trajectory that is farther behind its stamps, s.
 LONGEST_LAG = 0.5
 # Lags and times of fading (s) that are tried, the smallest lag first.

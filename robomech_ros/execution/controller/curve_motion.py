@@ -11,8 +11,6 @@ from robomech_ros.execution.stopping import slowed_down
 from robomech_ros.execution.time_scaling import paced_step
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["CurveMotion"]
-
 
 class CurveMotion:
     """Where the joints should be and where they are.

@@ -9,19 +9,6 @@ from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = [
-    "highest_accelerations",
-    "jerks_over",
-    "paced",
-    "part_from",
-    "peak_accelerations",
-    "peak_jerks",
-    "prolonged_back",
-    "rebased",
-    "shifted",
-    "spliced",
-]
-
 # A piece shorter than this (s) is not kept: the next one begins where it does.
 _SHORTEST = 2e-3
 # How finely a change of pace is looked at (s), every which of these begins a piece, and rounding.

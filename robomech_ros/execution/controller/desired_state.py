@@ -6,8 +6,6 @@ from robomech_ros.execution.joints import State, at_rest
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.execution.stopping import slowed_down
 
-__all__ = ["desired_state", "past_the_end"]
-
 
 def past_the_end(follower: Follower, ahead: float) -> float:
     """Give how long (s) after the end of its trajectory a time from now is; 0 if it is not."""

@@ -24,8 +24,6 @@ from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["Follower", "Phase"]
-
 # After this time (s) another attempt is made to get onto a trajectory.
 _AGAIN = 0.01
 # A trajectory that is followed at its pace is no farther from its time than rounding (s).

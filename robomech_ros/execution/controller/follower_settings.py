@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-__all__ = ["FollowerSettings"]
-
 
 @dataclass(frozen=True)
 class FollowerSettings:

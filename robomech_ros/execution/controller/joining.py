@@ -23,8 +23,6 @@ from robomech_ros.trajectory.plans.violations import Violation
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["STANDING", "approached", "completed", "join", "join_in_steps", "without_turns"]
-
 # A moving joint may be off the start by the way it covers in this time (s): the client has seen
 # the joint states some time ago.
 LATENCY = 0.1

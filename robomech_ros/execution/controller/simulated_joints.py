@@ -16,8 +16,6 @@ from robomech_ros.execution.joints import State, at_rest
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["DrivenMotion", "Faults", "Plant", "SimulatedJoints"]
-
 # What sums of cycles may be off, s.
 _ROUNDING = 1e-9
 # Positions that differ by less (rad or m) are the same.

@@ -8,14 +8,6 @@ from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = [
-    "braking_time",
-    "delayed",
-    "fading_time",
-    "with_braking",
-    "with_fading",
-]
-
 # Shortest time in which a step at the start is smoothed out, s.
 SHORTEST_BLEND = 0.05
 # Shortest time in which speed at the end is braked, s; slower than REST (rad/s, m/s) is at rest.

@@ -8,8 +8,6 @@ from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import LIMIT_SLACK, POSITION_SLACK
 
-__all__ = ["Margin", "StateCheck"]
-
 # From positions of joints (n,) to how far each is inside its limits, rad or m.
 Margin = Callable[[FloatArray], FloatArray]
 

@@ -15,8 +15,6 @@ from robomech_ros.execution.joints import Joints, State
 from robomech_ros.execution.refusals import AccelerationRefusedError
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["STREAM", "Strain", "strain_of"]
-
 # What ends within this time (s) may be a message of a stream, whose sender corrects itself with the
 # next one: servo nodes send positions and velocities for the next 10 to 100 ms.
 STREAM = 0.2

@@ -8,8 +8,6 @@ from robomech_ros.execution.verdict import Verdict
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["verdict"]
-
 
 def verdict(
     goal: TrajectoryGoal, desired: State, actual: State, joints: Joints, timeout: float

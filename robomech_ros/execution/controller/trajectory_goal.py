@@ -12,8 +12,6 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["End", "GoalResult", "TrajectoryGoal"]
-
 
 class End(IntEnum):
     """What became of a trajectory."""

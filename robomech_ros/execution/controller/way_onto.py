@@ -25,8 +25,6 @@ from robomech_ros.execution.refusals import TrajectoryOverError
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["Way", "way_onto"]
-
 
 class Way(NamedTuple):
     """How a trajectory is followed.

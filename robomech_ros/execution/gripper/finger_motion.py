@@ -14,8 +14,6 @@ from robomech_ros.trajectory.profiles.moving_ends import state_to_state
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints, discretise
 
-__all__ = ["FingerCommand", "FingerEnd", "FingerMotion", "complete_limits", "waypoints_to"]
-
 # Where no speed is known, fingers take this long from one end of their range to the other, s.
 _TIME_TO_CLOSE = 1.0
 # Where no jerk is known, they take this long to their acceleration, s.

@@ -10,8 +10,6 @@ from robomech_ros.execution.joints import State, at_rest
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Contact", "FingerPlant"]
-
 # What is nearer than this (rad or m) is at the same place: rounding of positions.
 _SAME = 1e-9
 

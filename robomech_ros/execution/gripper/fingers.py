@@ -20,8 +20,6 @@ from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.limits import Limits
 
-__all__ = ["Fingers", "GripSettings"]
-
 
 @dataclass(frozen=True)
 class GripSettings:

@@ -17,8 +17,6 @@ from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
 
-__all__ = ["CommandReader"]
-
 
 @dataclass(frozen=True, eq=False)
 class CommandReader:

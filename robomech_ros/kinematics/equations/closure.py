@@ -19,8 +19,6 @@ from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_number
 
-__all__ = ["ClosureEquations", "as_angles", "circle", "closure_equations", "turn_about_z"]
-
 Array = NDArray[np.float64]
 Numbers = NDArray[np.float64] | NDArray[np.complex128]
 

@@ -18,8 +18,6 @@ from robomech_ros.kinematics.equations.half_angles import (
     sampled_determinants,
 )
 
-__all__ = ["angles_beside"]
-
 Complex = NDArray[np.complex128]
 
 # Least singular value, as part of the greatest, with which a direction may be a null vector: an

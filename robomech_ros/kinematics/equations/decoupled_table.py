@@ -9,8 +9,6 @@ from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.dh_table import DHTable
 
-__all__ = ["decoupled_table"]
-
 # Part of the arm's size by which the last three axes may miss each other.
 _MEETING = 1e-9
 

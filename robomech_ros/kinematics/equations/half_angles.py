@@ -15,18 +15,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "HALF",
-    "angle_of",
-    "angles_of_line",
-    "angles_of_roots",
-    "angles_of_tangents",
-    "half_angle_polynomial",
-    "null_vectors",
-    "sampled_determinants",
-    "waves_of_samples",
-]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 

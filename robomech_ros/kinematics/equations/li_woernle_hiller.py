@@ -18,8 +18,6 @@ from numpy.typing import NDArray
 from robomech_ros.kinematics.equations.closure import ClosureEquations
 from robomech_ros.kinematics.equations.half_angles import HALF
 
-__all__ = ["half_angle_equations", "li_woernle_hiller_matrix"]
-
 Array = NDArray[np.float64]
 
 

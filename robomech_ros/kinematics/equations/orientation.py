@@ -25,8 +25,6 @@ from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.dh_table import DHTable, link_transforms
 
-__all__ = ["OrientationEquation", "decoupled_postures", "orientation_equation", "wrist_angles"]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 

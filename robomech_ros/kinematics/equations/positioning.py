@@ -26,8 +26,6 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["PositioningEquations", "arm_angles", "positioning_equations", "wrist_centre"]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 

@@ -24,8 +24,6 @@ from robomech_ros.kinematics.equations.closure import (
 from robomech_ros.kinematics.equations.half_angles import angle_of
 from robomech_ros.numerics import newton_gauss
 
-__all__ = ["BETWEEN", "ONE_POSTURE", "posture_of", "remaining_angles", "same_posture"]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 

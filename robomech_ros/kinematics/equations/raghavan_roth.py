@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 from robomech_ros.kinematics.equations.closure import ClosureEquations
 from robomech_ros.kinematics.equations.half_angles import HALF
 
-__all__ = ["raghavan_roth_matrix"]
-
 
 def raghavan_roth_matrix(equations: ClosureEquations) -> NDArray[np.float64]:
     r"""Give the 12 x 12 matrix whose determinant hides joint 3.

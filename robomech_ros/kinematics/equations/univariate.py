@@ -32,14 +32,6 @@ from robomech_ros.kinematics.equations.postures import posture_of, same_posture
 from robomech_ros.kinematics.equations.raghavan_roth import raghavan_roth_matrix
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = [
-    "PROCEDURES",
-    "UnivariateRoots",
-    "li_woernle_hiller",
-    "raghavan_roth",
-    "univariate_roots",
-]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 

@@ -20,8 +20,6 @@ from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_flag
 
-__all__ = ["family_within", "inverse_kinematics_batch"]
-
 Array = NDArray[np.float64]
 
 

@@ -26,8 +26,6 @@ from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import turn_about_z, unpack_chain
 
-__all__ = ["BentWrist", "bent_postures", "bent_wrist"]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 

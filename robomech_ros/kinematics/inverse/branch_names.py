@@ -11,8 +11,6 @@ from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.tolerances import SAME_POSTURE
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["branch_name", "distinct_names", "largest_difference", "numbered_names"]
-
 Array = NDArray[np.float64]
 
 _SINGULAR = (

@@ -27,8 +27,6 @@ from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["all_postures", "rank_windings", "solve_closed_form", "solve_many"]
-
 # Windings listed for one pose, at most: eight solutions of six joints with three windings each
 # are 5832; a file of limits in thousands of turns must not fill the memory.
 MOST_WINDINGS = 8192

@@ -21,8 +21,6 @@ from robomech_ros.kinematics.inverse.request import Request
 from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["solve_coupled_joints"]
-
 Array = NDArray[np.float64]
 
 # Joint values of the arm (rad or m) that miss those of followers by less may be those of the chain:

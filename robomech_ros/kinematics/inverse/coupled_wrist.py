@@ -23,8 +23,6 @@ from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE, turn_about_z, unpack_chain
 
-__all__ = ["CoupledWrist", "between_axes", "coupled_wrist", "outer_angles", "wrist_postures"]
-
 Array = NDArray[np.float64]
 
 # Axes that miss each other by less than this part of the arm's size meet.

@@ -18,8 +18,6 @@ from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.target import as_target, as_targets
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["first_solution"]
-
 # Names of the options of `inverse_kinematics`: what ranks and lists, and what the task is.
 _RANKING = ("respect_limits", "include_windings", "metric", "max_solutions")
 _TASK = ("task_mask", "position_tolerance", "orientation_tolerance", "timeout")

@@ -28,8 +28,6 @@ from robomech_ros.kinematics.inverse.target import as_target, as_targets
 from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["inverse_kinematics"]
-
 Array = NDArray[np.float64]
 
 _SUCCESS = Status.SUCCESS  # to look it up takes longer than an argument is checked

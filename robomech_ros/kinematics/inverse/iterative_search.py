@@ -11,13 +11,6 @@ from robomech_ros._kernels.inverse.iterative import layout as at
 from robomech_ros._kernels.inverse.iterative.solutions import search
 from robomech_ros.kinematics.inverse.families.iterative import MAX_SOLUTIONS
 
-__all__ = [
-    "IterativeSearch",
-    "attempts_between_looks",
-    "iterative_search",
-    "least_orientation_error",
-]
-
 # Attempts and steps in the search for the least orientation error, and the weight of the position
 # there: so large that the position keeps its place to some 1e-6 of the arm's length.
 REACH_ATTEMPTS = 40

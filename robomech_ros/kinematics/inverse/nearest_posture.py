@@ -16,8 +16,6 @@ from robomech_ros.kinematics.inverse.solve_by_search import ranked_solutions
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["add_nearest", "least_squares_posture"]
-
 # The posture of least squares: starts, steps of each, and the part of the squared error that six
 # steps may leave; convergence is linear where the error does not vanish.
 LEAST_SQUARES_STARTS = 48

@@ -32,8 +32,6 @@ from robomech_ros.kinematics.tolerances import NEARLY_NAMED
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import unpack_chain
 
-__all__ = ["named_branches"]
-
 # A posture is found again (rad) from its own pose to this, though it be a double root.
 SAME_NAMED = 1e-4
 

@@ -21,8 +21,6 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["CRITERIA", "optimal_posture"]
-
 # Peaks of a criterion that are refined, and golden sections for each: 1e-7 of a step.
 BEST_STARTS = 4
 BEST_SECTIONS = 32

@@ -14,8 +14,6 @@ from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["NO_TIME", "ReachGap", "distance_inside_limits", "out_of_reach", "reach_gap"]
-
 # Starts and Newton steps of each in the search for the least distance: every local minimum of
 # the arms in the tests has a basin found within a dozen starts.
 REACH_STARTS = 64

@@ -20,15 +20,6 @@ from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = [
-    "NO_GAP",
-    "describe_continuum",
-    "describe_gap",
-    "explain_limits",
-    "explain_unreachable",
-    "no_solution",
-]
-
 # Part in the motion of a continuum (a unit vector, rad or m) below which a joint stands still.
 MOVES_IN_CONTINUUM = 1e-6
 

@@ -15,8 +15,6 @@ from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["Redundancy", "limit_margins"]
-
 # Postures of neighbouring values belong together where no joint moves farther than this (rad or m)
 # and the next nearest pair is so many times farther apart.
 SELF_MOTION_NEAR = 0.3

@@ -18,8 +18,6 @@ from robomech_ros.robots.chain import SerialChain
 
 _solve = direct(solve_redundant)
 
-__all__ = ["parameter_name", "sample_self_motions", "solve_by_sampling"]
-
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 

@@ -24,19 +24,6 @@ from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_flag, listed, real_number
 
-__all__ = [
-    "METRICS",
-    "Request",
-    "as_cap",
-    "as_metric",
-    "as_request",
-    "as_seed",
-    "as_tolerance",
-    "default_tolerances",
-    "is_loose",
-    "with_task",
-]
-
 # A seed this far (rad, m) outside the position limits still counts as on the limit: encoders and
 # text files carry about this resolution.
 SEED_SLACK = 1e-6

@@ -25,14 +25,6 @@ from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.printing import MOST_LINES, Printed, brief
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = [
-    "NO_EXCESS",
-    "Findings",
-    "InverseKinematicsResult",
-    "Listing",
-    "read_listing",
-]
-
 Array = NDArray[np.float64]
 
 NO_EXCESS = np.empty(0)

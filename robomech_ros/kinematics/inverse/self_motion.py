@@ -15,8 +15,6 @@ from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["SelfMotion", "SelfMotionBranch", "self_motion"]
-
 # Step of the redundancy parameter (rad or m) at most, and below which a branch that cannot be
 # followed has ended.
 SELF_MOTION_STEP = 0.05

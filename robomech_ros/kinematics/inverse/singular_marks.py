@@ -11,8 +11,6 @@ from robomech_ros._kernels.tolerances import ACCEPTED, CONTINUUM_STEP
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["singular_marks", "task_jacobian"]
-
 # Ratio of singular values below which a posture has lost a direction: where two solutions have
 # become one, both are found to about the root of what a pose is accepted with.
 LOST = 1e-4

@@ -31,8 +31,6 @@ from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.virtual_joints import solve_with_virtual_joints
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["ranked_solutions", "solve_by_search"]
-
 Array = NDArray[np.float64]
 
 

@@ -4,8 +4,6 @@ from enum import IntEnum
 
 from robomech_ros.outcomes import Code
 
-__all__ = ["Status"]
-
 
 class Status(IntEnum):
     """Outcome of the mathematics; names and numbers are those of the table of outcomes."""

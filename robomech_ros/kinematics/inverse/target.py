@@ -17,8 +17,6 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.spatial.matrices import rotation_error
 
-__all__ = ["as_target", "as_targets"]
-
 Array = NDArray[np.float64]
 
 _ARRAY, _FLOAT = np.ndarray, np.dtype(np.float64)

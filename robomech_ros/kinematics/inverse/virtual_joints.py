@@ -22,8 +22,6 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["solve_with_virtual_joints"]
-
 Array = NDArray[np.float64]
 
 # Turns that bring z onto x, y and z.

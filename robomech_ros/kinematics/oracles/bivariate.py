@@ -29,8 +29,6 @@ from robomech_ros.numerics.grid_crossings import shared_cells
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_number
 
-__all__ = ["PAIR", "Intersection", "measured", "minors", "solve_bivariate"]
-
 Array = NDArray[np.float64]
 
 _ACCEPTED = 1e-9

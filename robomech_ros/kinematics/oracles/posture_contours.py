@@ -24,8 +24,6 @@ from robomech_ros.kinematics.oracles.bivariate import PAIR, Intersection, measur
 from robomech_ros.numerics import CurveCrossing, CurvePair
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["MINORS", "Crossing", "PostureContours"]
-
 Array = NDArray[np.float64]
 
 # All three rows of six.

@@ -19,8 +19,6 @@ from robomech_ros.kinematics.equations.univariate import PROCEDURES, univariate_
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["UnivariateSolutions", "solve_univariate"]
-
 Array = NDArray[np.float64]
 
 

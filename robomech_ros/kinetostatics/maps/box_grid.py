@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, real_array
 
-__all__ = ["LARGEST_BOUND", "BoxGrid", "as_grid"]
-
 Array = NDArray[np.float64]
 
 LARGEST_BOUND = 1e6

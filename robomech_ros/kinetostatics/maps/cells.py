@@ -17,8 +17,6 @@ from robomech_ros.kinetostatics.indices import condition_number
 from robomech_ros.kinetostatics.maps.request import MapRequest
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["CELL", "UNFINISHED", "chunk_cells", "map_cells"]
-
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 

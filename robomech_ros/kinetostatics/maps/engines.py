@@ -24,8 +24,6 @@ from robomech_ros.robots.chain import SerialChain
 if TYPE_CHECKING:
     from distributed import Client
 
-__all__ = ["Chunk", "DaskUnavailableError", "Done", "as_workers", "by_dask", "in_threads"]
-
 # Cells from the first to before the last.
 Chunk = tuple[int, int]
 Done = tuple[Chunk, NDArray]

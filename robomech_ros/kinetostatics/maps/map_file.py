@@ -22,8 +22,6 @@ from robomech_ros.numerics.memory import check_memory
 from robomech_ros.regular_files import open_regular
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["as_path", "check_writable", "load_map", "save_map"]
-
 _FORMAT = "robomech map 1"
 _MEMBERS = ("header", "orientations", "cells")
 _LARGEST_HEADER = 1 << 16

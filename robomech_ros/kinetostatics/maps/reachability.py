@@ -32,8 +32,6 @@ from robomech_ros.numerics.memory import check_memory
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice, as_flag
 
-__all__ = ["ReachMap", "load_reach_map", "reach_map"]
-
 Array = NDArray[np.float64]
 
 # Seconds between two times that what is finished is written to the file.

@@ -13,8 +13,6 @@ from robomech_ros import __version__
 from robomech_ros.kinetostatics.maps.box_grid import BoxGrid
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["MapRequest", "RobotIdentity", "identity_of"]
-
 Array = NDArray[np.float64]
 
 

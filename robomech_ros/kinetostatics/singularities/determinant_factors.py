@@ -15,8 +15,6 @@ from robomech_ros.kinematics.tolerances import ARM_RANK
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["NamedParts", "named_parts"]
-
 # Axes that miss a common point by less than this (over the size) meet, for the name of a part.
 NAMED_MISFIT = 1e-6
 

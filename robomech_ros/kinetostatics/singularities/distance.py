@@ -16,8 +16,6 @@ from robomech_ros.kinetostatics.singularities.generic_rank import generic_rank, 
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["NearestSingularity", "nearest_singular_posture", "singular_posture_from"]
-
 # Least singular value (lengths over the characteristic length) of a posture found to be singular.
 ON_SINGULARITY = 1e-8
 

@@ -27,8 +27,6 @@ from robomech_ros.kinetostatics.singularities.minors import Minors, minors_of
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["SingularityFree", "singularity_free"]
-
 Array = NDArray[np.float64]
 
 _WHOLE_TURN = 2.0 * math.pi

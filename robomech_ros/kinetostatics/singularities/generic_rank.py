@@ -15,8 +15,6 @@ from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["generic_motions", "generic_rank", "scaling_length"]
-
 Array = NDArray[np.float64]
 
 

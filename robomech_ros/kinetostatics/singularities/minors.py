@@ -21,8 +21,6 @@ from robomech_ros.kinetostatics.singularities.generic_rank import generic_rank
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["Minors", "minors_of"]
-
 Array = NDArray[np.float64]
 
 _MOST_JOINTS = 8

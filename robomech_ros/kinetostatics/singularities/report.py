@@ -24,8 +24,6 @@ from robomech_ros.kinetostatics.singularities.generic_rank import generic_motion
 from robomech_ros.printing import Printed
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["SingularityReport", "SingularityReports", "posture_report", "singularity_report"]
-
 Array = NDArray[np.float64]
 
 _compiled = direct(posture_reports)

@@ -23,8 +23,6 @@ from robomech_ros.printing import Printed
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["BoundaryCurve", "Workspace", "positioning_boundary", "workspace_boundary"]
-
 Array = NDArray[np.float64]
 Role = Literal["outer", "inner", "interior"]
 

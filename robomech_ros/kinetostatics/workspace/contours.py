@@ -23,8 +23,6 @@ from robomech_ros.kinetostatics.workspace.grid_curves import (
 from robomech_ros.kinetostatics.workspace.refinement import refined
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 
-__all__ = ["Contour", "edges_of_box", "singular_contours"]
-
 Array = NDArray[np.float64]
 
 # Within so many cells of a crossing of branches no vertex is kept but the crossing.

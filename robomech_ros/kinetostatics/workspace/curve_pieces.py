@@ -10,8 +10,6 @@ from robomech_ros.kinetostatics.workspace.cusps_and_nodes import Branch, cusps_o
 from robomech_ros.kinetostatics.workspace.point_postures import PointPostures
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 
-__all__ = ["CurvePiece", "branches_of", "cut_curves", "values_in"]
-
 Array = NDArray[np.float64]
 
 # How far beside a curve postures are counted, over the arm's size; and at how many points of it.

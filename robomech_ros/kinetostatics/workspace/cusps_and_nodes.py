@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 
-__all__ = ["Branch", "Crossing", "cusps_of", "intersections"]
-
 Array = NDArray[np.float64]
 
 _NEWTON = 12

@@ -5,8 +5,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 
-__all__ = ["DeflatedDeterminant"]
-
 Array = NDArray[np.float64]
 
 # Values of a joint between which it is looked for a change of sign.

@@ -8,17 +8,6 @@ from numpy.typing import NDArray
 from robomech_ros.kinetostatics.workspace.deflated_determinant import DeflatedDeterminant
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 
-__all__ = [
-    "BISECTIONS",
-    "INWARD",
-    "LINES",
-    "NEWTON",
-    "OFFSET",
-    "cell_size",
-    "critical_point",
-    "grid_curves",
-]
-
 Array = NDArray[np.float64]
 # Direction of a grid line, and the node before the root on it.
 _Key = tuple[int, int, int]

@@ -13,8 +13,6 @@ from robomech_ros.kinetostatics.workspace.nearest import NearestOnCurves
 from robomech_ros.kinetostatics.workspace.point_postures import PointPostures
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 
-__all__ = ["LimitedBoundary"]
-
 Array = NDArray[np.float64]
 
 # How far beside a surface it is looked whether a point can be reached, over the arm's size.

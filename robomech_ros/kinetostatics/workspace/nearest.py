@@ -7,8 +7,6 @@ from robomech_ros.kinetostatics.workspace.curve_pieces import CurvePiece
 from robomech_ros.kinetostatics.workspace.refinement import on_contour
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 
-__all__ = ["NearestOnCurves"]
-
 Array = NDArray[np.float64]
 
 _STEPS = 5

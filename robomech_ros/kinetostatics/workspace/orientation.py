@@ -16,8 +16,6 @@ from robomech_ros.kinetostatics.workspace.point_postures import solve_poses
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["OrientationWorkspace", "orientation_workspace"]
-
 Array = NDArray[np.float64]
 
 

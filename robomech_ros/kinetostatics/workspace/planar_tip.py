@@ -30,8 +30,6 @@ from robomech_ros.robots.chain_layout import (
     pack_chain,
 )
 
-__all__ = ["HeldPair", "PlanarTip", "planar_tip"]
-
 Array = NDArray[np.float64]
 
 # How far beside a curve it is looked whether a point is reached, over the arm's size.

@@ -14,8 +14,6 @@ from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
 
-__all__ = ["PointPostures", "solve_poses"]
-
 Array = NDArray[np.float64]
 
 # The orientation asked for: none that symmetry would make singular for the wrist.

@@ -14,8 +14,6 @@ from robomech_ros.kinetostatics.reduced_jacobians import planar_rows
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["PositioningPart", "positioning_part"]
-
 Array = NDArray[np.float64]
 
 _EXPECTED = (

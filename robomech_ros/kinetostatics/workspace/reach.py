@@ -13,8 +13,6 @@ from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["extreme_reach"]
-
 Array = NDArray[np.float64]
 
 _STARTS = 256

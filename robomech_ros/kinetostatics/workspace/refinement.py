@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 
-__all__ = ["on_contour", "refined"]
-
 Array = NDArray[np.float64]
 
 _PROJECTIONS = 12

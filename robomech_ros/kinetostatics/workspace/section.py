@@ -24,8 +24,6 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["WorkspaceSection", "raise_on_surface", "section_of"]
-
 Array = NDArray[np.float64]
 
 # Nodes in each direction on which it is looked whether the arm is singular everywhere.

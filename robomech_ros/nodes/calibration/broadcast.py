@@ -15,8 +15,6 @@ from robomech_ros.nodes.frames.listener import FrameListener
 from robomech_ros.nodes.frames.tree import NoTransformError
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["ResultBroadcaster"]
-
 Array = NDArray[np.float64]
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -21,8 +21,6 @@ from robomech_ros.spatial import pose_from_position_quaternion
 from robomech_ros.spatial.plain_poses import plain_pose
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["POSITION_FIRST", "load", "save"]
-
 Array = NDArray[np.float64]
 
 FORMAT = "robomech_ros hand-eye calibration 1"

@@ -15,8 +15,6 @@ from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.rvs.model.live_robot import SeenMarker
 from robomech_ros.rvs.model.seen_calibration import calibration_markers, sample_markers
 
-__all__ = ["CalibrationMarkers"]
-
 _KINDS = {
     "box": Marker.CUBE,
     "sphere": Marker.SPHERE,

@@ -23,14 +23,6 @@ from robomech_ros.nodes.common.pose_messages import (
 from robomech_ros.spatial import rotation_vector_from_matrix
 from robomech_ros.spatial.plain_poses import plain_pose
 
-__all__ = [
-    "encode_next",
-    "encode_solution",
-    "fill_list",
-    "poses_from_array",
-    "stamped_transform",
-]
-
 Array = NDArray[np.float64]
 
 _MOST_NAMED = 20

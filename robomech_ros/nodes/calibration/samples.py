@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from robomech_ros.calibration import HandEyeResult
 from robomech_ros.errors import BadValueError, WrongSizeError
 
-__all__ = ["Frames", "Placed", "Samples", "Solution"]
-
 Array = NDArray[np.float64]
 
 

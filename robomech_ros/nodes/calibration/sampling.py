@@ -18,8 +18,6 @@ from robomech_ros.nodes.common.pauses import pause
 from robomech_ros.nodes.frames.tree import NoTransformError
 from robomech_ros.spatial import pose_error
 
-__all__ = ["HandMovesError", "NoPoseError", "Sampler"]
-
 Array = NDArray[np.float64]
 
 # So many places of the hand are compared over the time in which it has to stand.

@@ -6,14 +6,6 @@ from dataclasses import dataclass
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.robot_description import RobotSettings
 
-__all__ = [
-    "LONGEST_WAIT",
-    "MOUNT_OF_TYPE",
-    "CalibrationSettings",
-    "check_settings",
-    "is_plain_name",
-]
-
 # Types of calibrations as easy_handeye2 calls them, and the library's names for them.
 MOUNT_OF_TYPE = {"eye_in_hand": "eye-in-hand", "eye_on_base": "eye-to-hand"}
 # How long a request for a sample may wait, s.

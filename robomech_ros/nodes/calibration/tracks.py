@@ -15,8 +15,6 @@ from robomech_ros.nodes.frames.listener import FrameListener
 from robomech_ros.nodes.frames.tree import FrameTree, NoTransformError
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
 
-__all__ = ["PoseTrack", "TfTrack", "TopicTrack"]
-
 Array = NDArray[np.float64]
 
 # Some seconds of a fast sender, between two looks.

@@ -25,16 +25,6 @@ from robomech_ros.robots import main_chain, semantics_of
 from robomech_ros.robots.documents.numbers_in_text import integer, number
 from robomech_ros.robots.kinds import ARM, KINDS, check_name, kind_of
 
-__all__ = [
-    "add_arguments",
-    "add_launch_arguments",
-    "check",
-    "launch_options",
-    "node_class",
-    "refuse_of_kind",
-    "run",
-]
-
 EXIT_CHILD_FAILED = 1
 # Only arms have a servo to be left out; without one the option is harmless.
 _OF_SERVO = ("no_servo",)

@@ -11,8 +11,6 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.robots import load_robot
 from robomech_ros.robots.documents.numbers_in_text import integer, number
 
-__all__ = ["add_arguments", "run"]
-
 EXIT_FAILED = 1
 _TYPES = ("eye_in_hand", "eye_on_base")
 # A wrong sample is told by the others from eight on, where one of them is wrong.

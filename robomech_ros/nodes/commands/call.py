@@ -9,8 +9,6 @@ from typing import Any
 from robomech_ros.nodes.commands.message_yaml import parse_yaml, to_yaml
 from robomech_ros.robots.documents.numbers_in_text import integer, number
 
-__all__ = ["EXIT_NO_ANSWER", "add_arguments", "run", "seconds_to_wait"]
-
 EXIT_REFUSED = 1
 EXIT_NO_ANSWER = 3
 

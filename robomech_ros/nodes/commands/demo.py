@@ -15,8 +15,6 @@ from robomech_ros.nodes.process.kind_nodes import KIND_NODES, REFUSED, KindNodes
 from robomech_ros.robots.documents.numbers_in_text import number
 from robomech_ros.robots.kinds import ARM, check_name, kind_of
 
-__all__ = ["add_arguments", "run"]
-
 EXIT_FAILED = 1
 # As the controller's parameter payload_mass, kg.
 HEAVIEST_PAYLOAD = 1000.0

@@ -6,8 +6,6 @@ from importlib.util import find_spec
 
 from robomech_ros.nodes.commands.call import EXIT_NO_ANSWER, EXIT_REFUSED, seconds_to_wait
 
-__all__ = ["add_arguments", "run"]
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""

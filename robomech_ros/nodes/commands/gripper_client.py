@@ -20,8 +20,6 @@ from robomech_ros.nodes.middleware.deep_queues import ask_action
 from robomech_ros.parallel.described import load_described
 from robomech_ros.robots.gripper import GripperModel
 
-__all__ = ["NoGripperError", "move_gripper"]
-
 OPEN, CLOSE = "open", "close"
 _POLL = 0.1
 

@@ -17,15 +17,6 @@ from robomech_ros.errors.names import did_you_mean
 from robomech_ros.robots.documents.guarded_yaml import UniqueKeyLoader
 from robomech_ros.robots.documents.numbers_in_text import number
 
-__all__ = [
-    "UnknownFieldError",
-    "fill_message",
-    "interface_class",
-    "parse_yaml",
-    "to_yaml",
-    "without_types",
-]
-
 _PARTS_OF_A_TYPE = 3
 # Services of MoveIt by words of their names and types, and those that need no types of MoveIt.
 _WITHOUT_MOVEIT = {

@@ -14,8 +14,6 @@ from robomech_ros.robots import load_description
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.trajectory import Waypoints
 
-__all__ = ["add_arguments", "run"]
-
 Array = NDArray[np.float64]
 _TOPIC = "trajectory_planner/planned_trajectory"
 # Instants at which curves are drawn, beside the points of the trajectory.

@@ -10,8 +10,6 @@ from rclpy.action import (
 )
 from rclpy.node import Node
 
-__all__ = ["NodeRights", "policy_xml", "rights_of"]
-
 # Of the format, as `ros2 security` writes it.
 _VERSION = "0.2.0"
 # Services and topics that an action consists of.

@@ -8,8 +8,6 @@ from pathlib import Path
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.commands.bringup import add_launch_arguments, check, launch_options
 
-__all__ = ["add_arguments", "run"]
-
 _ENCLAVE = re.compile(r"(/[A-Za-z0-9_]+)+")
 
 

@@ -19,8 +19,6 @@ from robomech_ros.nodes.middleware.deep_queues import ask
 from robomech_ros.nodes.middleware.questions import Question
 from robomech_ros.nodes.process.memory import bounded_memory
 
-__all__ = ["NoAnswerError", "answer_of", "call_service", "command_node"]
-
 _POLL = 0.02
 # How often it is looked whether the service is still there, s.
 _LOOK = 0.2

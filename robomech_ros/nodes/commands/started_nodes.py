@@ -24,8 +24,6 @@ from robomech_ros.nodes.process.reach import stay_on_this_machine
 from robomech_ros.nodes.process.run import Spinner
 from robomech_ros.nodes.rvs.node import RvsNode
 
-__all__ = ["NotUpError", "rights_of_started"]
-
 # Longest time until all nodes offer what they do, s, and between two looks.
 _PATIENCE, _LOOK = 180.0, 0.1
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

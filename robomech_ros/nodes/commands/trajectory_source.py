@@ -15,8 +15,6 @@ from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.trajectory import Waypoints
 
-__all__ = ["from_file", "from_topic", "waypoints_of"]
-
 # What a picture is made of at the most.
 _MOST_POINTS, _LONGEST = 1_000_000, 1e7
 _LARGEST_FILE = 1 << 28

@@ -11,17 +11,6 @@ from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.hands.conic_solver import ConicSolverUnavailableError
 from robomech_ros.outcomes import Code
 
-__all__ = [
-    "FrameUnavailableError",
-    "NoStateError",
-    "OutcomeError",
-    "RobotMovesError",
-    "ShutdownError",
-    "answer",
-    "code_of",
-    "guarded",
-]
-
 _Callback = TypeVar("_Callback", bound=Callable[..., Any])
 
 _MOST_LISTED = 30

@@ -4,8 +4,6 @@ from typing import Any
 
 from robomech_ros.robots.gripper import GripperModel
 
-__all__ = ["gripper_goal", "gripper_outcome"]
-
 
 def gripper_goal(gripper: GripperModel, value: float) -> Any:
     """Make the goal (control_msgs/action/GripperCommand.Goal) of a width (m) or position.

@@ -9,8 +9,6 @@ from robomech_ros.robots import Joint
 from robomech_ros.robots.fingers import finger_joints
 from robomech_ros.robots.gripper import GripperModel, gripper_model
 
-__all__ = ["GripperNames", "known_finger_joints", "known_gripper", "listed_names"]
-
 
 @dataclass(frozen=True)
 class GripperNames(RobotSettings):

@@ -2,8 +2,6 @@
 
 import math
 
-__all__ = ["HELD_UP", "HoldUpWatch"]
-
 # After so long (s) without a look the commands that wait may be of somebody who has let go since.
 HELD_UP = 0.5
 # For so long (s) after that such commands may still come out of the middleware.

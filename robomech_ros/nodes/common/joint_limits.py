@@ -34,8 +34,6 @@ from robomech_ros.robots.documents.yaml_rows import read_number, read_positive
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.robot_yaml import with_yaml_limits
 
-__all__ = ["JointLimitsFile", "NoLimitsForPlanError", "read_joint_limits", "with_assumed_rates"]
-
 _SECTION = "joint_limits"
 # A joint comes to full speed, and to full acceleration, in this many seconds.
 _TO_SPEED = 0.25

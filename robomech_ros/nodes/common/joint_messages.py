@@ -13,14 +13,6 @@ from robomech_ros.errors import NonFiniteError, UnknownJointError, WrongSizeErro
 from robomech_ros.nodes.common.message_fields import NANO, duration_from_seconds, floats
 from robomech_ros.servo.motion import Samples
 
-__all__ = [
-    "TrajectoryPoints",
-    "joint_state",
-    "joint_trajectory",
-    "positions_by_name",
-    "stream_message",
-]
-
 Array = NDArray[np.float64]
 
 # Point messages that are kept from one trajectory to the next, 1 kB each.

@@ -19,8 +19,6 @@ from robomech_ros.robots import SerialChain
 if TYPE_CHECKING:
     from robomech_ros.parallel import Mechanism
 
-__all__ = ["JointPositions", "StateSettings", "Way", "is_empty"]
-
 Array = NDArray[np.float64]
 # What moves a link: a chain, or all limbs of a parallel robot.
 Way: TypeAlias = "SerialChain | Mechanism"

@@ -21,8 +21,6 @@ from robomech_ros.nodes.common.pauses import pause
 from robomech_ros.nodes.middleware.polled_subscription import Unattended
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 
-__all__ = ["JointStateMonitor"]
-
 TOPIC = "joint_states"
 # Enough for several publishers of different rates between two looks.
 _DEPTH = 50

@@ -10,8 +10,6 @@ from robomech_ros.nodes.common.error_codes import NoStateError
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.servo.tracking import TrackedJoints, Tracking
 
-__all__ = ["Fault", "JointWatch"]
-
 Array = NDArray[np.float64]
 
 # How long the next state of the joints may take before it is missed (s).

@@ -16,8 +16,6 @@ from robomech_ros.robots.semantic import HOME
 if TYPE_CHECKING:
     from robomech_ros.parallel import Mechanism
 
-__all__ = ["LoopPositions"]
-
 Array = NDArray[np.float64]
 
 # Loops that are open by less (m, rad) are those of a posture written with few digits, and by less

@@ -10,15 +10,6 @@ from std_msgs.msg import Header
 
 from robomech_ros.errors import BadValueError
 
-__all__ = [
-    "NANO",
-    "append_numbers",
-    "duration_from_seconds",
-    "fill_header",
-    "floats",
-    "seconds_from_duration",
-]
-
 Array = NDArray[np.float64]
 
 # Nanoseconds of a second.

@@ -10,8 +10,6 @@ from rclpy.node import Node
 
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
-__all__ = ["MotionClock"]
-
 _NANO = 1e-9
 # Simulated time that goes on by more than this (s) from one message to the next has jumped, and so
 # has one that goes on by so many times its usual steps and by more than the shortest jump (s).

@@ -6,8 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 from rclpy.node import Node
 
-__all__ = ["LEAST", "POSE", "TWIST", "UNMEASURED", "full_covariance", "odometry_frame"]
-
 Array = NDArray[np.float64]
 
 # As tf2_ros has it.

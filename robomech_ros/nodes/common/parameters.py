@@ -32,8 +32,6 @@ from rclpy.parameter import Parameter
 from robomech_ros.errors import RobomechError
 from robomech_ros.errors.names import did_you_mean
 
-__all__ = ["NodeParameters", "ParameterError", "ParameterRow", "parameter", "table_rows"]
-
 Settings = TypeVar("Settings")
 
 _METADATA = "robomech parameter"

@@ -17,8 +17,6 @@ from rclpy.timer import Timer
 from robomech_ros.nodes.common.error_codes import OutcomeError
 from robomech_ros.outcomes import Code
 
-__all__ = ["Turns", "Worker", "ended_within", "passing_timer", "pause", "wake"]
-
 _T = TypeVar("_T")
 
 _STEADY = ClockType.STEADY_TIME

@@ -17,19 +17,6 @@ from robomech_ros.errors import BadQuaternionError, NonFiniteError, WrongSizeErr
 from robomech_ros.spatial.plain_poses import plain_pose
 from robomech_ros.spatial.rotations.quaternions import matrix_from_quaternion
 
-__all__ = [
-    "fill_pose",
-    "linear_rows_first",
-    "matrices_from_pose_rows",
-    "matrix_from_pose",
-    "point_vector",
-    "pose_from_matrix",
-    "require_finite",
-    "stamped_pose",
-    "stamped_twist",
-    "twist_vector",
-]
-
 Array = NDArray[np.float64]
 
 _POSE_NUMBERS = 7

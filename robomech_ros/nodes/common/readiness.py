@@ -8,8 +8,6 @@ from std_srvs.srv import Trigger
 
 from robomech_ros.nodes.middleware.deep_queues import serve
 
-__all__ = ["Readiness"]
-
 # How often a node that waits says so in its log, s.
 REMINDER = 10.0
 

@@ -4,8 +4,6 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.execution.received_trajectory import ReceivedTrajectory
 
-__all__ = ["received_trajectory"]
-
 _NANO = 1e-9
 
 

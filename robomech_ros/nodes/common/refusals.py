@@ -7,8 +7,6 @@ from typing import NamedTuple
 import numpy as np
 from trajectory_msgs.msg import JointTrajectory
 
-__all__ = ["Refusal", "read_refusal", "refusal_values", "trajectory_label"]
-
 _COUNT, _TEXT = "refused", "last refusal"
 _CODE, _LABEL, _RUN = "last refusal code", "last refused trajectory", "counted since"
 

@@ -2,8 +2,6 @@
 
 from robomech_ros.errors import WrongSizeError
 
-__all__ = ["check_waypoints"]
-
 
 def check_waypoints(what: str, count: int, most: int) -> None:
     """Refuse more points to go through than can be planned in some seconds.

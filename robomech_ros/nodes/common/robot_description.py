@@ -30,14 +30,6 @@ if TYPE_CHECKING:
     from robomech_ros.parallel import Mechanism, ParallelRobot
     from robomech_ros.walking import LeggedRobot
 
-__all__ = [
-    "LATCHED",
-    "WHOLE_CHAIN",
-    "FrameSettings",
-    "RobotModel",
-    "RobotSettings",
-]
-
 Array = NDArray[np.float64]
 
 TOPIC = "robot_description"

@@ -17,8 +17,6 @@ from robomech_ros.robots.documents.reported_notes import report_once
 from robomech_ros.robots.kinds import ARM, check_name, kind_of
 from robomech_ros.robots.library import is_document
 
-__all__ = ["when_robot_known"]
-
 # The log of the node says the same, and goes to /rosout as well.
 logging.getLogger(report_once.__module__).addHandler(logging.NullHandler())
 # Characters that an error shows of what was no robot.

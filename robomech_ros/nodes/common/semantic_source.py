@@ -13,8 +13,6 @@ from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.robots import RobotDescription, SemanticDescription, semantics_of
 from robomech_ros.robots.documents.guarded_xml import is_xml
 
-__all__ = ["SEMANTIC_TOPIC", "SemanticSource"]
-
 # As MoveIt's move_group has it.
 SEMANTIC_TOPIC = "robot_description_semantic"
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-__all__ = ["NodeCondition", "StatusReport"]
-
 TOPIC = "/diagnostics"
 PERIOD = 1.0
 _DEPTH = 10

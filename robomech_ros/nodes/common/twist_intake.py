@@ -16,8 +16,6 @@ from robomech_ros.nodes.common.pose_messages import require_finite
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
-__all__ = ["TwistIntake"]
-
 _DEPTH = 10
 
 

@@ -31,8 +31,6 @@ from robomech_ros.plotting.calibrations import plot_calibration
 from robomech_ros.robots import SerialChain, load_description
 from robomech_ros.rvs import ViewUnavailableError, write_calibration
 
-__all__ = ["Wanted", "demonstrate_calibration"]
-
 
 @dataclass(frozen=True)
 class Wanted:

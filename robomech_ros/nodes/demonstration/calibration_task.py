@@ -36,8 +36,6 @@ from robomech_ros.spatial import (
 )
 from robomech_ros.spatial.plain_poses import plain_pose
 
-__all__ = ["SERVICES", "CalibrationTask", "Progress"]
-
 Array = NDArray[np.float64]
 
 SERVICES: dict[str, Any] = {

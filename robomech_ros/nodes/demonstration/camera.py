@@ -18,8 +18,6 @@ from robomech_ros.nodes.demonstration.client import DemoClient
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose, matrix_from_rotation_vector, pose_exponential
 
-__all__ = ["CAMERA", "MARKER", "Scene", "SimulatedCamera", "scene_of"]
-
 Array = NDArray[np.float64]
 
 CAMERA, MARKER = "camera", "marker"

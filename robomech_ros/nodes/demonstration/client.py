@@ -23,8 +23,6 @@ from robomech_ros.nodes.middleware.questions import Question
 from robomech_ros.nodes.process.run import Spinner
 from robomech_ros.outcomes import name_of
 
-__all__ = ["EXECUTE", "DemoClient", "running_client"]
-
 Array = NDArray[np.float64]
 
 _START_SECONDS = 60.0

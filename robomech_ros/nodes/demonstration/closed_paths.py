@@ -8,8 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ClosedPath", "figure_of_eight", "rounded_square"]
-
 Array = NDArray[np.float64]
 
 # Pieces of a path between its points; what is between them is straight.

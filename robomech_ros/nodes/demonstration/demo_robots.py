@@ -11,8 +11,6 @@ from robomech_ros.nodes.demonstration.postures import pick_and_place
 from robomech_ros.nodes.demonstration.report import Way
 from robomech_ros.robots import PRISMATIC, SerialChain
 
-__all__ = ["ArmToShow", "RobotToShow"]
-
 Array = NDArray[np.float64]
 
 

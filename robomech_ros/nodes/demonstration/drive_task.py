@@ -22,8 +22,6 @@ from robomech_ros.nodes.demonstration.rolling_paths import speed_on
 from robomech_ros.nodes.mobile_base.drives import Interface
 from robomech_ros.rolling import RollingRobot
 
-__all__ = ["DriveTask", "Driven"]
-
 Array = NDArray[np.float64]
 
 # How long a path may take, in the time that it needs at its speed, and besides (s).

@@ -2,8 +2,6 @@
 
 from robomech_ros.errors import RobomechError
 
-__all__ = ["DemoFailedError"]
-
 
 class DemoFailedError(RobomechError):
     """A step of the demonstration went wrong; the text says which and why."""

@@ -11,8 +11,6 @@ from robomech_ros.robots import (
     semantics_of,
 )
 
-__all__ = ["Which", "chain_with_limits"]
-
 
 @dataclass(frozen=True)
 class Which:

@@ -8,8 +8,6 @@ from rcl_interfaces.srv import SetParametersAtomically
 from robomech_ros.nodes.demonstration.client import DemoClient
 from robomech_ros.nodes.demonstration.failure import DemoFailedError
 
-__all__ = ["CARRYING", "TRACKED", "Load"]
-
 _SERVICE = "joint_trajectory_controller/set_parameters_atomically"
 # What the demonstration calls besides, where the robot carries something.
 CARRYING: dict[str, Any] = {_SERVICE: SetParametersAtomically}

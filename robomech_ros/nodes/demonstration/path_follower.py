@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.demonstration.closed_paths import ClosedPath
 
-__all__ = ["PathFollower"]
-
 Array = NDArray[np.float64]
 
 # How fast differences are taken away (1/s), and in which part of the radius sideways.

@@ -18,8 +18,6 @@ from robomech_ros.robots.semantic import HOME
 from robomech_ros.rvs import Choice, NamedPosture
 from robomech_ros.spatial import pose_error
 
-__all__ = ["PickAndPlace"]
-
 Array = NDArray[np.float64]
 
 # Joints this close to the goal, and as slow, are there: rad or m, and per s; and the robot has

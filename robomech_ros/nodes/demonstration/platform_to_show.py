@@ -11,8 +11,6 @@ from robomech_ros.nodes.demonstration.report import Way
 from robomech_ros.parallel import Mechanism, follow_drives, plan_platform
 from robomech_ros.spatial import matrix_from_rotation_vector
 
-__all__ = ["PlatformToShow"]
-
 Array = NDArray[np.float64]
 
 # How many postures are tried: moves from home (parts of the size) and turns (rad) up to these, as

@@ -8,8 +8,6 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import PRISMATIC, SerialChain
 
-__all__ = ["NoPostureError", "pick_and_place"]
-
 Array = NDArray[np.float64]
 
 _CANDIDATES = 400

@@ -10,8 +10,6 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 from rich.table import Table
 
-__all__ = ["Leg", "Reporter", "Way"]
-
 Array = NDArray[np.float64]
 Shown = Callable[[float, Array], None]
 

@@ -14,8 +14,6 @@ from robomech_ros.nodes.demonstration.closed_paths import (
 )
 from robomech_ros.rolling import CommandLimiter, RollingBase, RollingRobot
 
-__all__ = ["paths_for", "speed_on"]
-
 # Of the least radius that the base can turn at, and of its length: the radius of the paths.
 _WIDER, _OF_LENGTH = 1.3, 1.0
 # Parts of the limits of velocity and of the others that are used; what is too fast is slowed down.

@@ -20,8 +20,6 @@ from robomech_ros.rolling import RollingRobot, WheelJoints, rolling_description,
 from robomech_ros.rolling.tree import BASE_JOINTS
 from robomech_ros.rvs import Choice, Motion, ViewUnavailableError, write_motion
 
-__all__ = ["demonstrate"]
-
 Array = NDArray[np.float64]
 
 

@@ -19,8 +19,6 @@ from robomech_ros.plotting.joint_motions import plot_motion
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs import Motion, ViewUnavailableError, write_motion
 
-__all__ = ["demonstrate"]
-
 # Rest before the first motion that the plot shows, s.
 _LEAD_SECONDS = 0.25
 _SERVICES = {

@@ -10,8 +10,6 @@ from robomech_ros.nodes.demonstration.failure import DemoFailedError
 from robomech_ros.nodes.process.free_domain import free_domain
 from robomech_ros.nodes.process.process_group import ProcessGroup
 
-__all__ = ["Suite", "running_suite"]
-
 _LOG_LINES = 30
 
 

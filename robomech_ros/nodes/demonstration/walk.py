@@ -19,8 +19,6 @@ from robomech_ros.nodes.demonstration.path_follower import PathFollower
 from robomech_ros.rolling.arcs import moved
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["Walk"]
-
 Array = NDArray[np.float64]
 
 _DEPTH = 1000

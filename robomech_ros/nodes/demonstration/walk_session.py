@@ -22,8 +22,6 @@ from robomech_ros.rvs import Motion, ViewUnavailableError, write_motion
 from robomech_ros.rvs.model.walking.placed_tree import placed_tree, placing
 from robomech_ros.walking import GAITS, LeggedRobot, Walker, load_legged
 
-__all__ = ["demonstrate", "eight_for", "quickest"]
-
 Array = NDArray[np.float64]
 
 # How long the walk should take (s), the parts of the greatest twists that it uses, and the

@@ -10,8 +10,6 @@ from std_msgs.msg import String
 from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.display.other_publishers import PERIOD, OtherPublishers
 
-__all__ = ["DescriptionPublisher"]
-
 # So many looks nobody else may have published before this node does: after the start, and, by
 # chance in between, after it yielded, so that of two nodes that yield to each other one is first.
 _QUIET, _QUIET_AGAIN = 2, (3, 9)

@@ -13,8 +13,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from robomech_ros.kinematics.joint_poses import JointPoses
 from robomech_ros.robots import Joint, RobotDescription
 
-__all__ = ["FramePublisher"]
-
 # As tf2_ros has them.
 _DEPTH = 100
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

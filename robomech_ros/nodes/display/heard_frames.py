@@ -14,8 +14,6 @@ from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
-__all__ = ["FixedFrames", "MovingFrames"]
-
 # Others that are silent for so long publish no more, s.  Up to the second number is added by
 # chance, so that of two nodes that yield to each other one is back first.
 SILENCE, BY_CHANCE = 3.0, 1.0

@@ -3,8 +3,6 @@
 from rclpy.node import Node
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-__all__ = ["PERIOD", "OtherPublishers"]
-
 # How often the graph is looked at, s.
 PERIOD = 0.5
 

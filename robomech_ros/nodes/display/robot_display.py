@@ -13,8 +13,6 @@ from robomech_ros.nodes.display.shared_frames import SharedFrames
 from robomech_ros.robots import RobotDescription, load_description, urdf_from_description
 from robomech_ros.robots.urdf.mesh_urls import with_mesh_urls
 
-__all__ = ["ALWAYS", "AUTO", "NEVER", "RobotDisplay"]
-
 AUTO, ALWAYS, NEVER = "auto", "always", "never"
 
 

@@ -9,8 +9,6 @@ from robomech_ros.nodes.display.frame_publisher import FramePublisher
 from robomech_ros.nodes.display.heard_frames import FixedFrames, MovingFrames
 from robomech_ros.nodes.display.other_publishers import PERIOD
 
-__all__ = ["SharedFrames"]
-
 # Frames are published from this look on, later where others are on /tf: a robot_state_publisher
 # needs joint_states before it says anything.
 FIRST, FIRST_BESIDE_OTHERS = 2, 4

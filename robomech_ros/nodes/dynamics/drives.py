@@ -8,8 +8,6 @@ from robomech_ros.execution.refusals import JointMismatchError
 from robomech_ros.nodes.common.joint_positions import JointPositions, Way
 from robomech_ros.nodes.common.robot_description import RobotModel
 
-__all__ = ["Drives", "system_of"]
-
 Array = NDArray[np.float64]
 
 

@@ -21,17 +21,6 @@ from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.robots import Body, SerialChain
 from robomech_ros.spatial import inverse_pose
 
-__all__ = [
-    "Motions",
-    "encode_summary",
-    "gravity_vector",
-    "motions",
-    "payload_body",
-    "rates",
-    "tip_wrench",
-    "without_rates",
-]
-
 Array = NDArray[np.float64]
 
 # Largest number in a vector, in SI units: products with masses stay far from overflow.

@@ -5,8 +5,6 @@ from dataclasses import dataclass
 from robomech_ros.nodes.common.joint_positions import StateSettings
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 
-__all__ = ["DynamicsSettings", "check_settings"]
-
 
 @dataclass(frozen=True)
 class DynamicsSettings(StateSettings):

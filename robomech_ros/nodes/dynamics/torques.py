@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from robomech_ros.dynamics import DynamicSystem
 from robomech_ros.nodes.dynamics.messages import Motions
 
-__all__ = ["instants", "torque_shares"]
-
 Array = NDArray[np.float64]
 
 _NO_GRAVITY = (0.0, 0.0, 0.0)

@@ -4,8 +4,6 @@ import math
 from bisect import bisect_left
 from typing import NamedTuple
 
-__all__ = ["WINDOW", "FrameHistory", "Sample"]
-
 # How long transforms are kept, ns: as long as tf2 keeps them.
 WINDOW = 10_000_000_000
 # Most samples of a frame: 100 per second for that time.

@@ -20,8 +20,6 @@ from robomech_ros.nodes.frames.tree import FrameTree
 from robomech_ros.nodes.middleware.polled_subscription import Unattended
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 
-__all__ = ["FrameListener"]
-
 # Between two looks, the latest so many are kept: some seconds of robot_state_publisher.
 _DEPTH = 500
 # A best-effort reader hears every sender, and only the latest counts.

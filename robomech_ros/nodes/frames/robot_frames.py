@@ -22,8 +22,6 @@ from robomech_ros.nodes.frames.listener import FrameListener
 from robomech_ros.nodes.frames.tree import Found, NoTransformError
 from robomech_ros.robots import SerialChain
 
-__all__ = ["Place", "Positions", "RobotFrames"]
-
 Array = NDArray[np.float64]
 # Joint name to position (rad or m), or to positions, shape (...), in as many states.
 Positions = Mapping[str, Any]

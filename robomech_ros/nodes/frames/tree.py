@@ -13,8 +13,6 @@ from robomech_ros.nodes.frames.history import FrameHistory, Sample
 from robomech_ros.spatial.poses import rigid_inverse
 from robomech_ros.spatial.rotations.quaternions import matrix_from_quaternion
 
-__all__ = ["Found", "FrameTree", "NoTransformError"]
-
 Array = NDArray[np.float64]
 
 # More than any robot has: what a faulty sender can fill is bounded.

@@ -33,8 +33,6 @@ from robomech_ros.nodes.common.pose_messages import linear_rows_first, stamped_t
 from robomech_ros.nodes.grasping.requests import in_space
 from robomech_ros.outcomes import Code
 
-__all__ = ["GraspAnalysis", "analysed", "fill_efforts", "fill_forces", "fill_postures"]
-
 Array = NDArray[np.float64]
 
 

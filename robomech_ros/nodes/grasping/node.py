@@ -48,8 +48,6 @@ from robomech_ros.nodes.grasping.settings import GraspingSettings, check_setting
 from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.process.run import run_node
 
-__all__ = ["GraspingNode", "main"]
-
 _TOLERANCE = 1e-4
 _POSTURES = 100
 

@@ -16,8 +16,6 @@ from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_positions import is_empty
 from robomech_ros.nodes.common.pose_messages import point_vector
 
-__all__ = ["GivenHand", "in_space", "load_wrench", "read_contacts", "read_origin", "read_points"]
-
 Array = NDArray[np.float64]
 
 # The quality of more contacts takes longer than anyone wants to wait.

@@ -4,8 +4,6 @@ from dataclasses import dataclass
 
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 
-__all__ = ["GraspingSettings", "check_settings"]
-
 
 @dataclass(frozen=True)
 class GraspingSettings:

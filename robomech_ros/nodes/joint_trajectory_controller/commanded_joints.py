@@ -38,8 +38,6 @@ from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["CommandedJoints"]
-
 _NANO = 1_000_000_000
 # Joints that forces move may overshoot their limits: of position by so much (rad or m), and of
 # velocity by this part.

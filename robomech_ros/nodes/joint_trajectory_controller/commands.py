@@ -17,8 +17,6 @@ from robomech_ros.nodes.middleware.reliable_topics import subscribe_reliably
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.outcomes import Code, name_of
 
-__all__ = ["Commands", "TrajectoryTopic", "log_end"]
-
 _TOPIC = "joint_trajectory"
 _BY = f"a trajectory on the topic {_TOPIC}"
 # A stream goes on after a process was held up for a second.

@@ -9,8 +9,6 @@ from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.nodes.common.parameters import ParameterRow
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 
-__all__ = ["CONSTRAINTS", "constraint_rows", "default_tolerances"]
-
 CONSTRAINTS = "constraints"
 # Of each joint: its name there, and the parameter that holds where it is NaN.
 _OF_JOINTS = {"trajectory": "path_tolerance", "goal": "goal_tolerance"}

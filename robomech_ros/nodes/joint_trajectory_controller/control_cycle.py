@@ -15,8 +15,6 @@ from robomech_ros.nodes.joint_trajectory_controller.state_publisher import State
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.outcomes import Code
 
-__all__ = ["ControlCycle"]
-
 
 class ControlCycle:
     """Moves the robot, and tells where it is.

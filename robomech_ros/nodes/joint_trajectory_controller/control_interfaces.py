@@ -6,8 +6,6 @@ from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.joint_trajectory_controller.goal_server import GoalServer
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
 
-__all__ = ["ControlInterfaces"]
-
 
 class ControlInterfaces:
     """The action follow_joint_trajectory, and topics and services of the controller's state.

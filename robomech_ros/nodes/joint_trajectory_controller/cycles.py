@@ -10,8 +10,6 @@ from rclpy.node import Node
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
-__all__ = ["Cycles"]
-
 _NANO = 1_000_000_000
 _STOP_SECONDS = 3.0
 

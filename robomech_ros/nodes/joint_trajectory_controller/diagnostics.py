@@ -7,8 +7,6 @@ from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import Comm
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
 
-__all__ = ["gripper_condition", "robot_condition"]
-
 
 def robot_condition(robot: SimulatedRobot) -> NodeCondition:
     """Describe the robot.

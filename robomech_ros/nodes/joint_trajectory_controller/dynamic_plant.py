@@ -14,8 +14,6 @@ from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSe
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import Body, SerialChain
 
-__all__ = ["DynamicPlant", "MotionRanAwayError"]
-
 Array = NDArray[np.float64]
 
 # Longest period of the controller of the drives, and periods that are simulated in one go.

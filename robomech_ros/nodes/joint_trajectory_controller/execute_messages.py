@@ -15,8 +15,6 @@ from robomech_ros.nodes.common.error_codes import code_of
 from robomech_ros.nodes.common.message_fields import floats, seconds_from_duration
 from robomech_ros.nodes.joint_trajectory_controller.messages import fill_feedback
 
-__all__ = ["ExecuteMessages"]
-
 _FIELDS = ("path_position_tolerance", "goal_position_tolerance", "goal_velocity_tolerance")
 
 

@@ -9,8 +9,6 @@ from robomech_ros.nodes.common.gripper_names import listed_names
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 
-__all__ = ["faults_of"]
-
 
 def faults_of(
     settings: ControllerSettings, joint_names: Sequence[str], others: Sequence[str] = ()

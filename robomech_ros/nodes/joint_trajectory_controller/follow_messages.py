@@ -23,8 +23,6 @@ from robomech_ros.nodes.joint_trajectory_controller.messages import fill_feedbac
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["FollowMessages"]
-
 _RESULT = FollowJointTrajectory.Result
 _CODES: dict[int, int] = {
     Code.NONE: _RESULT.SUCCESSFUL,

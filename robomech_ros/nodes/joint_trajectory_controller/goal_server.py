@@ -24,8 +24,6 @@ from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedA
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.outcomes import Code
 
-__all__ = ["ActionMessages", "GoalServer"]
-
 
 class ActionMessages(Protocol):
     """Messages of an action: what its goals ask for, and how its results are put.

@@ -5,8 +5,6 @@ from dataclasses import dataclass
 from robomech_ros.nodes.common.gripper_names import GripperNames
 from robomech_ros.nodes.common.parameters import parameter
 
-__all__ = ["GripperSettings"]
-
 
 @dataclass(frozen=True)
 class GripperSettings(GripperNames):

@@ -10,8 +10,6 @@ from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSe
 from robomech_ros.nodes.process.crash_record import LeftBehind, open_crash_record
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["KeptPlace"]
-
 _NAME = "place_of_the_joints"
 # A joint may be off its limits by this much (rad, m) where it was stopped by force.
 _BEYOND = 0.1

@@ -18,8 +18,6 @@ from robomech_ros.robots import PRISMATIC
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["checked_drives"]
-
 Array = NDArray[np.float64]
 
 # Passive joints that a trajectory names may be off by this (rad, m).

@@ -7,8 +7,6 @@ from trajectory_msgs.msg import JointTrajectoryPoint
 from robomech_ros.execution.joints import State
 from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
 
-__all__ = ["fill_feedback", "point_from_state"]
-
 
 def point_from_state(state: State, time: Any) -> JointTrajectoryPoint:
     """Make a point of a state, at a time (builtin_interfaces/Duration) of a trajectory."""

@@ -6,8 +6,6 @@ from dataclasses import dataclass, field
 from robomech_ros.execution.controller.trajectory_goal import GoalResult
 from robomech_ros.nodes.common.refusals import Refusal
 
-__all__ = ["MotionCounts"]
-
 
 def _nothing() -> Refusal:
     """Give what there is before any refusal, named by the time of this start of the robot."""

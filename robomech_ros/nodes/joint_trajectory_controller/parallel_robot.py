@@ -31,8 +31,6 @@ from robomech_ros.trajectory.waypoints import Waypoints
 if TYPE_CHECKING:
     from robomech_ros.parallel import ParallelDynamics
 
-__all__ = ["ParallelRobot"]
-
 Array = NDArray[np.float64]
 
 

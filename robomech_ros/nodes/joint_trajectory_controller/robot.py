@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from robomech_ros.nodes.joint_trajectory_controller.dynamic_plant import DynamicPlant
     from robomech_ros.walking import LeggedRobot
 
-__all__ = ["SimulatedRobot", "dynamic_plant", "legged_robot", "serial_robot"]
-
 
 class SimulatedRobot(CommandedJoints):
     """The joints that trajectories command, moved exactly, with a lag, or by forces of drives.

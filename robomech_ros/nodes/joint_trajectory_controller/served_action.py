@@ -12,8 +12,6 @@ from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import Comm
 from robomech_ros.nodes.middleware.deep_queues import serve_action
 from robomech_ros.nodes.middleware.signs_of_life import LIVELY
 
-__all__ = ["ServedAction"]
-
 # A client may ask for the result this long after the motion has ended, s.
 _RESULT_KEPT = 60
 

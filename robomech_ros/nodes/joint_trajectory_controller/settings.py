@@ -11,16 +11,6 @@ from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
 from robomech_ros.nodes.joint_trajectory_controller.gripper_settings import GripperSettings
 from robomech_ros.trajectory.limits import Limits
 
-__all__ = [
-    "DYNAMIC",
-    "KINEMATIC",
-    "SPLINES",
-    "ControllerSettings",
-    "check_simulation",
-    "follower_settings",
-    "initial_position",
-]
-
 KINEMATIC, DYNAMIC = "kinematic", "dynamic"
 SPLINES, NO_INTERPOLATION = "splines", "none"
 

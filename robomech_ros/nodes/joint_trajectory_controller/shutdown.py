@@ -11,8 +11,6 @@ from robomech_ros.nodes.common.pauses import wake
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.outcomes import Code
 
-__all__ = ["Shutdown"]
-
 _WHY = "the controller shuts down; the robot holds"
 # How long the robot may take to slow down when the node ends, s; then it holds at once.
 _LONGEST_STOP = 2.0

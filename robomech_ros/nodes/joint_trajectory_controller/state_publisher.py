@@ -10,8 +10,6 @@ from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 
-__all__ = ["StatePublisher"]
-
 # Reliable; what is older than the last ten states is of no interest to anybody.
 _DEPTH = 10
 

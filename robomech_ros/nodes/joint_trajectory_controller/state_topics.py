@@ -18,8 +18,6 @@ from robomech_ros.nodes.joint_trajectory_controller.messages import point_from_s
 from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
-__all__ = ["ControllerState", "SpeedScaling", "StateQuery"]
-
 _DEPTH = 10
 
 

@@ -15,8 +15,6 @@ from robomech_ros.nodes.common.pauses import Turns
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import SerialChain
 
-__all__ = ["BatchLists", "solve_in_turns"]
-
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 

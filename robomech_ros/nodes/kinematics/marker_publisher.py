@@ -21,8 +21,6 @@ from robomech_ros.nodes.kinematics.markers import (
 )
 from robomech_ros.robots import SerialChain
 
-__all__ = ["MarkerPublisher"]
-
 if TYPE_CHECKING:
     from robomech_ros.parallel.kinetostatics.workspace_surface import WorkspaceSurface
 

@@ -13,8 +13,6 @@ from robomech_ros.nodes.common.pose_messages import pose_from_matrix
 if TYPE_CHECKING:
     from robomech_ros.parallel.kinetostatics.workspace_surface import WorkspaceSurface
 
-__all__ = ["boundary_markers", "marker_array", "posture_markers", "surface_markers"]
-
 Array = NDArray[np.float64]
 _Colour = tuple[float, float, float, float]
 

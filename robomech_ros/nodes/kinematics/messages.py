@@ -21,18 +21,6 @@ from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_tw
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.outcomes import Code
 
-__all__ = [
-    "SolutionPoints",
-    "answer_in_time",
-    "encode_report",
-    "encode_result",
-    "inverse_options",
-    "is_nearest",
-    "poses_in_base",
-    "wants_first",
-    "workspace_cloud",
-]
-
 Array = NDArray[np.float64]
 
 _METRICS = ("linf", "l2")

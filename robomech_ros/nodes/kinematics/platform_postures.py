@@ -9,8 +9,6 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Mechanism
 
-__all__ = ["PlatformSolutions", "conditions", "platform_solutions"]
-
 Array = NDArray[np.float64]
 
 FAMILY = "parallel"

@@ -54,8 +54,6 @@ from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Mechanism, platform_length
 from robomech_ros.robots import SerialChain
 
-__all__ = ["PlatformServices"]
-
 Array = NDArray[np.float64]
 
 

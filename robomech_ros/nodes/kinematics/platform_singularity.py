@@ -12,8 +12,6 @@ from robomech_ros.nodes.common.pose_messages import stamped_twist
 from robomech_ros.parallel import LoopSingularity, Mechanism, ParallelRobot, loop_singularity
 from robomech_ros.spatial import transfer_twist
 
-__all__ = ["encode_singularity", "jacobian_at", "singularity_at"]
-
 Array = NDArray[np.float64]
 
 

@@ -21,8 +21,6 @@ from robomech_ros.parallel.kinetostatics.workspace_surface import (
     workspace_surface,
 )
 
-__all__ = ["PlatformSpace"]
-
 Array = NDArray[np.float64]
 
 # Digits by which orientations are told apart, and how many are kept.

@@ -17,8 +17,6 @@ from robomech_ros.kinetostatics.workspace.positioning_part import positioning_pa
 from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.robots import SerialChain
 
-__all__ = ["ReachableSpace", "SpaceFinder"]
-
 Array = NDArray[np.float64]
 
 

@@ -5,8 +5,6 @@ from dataclasses import dataclass
 from robomech_ros.nodes.common.joint_positions import StateSettings
 from robomech_ros.nodes.common.parameters import parameter
 
-__all__ = ["KinematicsSettings"]
-
 
 @dataclass(frozen=True)
 class KinematicsSettings(StateSettings):

@@ -18,8 +18,6 @@ from robomech_ros.nodes.kinematics.reachable_space import ReachableSpace
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import SerialChain
 
-__all__ = ["WorkspaceQuery"]
-
 Array = NDArray[np.float64]
 
 # Poses between two looks whether others wait: of a closed form, and of a search.

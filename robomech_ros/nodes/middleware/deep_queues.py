@@ -20,8 +20,6 @@ from rclpy.task import Future
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.outcomes import Code
 
-__all__ = ["DEPTH", "ask", "ask_action", "serve", "serve_action"]
-
 # Calls that a queue holds; a thousand at once took 30 MB.
 DEPTH = 2000
 _DEEP = QoSProfile(depth=DEPTH)

@@ -14,8 +14,6 @@ from rclpy.service import Service
 
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
-__all__ = ["guard_parameter_services"]
-
 
 def guard_parameter_services(node: Node) -> None:
     """Reject malformed parameter requests with the reason, logged in one line.

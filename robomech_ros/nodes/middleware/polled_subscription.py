@@ -10,8 +10,6 @@ from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
-__all__ = ["Inbox", "Unattended"]
-
 
 class Unattended(CallbackGroup):
     """Keeps a subscription out of the executor: its messages are taken by hand.

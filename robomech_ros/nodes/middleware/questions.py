@@ -10,8 +10,6 @@ from typing import Any
 from rclpy.client import Client
 from rclpy.task import Future
 
-__all__ = ["Question", "changes_nothing"]
-
 # How long to wait before a request is sent again, s; each time twice as long as before.
 _AGAIN = 2.0
 # Services that only answer, by package.

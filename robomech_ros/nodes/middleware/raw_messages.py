@@ -6,8 +6,6 @@ from rclpy.serialization import deserialize_message
 
 from robomech_ros.errors import RobomechError
 
-__all__ = ["UnreadableMessageError", "unpack"]
-
 
 class UnreadableMessageError(RobomechError):
     """Bytes from the middleware are no message of the type of their topic."""

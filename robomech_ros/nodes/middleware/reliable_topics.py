@@ -10,8 +10,6 @@ from rclpy.subscription import Subscription
 
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
-__all__ = ["subscribe_reliably"]
-
 
 def subscribe_reliably(
     node: Node, kind: Any, topic: str, callback: Callable[..., None], qos: QoSProfile | int

@@ -12,8 +12,6 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile
 
-__all__ = ["LIVELY", "SHORTEST_LEASE", "SignsOfLife"]
-
 # The shortest lease that may be asked for, and the one that is offered, s.
 SHORTEST_LEASE, _OFFERED = 0.5, 0.4
 # Bytes of a global identifier that name the participant.

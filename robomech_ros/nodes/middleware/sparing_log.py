@@ -5,8 +5,6 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-__all__ = ["MOST", "PERIOD", "SparingLog"]
-
 # A kind of line is logged once in this time (s).
 PERIOD = 1.0
 # A new kind is logged unless there were so many in as many periods: senders can make up kinds.

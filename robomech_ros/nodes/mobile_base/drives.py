@@ -21,8 +21,6 @@ from robomech_ros.rolling import (
     rolling_robot,
 )
 
-__all__ = ["INTERFACES", "Interface", "chosen_robot"]
-
 # What stands for no limit of steering: with a right angle a car would turn on the spot.
 _STEERING = 1.57
 

@@ -19,8 +19,6 @@ from robomech_ros.rolling import (
 )
 from robomech_ros.rolling.simulated import SimulatedBase
 
-__all__ = ["BaseOptions", "MobileBase"]
-
 Array = NDArray[np.float64]
 
 

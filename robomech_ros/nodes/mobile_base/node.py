@@ -27,8 +27,6 @@ from robomech_ros.nodes.mobile_base.settings import (
 )
 from robomech_ros.nodes.process.run import run_node
 
-__all__ = ["MobileBaseNode", "main"]
-
 # Updates that are made up for at once; a base that was held up for longer goes on from where it is.
 _MOST_UPDATES = 100
 # Wheels that contradict each other by more than this (m/s) are worth a warning.

@@ -25,8 +25,6 @@ from robomech_ros.nodes.mobile_base.settings import MobileBaseSettings
 from robomech_ros.nodes.mobile_base.shown_base import ShownBase
 from robomech_ros.rolling import WheelJoints
 
-__all__ = ["BasePublication", "frame_prefix"]
-
 Array = NDArray[np.float64]
 
 _DEPTH = 10

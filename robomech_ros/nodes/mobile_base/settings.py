@@ -9,8 +9,6 @@ from typing import Any
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
 
-__all__ = ["DYNAMIC", "FORMER_NAMES", "KINEMATIC", "MobileBaseSettings", "check_settings"]
-
 KINEMATIC, DYNAMIC = "kinematic", "dynamic"
 _DRIVES = ("", "diff", "omni", "mecanum", "bicycle", "tricycle", "ackermann", "swerve")
 _OFF = math.nan

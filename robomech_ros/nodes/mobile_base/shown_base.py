@@ -10,8 +10,6 @@ from robomech_ros.nodes.display.robot_display import AUTO, NEVER, RobotDisplay
 from robomech_ros.nodes.mobile_base.settings import MobileBaseSettings
 from robomech_ros.rolling import RollingRobot, WheelJoints, rolling_description
 
-__all__ = ["ShownBase"]
-
 
 class ShownBase:
     """Publishes the tree from the base on; where the base is, odometry says.

@@ -10,8 +10,6 @@ from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 
-__all__ = ["add_cartesian_path_service", "add_moveit_services"]
-
 
 def add_moveit_services(
     node: Node,

@@ -20,8 +20,6 @@ from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose
 
-__all__ = ["CartesianQuestion", "read_question"]
-
 Array = NDArray[np.float64]
 # Finer steps would fill the memory, slower motions would take years.
 _LEAST_STEP, _LEAST_SPEED, _LEAST_SCALE = 1e-5, 1e-6, 1e-6

@@ -44,8 +44,6 @@ from robomech_ros.trajectory import (
     sampled_through_points,
 )
 
-__all__ = ["CartesianPathService"]
-
 Array = NDArray[np.float64]
 # The task mask of a position alone.
 _POSITION = (True, True, True, False, False, False)

@@ -27,8 +27,6 @@ from robomech_ros.spatial import (
     rotation_vector_from_matrix,
 )
 
-__all__ = ["Conditions", "frames_of"]
-
 Array = NDArray[np.float64]
 # Says of the positions of all joints what is wrong with them; "" where nothing is.
 _Condition = Callable[[Positions], str]

@@ -18,8 +18,6 @@ from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose
 
-__all__ = ["IkQuestion", "IkTarget", "read_ik_request"]
-
 Array = NDArray[np.float64]
 
 

@@ -14,8 +14,6 @@ from robomech_ros.nodes.common.error_codes import (
     RobotMovesError,
 )
 
-__all__ = ["RefusedError", "code_of_outcome", "fill_code", "refused_as"]
-
 # What these mean does not depend on the part of the request that they are found in.
 _CODES = (
     (FrameUnavailableError, MoveItErrorCodes.FRAME_TRANSFORM_FAILURE),

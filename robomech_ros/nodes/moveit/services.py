@@ -21,8 +21,6 @@ from robomech_ros.nodes.moveit.serving import answering
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.spatial import inverse_pose
 
-__all__ = ["MoveItServices"]
-
 # Combinations of solutions of several links that are tried, so that nobody waits for all.
 _MOST_COMBINATIONS = 4096
 

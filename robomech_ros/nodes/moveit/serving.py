@@ -13,8 +13,6 @@ from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.nodes.moveit.refusals import RefusedError, fill_code, refused_as
 from robomech_ros.robots import SerialChain
 
-__all__ = ["answering", "chain_of", "refuse_collision_checks"]
-
 _Callback = Callable[[Any, Any], Awaitable[Any]]
 
 

@@ -23,8 +23,6 @@ from robomech_ros.nodes.moveit.refusals import RefusedError
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose
 
-__all__ = ["WholeRobot"]
-
 Array = NDArray[np.float64]
 # Joint name to position (rad or m).
 Positions = Mapping[str, float]

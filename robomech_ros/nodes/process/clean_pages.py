@@ -5,8 +5,6 @@ import mmap
 import re
 from pathlib import Path
 
-__all__ = ["release_clean_pages"]
-
 _MAPPINGS = Path("/proc/self/smaps")
 # Code and constants of a file, and what the kernel says of their pages.
 _OF_FILE = re.compile(r"^([0-9a-f]+)-([0-9a-f]+) r-[x-]p \S+ \S+ \d+ +/.*\n((?:[A-Z].*\n)+)", re.M)

@@ -14,8 +14,6 @@ from rclpy.node import Node
 
 from robomech_ros.nodes.process.runtime_folder import open_private, runtime_folder
 
-__all__ = ["LARGEST", "CrashRecord", "LeftBehind", "open_crash_record"]
-
 # Most bytes that are written down.
 LARGEST = 65_536
 _MARK = b"robomech"

@@ -8,8 +8,6 @@ from contextlib import contextmanager
 from robomech_ros.errors import RobomechError
 from robomech_ros.shared_memory import ports_of_domain, remove_leftovers
 
-__all__ = ["NoFreeDomainError", "free_domain"]
-
 # High enough to be nobody's choice by hand, low enough to be a valid domain everywhere.
 _DOMAINS = range(70, 100)
 

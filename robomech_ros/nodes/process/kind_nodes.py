@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from robomech_ros.hands import load_hand
 from robomech_ros.rolling import rolling_robot
 
-__all__ = ["KIND_NODES", "REFUSED", "KindNodes"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class KindNodes:

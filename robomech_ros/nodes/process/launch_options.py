@@ -16,8 +16,6 @@ from robomech_ros.nodes.process.process_group import node_command
 from robomech_ros.nodes.process.start import NODE_MODULES
 from robomech_ros.robots import robot_folders
 
-__all__ = ["OPTIONAL_NODES", "LaunchOptions", "config_file"]
-
 # Options choose these nodes; a robot runs on when one of them ends.
 OPTIONAL_NODES = ("servo", "calibration", "rvs")
 

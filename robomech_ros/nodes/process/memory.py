@@ -7,8 +7,6 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-__all__ = ["LARGEST_DATA", "PERIOD", "bound_memory", "bounded_memory", "give_back_regularly"]
-
 # Largest size of a process's data, bytes; all nodes in one process have 1 GB.
 LARGEST_DATA = 3_000_000_000
 # What NumPy and SciPy reserve for each processor without using it, bytes.

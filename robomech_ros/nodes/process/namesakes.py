@@ -5,8 +5,6 @@ from collections.abc import Sequence
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
-__all__ = ["watch_for_namesakes"]
-
 # How often to look after a node's start, s, and how many times: discovery takes its time.
 PERIOD, LOOKS = 1.0, 3
 

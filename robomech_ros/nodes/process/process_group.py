@@ -12,8 +12,6 @@ from typing import IO
 
 from robomech_ros.stop_signals import STOP_SIGNALS
 
-__all__ = ["ProcessGroup", "node_command"]
-
 # Longer than a node takes at the most to hold its robot and say goodbye.
 _STOP_SECONDS = 12.0
 _PR_SET_PDEATHSIG = 1

@@ -5,8 +5,6 @@ from collections.abc import Mapping
 
 from robomech_ros.shared_memory import PORTS_OF_ALL_DOMAINS, leftovers, ports_of_domain
 
-__all__ = ["ports_left", "reach", "stay_on_this_machine"]
-
 _RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 _WHO = {
     "SUBNET": "every machine of the subnet",

@@ -36,8 +36,6 @@ from robomech_ros.nodes.process.namesakes import watch_for_namesakes
 from robomech_ros.nodes.process.simulated_clock import watch_for_simulated_time
 from robomech_ros.nodes.process.start import EXIT_CANNOT_START
 
-__all__ = ["Spinner", "run_node", "run_nodes"]
-
 EXIT_FAILED = 1
 
 # How long the nodes may take to hold and to answer their clients.

@@ -7,8 +7,6 @@ from pathlib import Path
 
 from robomech_ros._kernels.compiling.trust import who_else_can_write
 
-__all__ = ["open_private", "runtime_folder"]
-
 _NAME = "robomech_ros"
 
 

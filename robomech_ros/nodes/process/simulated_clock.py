@@ -5,8 +5,6 @@ from collections.abc import Sequence
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
-__all__ = ["missing_time", "watch_for_simulated_time"]
-
 # How long after a node's start to look, s, and again; every so many looks it is said.
 PERIOD, EVERY = 3.0, 10
 

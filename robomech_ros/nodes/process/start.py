@@ -15,23 +15,6 @@ from typing import NoReturn
 
 from robomech_ros.stop_signals import leave_on_signals
 
-__all__ = [
-    "EXIT_CANNOT_START",
-    "NODE_MODULES",
-    "calibration_node",
-    "dynamics_node",
-    "grasping_node",
-    "joint_state_simulator_node",
-    "kinematics_node",
-    "main",
-    "mobile_base_node",
-    "rvs_node",
-    "servo_node",
-    "trajectory_planner_node",
-    "trajectory_publisher_node",
-    "walker_node",
-]
-
 # Node name to module, in the order in which they are started.
 NODE_MODULES = {
     "joint_trajectory_controller": "robomech_ros.nodes.joint_trajectory_controller.node",

@@ -7,8 +7,6 @@ from typing import Any, Protocol
 
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
-__all__ = ["Feed"]
-
 # How often it is looked whether somebody looks (s).
 _IDLE = 0.2
 

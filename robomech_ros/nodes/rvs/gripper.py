@@ -13,8 +13,6 @@ from robomech_ros.nodes.middleware.deep_queues import ask_action
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.rvs.model.live_robot import LiveView
 
-__all__ = ["GripperClient"]
-
 
 class GripperClient:
     """Commands the gripper; methods may be called from any thread.

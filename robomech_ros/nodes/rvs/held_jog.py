@@ -7,8 +7,6 @@ from typing import Any, Generic, TypeVar
 
 from robomech_ros.rvs.model.jog import Beat, JogSwitch
 
-__all__ = ["HeldJog"]
-
 Held = TypeVar("Held")
 
 

@@ -16,8 +16,6 @@ from robomech_ros.nodes.rvs.messages import joint_jog, twist_jog
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.rvs.model.jog import Beat, JogDirection
 
-__all__ = ["Jogger"]
-
 # How often the servo is commanded (s): well within the time after which it brakes by itself.
 _PERIOD = 0.02
 

@@ -20,8 +20,6 @@ from robomech_ros.rvs import Motion
 from robomech_ros.rvs.model.jog import JogDirection
 from robomech_ros.rvs.model.live_robot import SeenMarker, ServoNews
 
-__all__ = ["joint_jog", "motion_from_trajectory", "seen_marker", "servo_news", "twist_jog"]
-
 Array = NDArray[np.float64]
 
 # Of one plan, and of one marker; more would hold the page up.

@@ -24,8 +24,6 @@ from robomech_ros.nodes.rvs.stopping import Stopping
 from robomech_ros.outcomes import name_of
 from robomech_ros.rvs.model.live_robot import LiveView
 
-__all__ = ["Motions"]
-
 Array = NDArray[np.float64]
 
 _AUTOMATIC = "auto_execute"

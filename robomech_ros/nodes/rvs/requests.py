@@ -10,8 +10,6 @@ from rclpy.client import Client
 from rclpy.node import Node
 from rclpy.task import Future
 
-__all__ = ["Requests"]
-
 
 @dataclass(frozen=True, eq=False)
 class _Request:

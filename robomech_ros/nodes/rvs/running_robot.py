@@ -23,8 +23,6 @@ from robomech_ros.robots.gripper import GripperModel
 from robomech_ros.rvs.model.jog import Beat
 from robomech_ros.rvs.model.live_robot import LiveView, SeenMarker
 
-__all__ = ["RunningRobot"]
-
 Array = NDArray[np.float64]
 
 # Markers that are drawn at the most, and points of all of them.

@@ -6,8 +6,6 @@ from robomech_ros.nodes.common.gripper_names import GripperNames
 from robomech_ros.nodes.common.parameters import parameter
 from robomech_ros.rvs.serving.address import GREATEST_PORT, HOST, PORT
 
-__all__ = ["RvsSettings"]
-
 
 @dataclass(frozen=True)
 class RvsSettings(GripperNames):

@@ -16,8 +16,6 @@ from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.servo.status import status_topic
 from robomech_ros.rvs.model.live_robot import LiveView, ServoNews
 
-__all__ = ["StateFeed"]
-
 # How often it is looked what states and servo say (s).
 _SELDOM = 0.1
 # At rest the servo speaks once a second.

@@ -16,8 +16,6 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.rvs.requests import Requests
 from robomech_ros.rvs.model.live_robot import LiveView
 
-__all__ = ["Stopping"]
-
 # From when on somebody who does not answer is named, and how long the answer still counts (s).
 _SOON, _PATIENCE = 2.0, 60.0
 

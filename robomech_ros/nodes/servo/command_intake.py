@@ -16,8 +16,6 @@ from robomech_ros.nodes.servo.settings import ServoNodeSettings
 from robomech_ros.servo.commands import Command
 from robomech_ros.servo.servo import Servo
 
-__all__ = ["CommandIntake"]
-
 # Messages of one kind that are looked at in a period; of faster senders the latest.
 _DEPTH = 10
 

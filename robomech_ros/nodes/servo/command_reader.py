@@ -24,8 +24,6 @@ from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.servo.settings import SPEED_UNITS, ServoNodeSettings
 from robomech_ros.servo.commands import JointCommand, PoseCommand, TwistCommand
 
-__all__ = ["CommandReader"]
-
 Array = NDArray[np.float64]
 Axes = Callable[[Array], Array | None]
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from robomech_ros.nodes.servo.moveit_interface import MoveItInterface
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 
-__all__ = ["Driver"]
-
 # How long the robot is left alone after it did not follow (s).
 _LEFT_ALONE = 0.5
 # A joint that is slower than this part of its limit stands.

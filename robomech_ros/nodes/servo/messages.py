@@ -6,8 +6,6 @@ from typing import Any
 from robomech_interfaces.msg import ServoStatus
 from robomech_ros.servo.report import ServoCondition, ServoReport
 
-__all__ = ["status_message"]
-
 _CODES = {
     ServoCondition.NO_WARNING: ServoStatus.NO_WARNING,
     ServoCondition.APPROACHING_SINGULARITY: ServoStatus.DECELERATE_FOR_APPROACHING_SINGULARITY,

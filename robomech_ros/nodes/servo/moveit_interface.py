@@ -13,8 +13,6 @@ from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.nodes.servo.status import MOVEIT_STATUS
 from robomech_ros.servo.commands import Command, JointCommand, PoseCommand, TwistCommand
 
-__all__ = ["MoveItInterface"]
-
 _KINDS: dict[int, type[Command]] = {
     ServoCommandType.Request.JOINT_JOG: JointCommand,
     ServoCommandType.Request.TWIST: TwistCommand,

@@ -6,15 +6,6 @@ from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.robot_description import FrameSettings
 from robomech_ros.servo.servo import ServoSettings
 
-__all__ = [
-    "SPEED_UNITS",
-    "UNITLESS",
-    "ServoNodeSettings",
-    "check_settings",
-    "core_settings",
-    "longest_lead",
-]
-
 SPEED_UNITS = "speed_units"
 UNITLESS = "unitless"
 _DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")

@@ -8,8 +8,6 @@ from robomech_interfaces.msg import ServoStatus
 from robomech_ros.nodes.servo.messages import status_message
 from robomech_ros.servo.report import ServoReport
 
-__all__ = ["MOVEIT_STATUS", "REPEATED", "StatusPublisher", "status_topic"]
-
 # MoveIt's servo, a node of this name, publishes its status here.
 MOVEIT_STATUS = "servo_node/status"
 

@@ -14,8 +14,6 @@ from robomech_ros.servo.motion import Samples
 from robomech_ros.servo.report import ServoReport
 from robomech_ros.servo.servo import Servo
 
-__all__ = ["StreamPublisher"]
-
 Array = NDArray[np.float64]
 
 # A knot that is nearer than this part of a period is too near for the controller to get it in time.

@@ -21,8 +21,6 @@ from robomech_ros.nodes.trajectory_planner.plan_messages import encode_waypoints
 from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings
 from robomech_ros.trajectory import PosePath, TipSpeeds
 
-__all__ = ["PathRequest", "encode_path_plan", "in_base", "read_path_request"]
-
 _PROFILES = {
     getattr(PlanCartesian.Request, name): name
     for name in ("POLY345", "POLY4567", "CYCLOIDAL", "CUBIC_SPLINE", "RUCKIG", "TIME_OPTIMAL")

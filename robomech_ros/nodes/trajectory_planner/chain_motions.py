@@ -16,8 +16,6 @@ from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import Limits, PosePath
 from robomech_ros.trajectory.plans.fitting_plan import fitting_plan
 
-__all__ = ["ChainMotions"]
-
 Array = NDArray[np.float64]
 
 

@@ -12,8 +12,6 @@ from robomech_ros.cartesian import CartesianPlan
 from robomech_ros.nodes.common.joint_positions import Way
 from robomech_ros.trajectory import Limits, PosePath, SampledPlan
 
-__all__ = ["JointMotions", "Planned"]
-
 Array = NDArray[np.float64]
 
 

@@ -24,16 +24,6 @@ from robomech_ros.trajectory import VIA_PROFILES, Limits, SampledPlan, Waypoints
 from robomech_ros.trajectory.plans.fitting_plan import check_duration
 from robomech_ros.trajectory.plans.via_polynomials import MOST_VIAS
 
-__all__ = [
-    "OFFERED",
-    "PlanRequest",
-    "encode_plan",
-    "encode_waypoints",
-    "named",
-    "plan_points",
-    "read_plan_request",
-]
-
 _NAMES = {
     getattr(PlanJoint.Request, name): name
     for name in ("POLY345", "POLY4567", "CYCLOIDAL", "CUBIC_SPLINE", "RUCKIG", "TIME_OPTIMAL")

@@ -13,8 +13,6 @@ from rclpy.node import Node
 from robomech_ros.nodes.common.pose_messages import fill_pose
 from robomech_ros.nodes.common.robot_description import LATCHED
 
-__all__ = ["PlannedPath"]
-
 # Pose messages that are kept from one path to the next, 2 kB each.
 _POSES_KEPT = 500
 

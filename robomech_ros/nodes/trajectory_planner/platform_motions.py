@@ -15,8 +15,6 @@ from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Mechanism, follow_drives, plan_drives, plan_platform
 from robomech_ros.trajectory import Limits, PosePath
 
-__all__ = ["PlatformMotions"]
-
 Array = NDArray[np.float64]
 
 # Joints that differ by more (rad or m) are another posture for the same drives.

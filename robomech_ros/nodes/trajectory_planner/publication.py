@@ -10,8 +10,6 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.trajectory_planner.planned_path import PlannedPath
 
-__all__ = ["PlanPublication"]
-
 Array = NDArray[np.float64]
 
 

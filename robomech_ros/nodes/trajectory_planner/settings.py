@@ -6,8 +6,6 @@ from typing import Any
 from robomech_ros.nodes.common.joint_positions import StateSettings
 from robomech_ros.nodes.common.parameters import parameter
 
-__all__ = ["SHORTEST_PERIOD", "PlannerSettings"]
-
 # Between samples nearer than this (s) the jerk drowns in the rounding of the positions.
 SHORTEST_PERIOD = 1e-4
 

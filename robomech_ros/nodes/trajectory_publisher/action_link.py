@@ -14,8 +14,6 @@ from robomech_ros.execution.verdict import Verdict
 from robomech_ros.nodes.middleware.deep_queues import ask_action
 from robomech_ros.outcomes import Code
 
-__all__ = ["ActionGoals", "ActionLink", "AskedTolerances", "OnResult", "request_topic"]
-
 OnResult = Callable[[Delivery, int, str], None]
 Moved = Callable[[], bool]
 

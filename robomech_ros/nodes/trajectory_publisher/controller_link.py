@@ -19,8 +19,6 @@ from robomech_ros.nodes.trajectory_publisher.controller_refusals import Controll
 from robomech_ros.nodes.trajectory_publisher.messages import message_from_delivery
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["ControllerLink"]
-
 _DEPTH = 10
 
 

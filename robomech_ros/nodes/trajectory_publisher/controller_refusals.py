@@ -10,8 +10,6 @@ from robomech_ros.execution.client.delivery import Delivery
 from robomech_ros.nodes.common.refusals import read_refusal, trajectory_label
 from robomech_ros.nodes.common.status_report import TOPIC
 
-__all__ = ["ControllerRefusals"]
-
 _DEPTH = 10
 
 

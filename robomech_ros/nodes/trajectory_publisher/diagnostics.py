@@ -4,8 +4,6 @@ from robomech_ros.execution.client.dispatcher import Dispatcher
 from robomech_ros.nodes.common.status_report import NodeCondition
 from robomech_ros.nodes.trajectory_publisher.motion_left import MotionLeft
 
-__all__ = ["execution_condition"]
-
 
 def execution_condition(
     dispatcher: Dispatcher, refusal: str, program: str, left: MotionLeft

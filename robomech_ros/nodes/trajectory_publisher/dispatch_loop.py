@@ -13,8 +13,6 @@ from robomech_ros.nodes.trajectory_publisher.motion_left import MotionLeft
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings, dispatch_settings
 from robomech_ros.outcomes import Code, name_of
 
-__all__ = ["DispatchLoop"]
-
 
 class DispatchLoop:
     """Tells a dispatcher the time, while it has something to do.

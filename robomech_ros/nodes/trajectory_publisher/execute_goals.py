@@ -9,8 +9,6 @@ from robomech_ros.execution.verdict import Verdict
 from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.trajectory_publisher.action_link import AskedTolerances
 
-__all__ = ["ExecuteGoals"]
-
 
 class ExecuteGoals:
     """Puts goals of ExecuteTrajectory; see `ActionGoals`."""

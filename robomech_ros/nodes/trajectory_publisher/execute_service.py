@@ -22,8 +22,6 @@ from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
 from robomech_ros.nodes.trajectory_publisher.speed_services import CANCELLED
 from robomech_ros.outcomes import Code
 
-__all__ = ["ExecuteService", "NoPlanError"]
-
 _DONE_BEFORE = "executed before this request; the robot stands at its end"
 
 

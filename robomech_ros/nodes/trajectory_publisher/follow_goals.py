@@ -12,8 +12,6 @@ from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.trajectory_publisher.action_link import AskedTolerances
 from robomech_ros.outcomes import Code
 
-__all__ = ["FollowGoals"]
-
 _RESULT = FollowJointTrajectory.Result
 _CODES: dict[int, Code] = {
     _RESULT.SUCCESSFUL: Code.REJECTED,

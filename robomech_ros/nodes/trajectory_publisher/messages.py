@@ -14,8 +14,6 @@ from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.received_trajectory import received_trajectory
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["DeliveryReader", "message_from_delivery"]
-
 _NANO = 1_000_000_000
 
 

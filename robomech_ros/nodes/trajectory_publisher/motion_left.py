@@ -16,8 +16,6 @@ from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.process.crash_record import LARGEST, CrashRecord, open_crash_record
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["MotionLeft"]
-
 _NAME = "motion_under_way"
 # How often the joints are looked at, Hz, and how long they may take to be heard of, s.
 _RATE, _PATIENCE = 10.0, 10.0

@@ -24,8 +24,6 @@ from robomech_ros.regular_files import read_regular
 from robomech_ros.robots import SemanticDescription, SerialChain
 from robomech_ros.robots.documents.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml, shown
 
-__all__ = ["Program", "Step", "read_program"]
-
 _PROFILE = "poly345"
 _OPTIONS = ("profile", "duration", "velocity_scale", "acceleration_scale", "jerk_scale")
 _LONGEST_WAIT = 3600.0

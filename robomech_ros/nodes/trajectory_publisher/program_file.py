@@ -6,8 +6,6 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
 
-__all__ = ["check_program_change", "program_file"]
-
 
 def program_file(settings: PublisherSettings) -> Path:
     """Find the file of the program.

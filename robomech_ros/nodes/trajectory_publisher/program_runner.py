@@ -18,8 +18,6 @@ from robomech_ros.trajectory.joint_points import nearest_turns
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["ProgramRunner"]
-
 _PERIOD = 0.01
 
 

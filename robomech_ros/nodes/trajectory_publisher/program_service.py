@@ -24,8 +24,6 @@ from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["ProgramService"]
-
 
 class ProgramService:
     """Reads a program and has it run, from where the robot is.

@@ -20,8 +20,6 @@ from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
 from robomech_ros.outcomes import name_of
 
-__all__ = ["ReceivedPlans"]
-
 TOPIC = "planned_trajectory"
 # Plans may come faster than they are taken.
 _DEPTH = 100

@@ -10,14 +10,6 @@ from robomech_ros.nodes.middleware.signs_of_life import SHORTEST_LEASE
 from robomech_ros.nodes.trajectory_publisher.action_link import ActionGoals, AskedTolerances
 from robomech_ros.nodes.trajectory_publisher.execute_goals import ExecuteGoals
 
-__all__ = [
-    "PublisherSettings",
-    "action_goals",
-    "answering_transport",
-    "asked_tolerances",
-    "dispatch_settings",
-]
-
 
 @dataclass(frozen=True)
 class PublisherSettings(RobotSettings):

@@ -14,8 +14,6 @@ from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 
-__all__ = ["CANCELLED", "SpeedServices"]
-
 CANCELLED = "cancelled by the service cancel"
 
 # Slowest part of the planned speed: that of the limits in a plan, too.

@@ -19,8 +19,6 @@ from robomech_ros.outcomes import Code, name_of
 from robomech_ros.spatial import euler_angles_from_matrix
 from robomech_ros.walking import Walker
 
-__all__ = ["CommandIntake"]
-
 _DEPTH = 10
 
 

@@ -23,8 +23,6 @@ from robomech_ros.nodes.walker.stream import WalkStream, rising
 from robomech_ros.servo.motion import Samples
 from robomech_ros.walking import Walker
 
-__all__ = ["Driver"]
-
 Array = NDArray[np.float64]
 
 # A robot whose joints are all this near to where the walk has them stands there (rad or m).

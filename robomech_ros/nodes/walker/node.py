@@ -14,8 +14,6 @@ from robomech_ros.nodes.walker.driver import Driver
 from robomech_ros.nodes.walker.settings import WalkerSettings, walker_of
 from robomech_ros.walking import load_legged
 
-__all__ = ["WalkerNode", "main"]
-
 
 class WalkerNode(Node):
     """Has a walking machine follow twists, with a margin that keeps its bound."""

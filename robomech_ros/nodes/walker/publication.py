@@ -20,8 +20,6 @@ from robomech_ros.spatial.plain_poses import plain_pose
 from robomech_ros.spatial.poses import rigid_inverse
 from robomech_ros.walking import LeggedRobot, WalkUpdate, support_polygon
 
-__all__ = ["WalkPublication", "mean_twist"]
-
 Array = NDArray[np.float64]
 
 _DEPTH = 10

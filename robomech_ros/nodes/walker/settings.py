@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from robomech_ros.nodes.common.parameters import parameter
 from robomech_ros.walking import GAITS, LeggedRobot, Walker
 
-__all__ = ["WalkerSettings", "walker_of"]
-
 
 @dataclass(frozen=True)
 class WalkerSettings:

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from robomech_ros.servo.motion import Samples
 from robomech_ros.walking import Walker, WalkUpdate
 
-__all__ = ["Knot", "WalkStream", "rising"]
-
 Array = NDArray[np.float64]
 
 # Periods in which the joints brake behind the last knot of a message.

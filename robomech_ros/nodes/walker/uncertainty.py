@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from robomech_ros.nodes.common.odometry_frame import POSE, TWIST, full_covariance
 from robomech_ros.walking import WalkUpdate
 
-__all__ = ["Uncertainty"]
-
 Array = NDArray[np.float64]
 
 

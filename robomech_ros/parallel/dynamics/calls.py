@@ -14,8 +14,6 @@ from robomech_ros.parallel.dynamics.model import mechanism_model, refuse
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["as_rows", "compiled_forward", "complements", "finite", "loop_arguments", "states"]
-
 Array = NDArray[np.float64]
 
 

@@ -21,8 +21,6 @@ from robomech_ros.robots import Body, SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
 from robomech_ros.spatial.cross_product import cross_product_matrix
 
-__all__ = ["JointReactions", "bodies_in_motion", "joint_reactions"]
-
 Array = NDArray[np.float64]
 
 

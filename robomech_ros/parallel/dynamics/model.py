@@ -17,8 +17,6 @@ from robomech_ros.parallel.mechanism.loops import refuse_status
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combined
 
-__all__ = ["limb_bodies", "limb_totals", "mechanism_model", "platform_body", "refuse"]
-
 Array = NDArray[np.float64]
 
 

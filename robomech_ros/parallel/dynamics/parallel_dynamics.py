@@ -34,8 +34,6 @@ from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combined
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["ParallelDynamics"]
-
 Array = NDArray[np.float64]
 
 # How far loops may be open by rounding (m over the robot's size, rad).

@@ -22,8 +22,6 @@ from robomech_ros.parallel.dynamics.calls import loop_arguments
 from robomech_ros.parallel.dynamics.model import mechanism_model
 from robomech_ros.parallel.mechanism.model import Mechanism
 
-__all__ = ["loop_servo", "mode_postures"]
-
 Array = NDArray[np.float64]
 
 # Each costs as much as closing the loops.

@@ -26,14 +26,6 @@ from robomech_ros.parallel.library import ParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.stewart_gough import StewartGough
 
-__all__ = [
-    "ScaledMatrices",
-    "dexterity",
-    "platform_length",
-    "scaled_matrices",
-    "singularity_distances",
-]
-
 Array = NDArray[np.float64]
 
 _ANGULAR = 3

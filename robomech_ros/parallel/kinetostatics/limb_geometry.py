@@ -25,19 +25,6 @@ from robomech_ros.spatial.arrays import as_finite, real_array
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_axis_angle
 
-__all__ = [
-    "Arcs",
-    "Legs",
-    "drive_values",
-    "drives_of",
-    "leg_lengths",
-    "limbs_at",
-    "motion_basis",
-    "motion_entries",
-    "motions_of",
-    "poses_of",
-]
-
 Array = NDArray[np.float64]
 
 # Columns of a twist [angular; linear] that a platform has.

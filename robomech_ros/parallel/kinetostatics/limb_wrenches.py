@@ -19,8 +19,6 @@ from robomech_ros.kinetostatics import jacobian, jacobian_rate
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["Wrenches", "limb_wrenches", "wrenches_of_limbs"]
-
 Array = NDArray[np.float64]
 
 _TWIST, _ANGULAR = 6, 3

@@ -15,8 +15,6 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics import jacobian, jacobian_rate
 from robomech_ros.parallel.kinetostatics.limb_wrenches import Wrenches
 
-__all__ = ["mechanism_drive_accelerations", "mechanism_platform_acceleration"]
-
 Array = NDArray[np.float64]
 
 # Part of an acceleration that limbs prevent and that is rounding, of what it is made of.

@@ -13,8 +13,6 @@ from robomech_ros.parallel.kinetostatics.square_systems import are_regular
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["mechanism_length"]
-
 Array = NDArray[np.float64]
 
 _ANGULAR = 3

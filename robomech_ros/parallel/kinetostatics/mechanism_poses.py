@@ -14,8 +14,6 @@ from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
 
-__all__ = ["exclusion", "followed", "free_axes", "side_of_mechanism", "way_across"]
-
 Array = NDArray[np.float64]
 
 _TWIST, _ANGULAR = 6, 3

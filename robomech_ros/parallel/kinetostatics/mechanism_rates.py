@@ -15,8 +15,6 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.parallel.kinetostatics.limb_wrenches import wrenches_of_limbs
 from robomech_ros.parallel.mechanism.model import Mechanism
 
-__all__ = ["mechanism_matrix_rates"]
-
 Array = NDArray[np.float64]
 
 # The longest move of a joint from one place to the next (rad; of the size).

@@ -22,8 +22,6 @@ from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
 from robomech_ros.parallel.spherical import Spherical3RRR
 from robomech_ros.parallel.stewart_gough import StewartGough
 
-__all__ = ["PoseLimits", "as_branches", "limits_at", "pose_limits", "together"]
-
 Array = NDArray[np.float64]
 
 _LIMBS = 3

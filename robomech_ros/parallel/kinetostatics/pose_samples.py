@@ -16,8 +16,6 @@ from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
 
-__all__ = ["held_poses", "size_of"]
-
 Array = NDArray[np.float64]
 
 # Points of the cube for one pose that is looked for, as many have legs outside their strokes.

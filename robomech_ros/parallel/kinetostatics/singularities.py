@@ -19,8 +19,6 @@ from robomech_ros.parallel.library import ParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.stewart_gough import StewartGough
 
-__all__ = ["LoopSingularity", "loop_singularity"]
-
 Array = NDArray[np.float64]
 
 _ANGULAR = 3

@@ -9,8 +9,6 @@ from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["are_regular", "one_each", "solved_columns"]
-
 Array = NDArray[np.float64]
 
 

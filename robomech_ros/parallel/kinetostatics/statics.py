@@ -17,8 +17,6 @@ from robomech_ros.parallel.kinetostatics.square_systems import one_each, solved_
 from robomech_ros.parallel.library import ParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
 
-__all__ = ["drive_forces", "platform_wrench"]
-
 Array = NDArray[np.float64]
 
 _WRENCH = 6

@@ -29,16 +29,6 @@ from robomech_ros.parallel.kinetostatics.square_systems import one_each, solved_
 from robomech_ros.parallel.library import ParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
 
-__all__ = [
-    "VelocityMatrices",
-    "drive_accelerations",
-    "drive_rates",
-    "platform_acceleration",
-    "platform_twist",
-    "velocity_matrices",
-    "velocity_matrix_rates",
-]
-
 Array = NDArray[np.float64]
 
 _TWIST = 6

@@ -32,13 +32,6 @@ from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
 
-__all__ = [
-    "TYPE_2",
-    "PlatformWorkspace",
-    "platform_orientation_workspace",
-    "platform_position_workspace",
-]
-
 Array = NDArray[np.float64]
 
 TYPE_2 = "type 2 singularity"

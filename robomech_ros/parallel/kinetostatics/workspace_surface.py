@@ -11,8 +11,6 @@ from scipy.spatial import ConvexHull
 
 from robomech_ros.parallel.kinetostatics.workspace import PlatformWorkspace
 
-__all__ = ["WorkspaceSurface", "neighbours", "workspace_surface"]
-
 Array = NDArray[np.float64]
 
 # Least share of a direction that belongs to a facet: what is on an edge belongs to both sides.

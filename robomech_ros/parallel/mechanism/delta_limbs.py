@@ -17,8 +17,6 @@ from robomech_ros.parallel.mechanism.limb import Axis, Limb, LimbBranches, chain
 from robomech_ros.parallel.mechanism.planar_limbs import one_or_two
 from robomech_ros.spatial.poses import assembled
 
-__all__ = ["delta_limbs"]
-
 Array = NDArray[np.float64]
 
 _HALF = 0.5 * math.pi

@@ -12,8 +12,6 @@ from robomech_ros.parallel.arguments import pose_about_z
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
 
-__all__ = ["planar_homes", "platform_home", "spherical_homes"]
-
 Array = NDArray[np.float64]
 
 _HEIGHTS, _TURNS, _TRIED = 24, 24, 64

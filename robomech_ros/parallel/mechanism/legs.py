@@ -11,8 +11,6 @@ from robomech_ros.parallel.joint_cones import JointCones
 from robomech_ros.parallel.mechanism.limb import Axis, Limb, LimbBranches, chain_of_axes
 from robomech_ros.spatial.poses import assembled
 
-__all__ = ["extending_legs"]
-
 Array = NDArray[np.float64]
 
 _HALF = 0.5 * math.pi

@@ -20,17 +20,6 @@ from robomech_ros.robots.limit_arrays import limit_arrays
 from robomech_ros.spatial.arrays import listed
 from robomech_ros.spatial.poses import assembled, rigid_inverse
 
-__all__ = [
-    "Axis",
-    "Limb",
-    "LimbBranches",
-    "chain_of_axes",
-    "checked_drive_limits",
-    "checked_limbs",
-    "limit_margins",
-    "with_drive_limits",
-]
-
 Array = NDArray[np.float64]
 
 # Errors (m, rad) of a pose that a chain holds.

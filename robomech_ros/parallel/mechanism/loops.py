@@ -16,8 +16,6 @@ from robomech_ros.parallel.mechanism.result import ClosedPosture
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["Loops", "refuse_status"]
-
 Array = NDArray[np.float64]
 
 # Loops that are this far from closed (rad, m over the size) were not closed to begin with.

@@ -11,8 +11,6 @@ from robomech_ros.outcomes import Code
 from robomech_ros.parallel.mechanism.loops import Loops
 from robomech_ros.robots import SerialChain
 
-__all__ = ["check_drives", "freedoms"]
-
 # Part of the greatest singular value below which one is zero.
 _ZERO = 1e-8
 # How far from home other postures are looked for (rad; of the size).

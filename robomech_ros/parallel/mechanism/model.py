@@ -31,8 +31,6 @@ from robomech_ros.parallel.mechanism.tree import tree_of_limbs
 from robomech_ros.parallel.result import DirectKinematicsResult
 from robomech_ros.robots import Body, RobotDescription
 
-__all__ = ["Mechanism"]
-
 Array = NDArray[np.float64]
 
 # Errors (rad, m) of loops that are closed where all joints are at zero.

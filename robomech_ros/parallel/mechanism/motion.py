@@ -11,8 +11,6 @@ from robomech_ros.parallel.mechanism.loops import Loops
 from robomech_ros.parallel.mechanism.result import ClosedPosture
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["LoopMotion"]
-
 Array = NDArray[np.float64]
 
 

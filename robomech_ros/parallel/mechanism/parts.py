@@ -16,8 +16,6 @@ from robomech_ros.robots import Body, Drive, SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.poses import assembled, rigid_inverse
 
-__all__ = ["Parts", "limbs_with_parts"]
-
 Array = NDArray[np.float64]
 
 # Below this (m, or the sine of an angle) a direction is rounding.

@@ -12,8 +12,6 @@ from robomech_ros.parallel.mechanism.limb import Axis, Limb, LimbBranches, chain
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial.poses import assembled
 
-__all__ = ["folding_limbs", "one_or_two", "sliding_limbs"]
-
 Array = NDArray[np.float64]
 
 _X, _Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])

@@ -15,8 +15,6 @@ from robomech_ros.parallel.mechanism.loops import Loops
 from robomech_ros.parallel.mechanism.result import MechanismPostures
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["joints_of_mode", "limb_postures"]
-
 Array = NDArray[np.float64]
 
 # Rounding of positions at limits (rad or m).

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.result import DirectKinematicsResult
 
-__all__ = ["AssemblyModes", "ClosedPosture", "MechanismPostures"]
-
 Array = NDArray[np.float64]
 
 

@@ -13,8 +13,6 @@ from robomech_ros.parallel.seeds import nearest_order
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["AssemblySearch"]
-
 Array = NDArray[np.float64]
 
 _FAMILY = "limbs of any kind, searched"

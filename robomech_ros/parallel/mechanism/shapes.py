@@ -19,8 +19,6 @@ from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.robots.joint import turn_of_z
 from robomech_ros.robots.urdf.shapes import Shape
 
-__all__ = ["shapes_of_limbs"]
-
 Array = NDArray[np.float64]
 
 # Radii in parts of the size of the mechanism.

@@ -15,8 +15,6 @@ from robomech_ros.robots.joint import turn_of_z
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
 
-__all__ = ["spherical_limbs"]
-
 Array = NDArray[np.float64]
 
 

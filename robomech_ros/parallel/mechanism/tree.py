@@ -11,8 +11,6 @@ from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.robots.urdf.shapes import Shape
 from robomech_ros.robots.urdf.writer import written_urdf
 
-__all__ = ["links_of_joints", "tree_of_limbs"]
-
 _LIMITS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 
 

@@ -11,8 +11,6 @@ from robomech_ros.trajectory import JointPath, PathCut, PathTrackingStatus
 from robomech_ros.trajectory.paths.path_cuts import last_good_place
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
 
-__all__ = ["cone_cut"]
-
 Array = NDArray[np.float64]
 
 # How far outside its cone a joint may be at the places looked at (rad).

@@ -14,8 +14,6 @@ from robomech_ros.parallel.motion.singular_place import named_singularity, singu
 from robomech_ros.spatial.arrays import as_finite, real_number
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
 
-__all__ = ["LARGEST_CONDITION", "DrivePath", "follow_drives", "require_closed"]
-
 Array = NDArray[np.float64]
 
 # Loops of a posture that somebody gives may be open by this (rad, m): rounding of messages.

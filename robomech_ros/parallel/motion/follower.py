@@ -18,8 +18,6 @@ from robomech_ros.parallel.motion.singular_place import named_singularity, singu
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import JoinedArms, JointLimits, JointPath, Limits, SerialArm
 
-__all__ = ["MechanismFollower"]
-
 Array = NDArray[np.float64]
 
 # A limb whose Jacobian, lengths over the size, is conditioned worse than this is singular.

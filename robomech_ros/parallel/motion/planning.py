@@ -36,8 +36,6 @@ from robomech_ros.trajectory import (
 from robomech_ros.trajectory.curves.motion_to_rest import MotionToRest
 from robomech_ros.trajectory.plans.fitting_plan import fitting_plan
 
-__all__ = ["DrivePlan", "plan_drives", "plan_platform"]
-
 Array = NDArray[np.float64]
 
 # Passive joints may be so much over their limits, as a part: rounding.

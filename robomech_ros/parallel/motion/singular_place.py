@@ -11,8 +11,6 @@ from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.trajectory import JointPath, PathCut, PathTrackingStatus
 from robomech_ros.trajectory.paths.path_cuts import PLACES, last_good_place
 
-__all__ = ["crossing_cut", "named_singularity", "require_possible", "singular_values"]
-
 Array = NDArray[np.float64]
 
 # A direction is named after a coordinate axis if it is as near to it as this cosine.

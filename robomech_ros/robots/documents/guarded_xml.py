@@ -13,8 +13,6 @@ from xml.parsers import expat
 
 from robomech_ros.errors import RobotDescriptionError
 
-__all__ = ["LARGEST_XML", "XmlElement", "is_xml", "parse_xml", "refuse_xacro", "text_of_xml"]
-
 # Bytes; the largest URDF seen in the wild (humanoids with inline data) is below 2 MiB.
 LARGEST_XML = 8 * 1024 * 1024
 MOST_ELEMENTS = 50_000

@@ -11,16 +11,6 @@ import yaml
 
 from robomech_ros.errors import RobotDescriptionError
 
-__all__ = [
-    "LARGEST_YAML",
-    "UniqueKeyLoader",
-    "check_choices",
-    "check_keys",
-    "parse_yaml",
-    "read_flag",
-    "shown",
-]
-
 # Bytes; a robot's file takes a few thousand.
 LARGEST_YAML = 256 * 1024
 DEEPEST = 12

@@ -2,8 +2,6 @@
 
 import math
 
-__all__ = ["finite_number", "integer", "number"]
-
 
 def number(text: str) -> float:
     """Read a number in ASCII, since Python also reads digits of other scripts, and underscores.

@@ -3,8 +3,6 @@
 import logging
 from functools import lru_cache
 
-__all__ = ["report_once"]
-
 
 @lru_cache(maxsize=256)
 def report_once(note: str) -> None:

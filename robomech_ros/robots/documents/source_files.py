@@ -8,8 +8,6 @@ from pathlib import Path
 from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownRobotError
 from robomech_ros.regular_files import read_regular
 
-__all__ = ["NAME", "SUFFIXES", "document_source", "documents_in", "read_source"]
-
 SUFFIXES = (".yaml", ".yml")
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
 

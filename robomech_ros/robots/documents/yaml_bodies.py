@@ -7,8 +7,6 @@ from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.documents.guarded_yaml import check_keys, read_flag
 from robomech_ros.robots.drives import DRIVE_KEYS, Drive
 
-__all__ = ["body_from_yaml", "drive_from_yaml"]
-
 
 def body_from_yaml(value: object, where: str) -> Body:
     """Read ``{mass, com: [x, y, z], inertia: {ixx, iyy, izz, ixy, ixz, iyz}, as_measured}``.

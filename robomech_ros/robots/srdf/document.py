@@ -34,8 +34,6 @@ from robomech_ros.robots.srdf.groups import read_groups
 from robomech_ros.robots.srdf.names import SrdfNames
 from robomech_ros.robots.srdf.states import read_states
 
-__all__ = ["load_srdf"]
-
 
 def load_srdf(
     text_or_path: str | os.PathLike[str], description: RobotDescription

@@ -7,8 +7,6 @@ from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.semantic import Group
 from robomech_ros.robots.srdf.names import SrdfNames
 
-__all__ = ["read_groups"]
-
 # Ten times what a hundred arms of a hundred joints need; more is made to fill the memory.
 _MOST_MEMBERS = 1_000_000
 

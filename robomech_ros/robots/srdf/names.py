@@ -10,8 +10,6 @@ from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.documents.guarded_xml import XmlElement
 from robomech_ros.robots.entry_checks import bare_link
 
-__all__ = ["SrdfNames"]
-
 _MOST_NAMES = 20
 # More than an SRDF with another gripper has; finding similar names takes time.
 _MOST_NOTES = 200

@@ -10,8 +10,6 @@ from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.semantic import Group
 from robomech_ros.robots.srdf.names import SrdfNames
 
-__all__ = ["States", "read_states"]
-
 _MOST_NAMES = 20
 # Files give few digits: a position this little outside its limits (rad or m) means the limit.
 _ROUNDING = 1e-4

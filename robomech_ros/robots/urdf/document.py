@@ -21,8 +21,6 @@ from robomech_ros.robots.urdf.element_reader import parse_urdf
 from robomech_ros.robots.urdf.inertial import link_bodies
 from robomech_ros.robots.urdf.joints import read_joint
 
-__all__ = ["description_from_urdf"]
-
 LONGEST_NAME = 256
 _MOST_NAMES = 20
 

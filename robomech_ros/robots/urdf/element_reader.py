@@ -12,8 +12,6 @@ from robomech_ros.robots.documents.guarded_xml import XmlElement, parse_xml
 from robomech_ros.robots.documents.numbers_in_text import finite_number
 from robomech_ros.robots.entry_checks import bare_link
 
-__all__ = ["ElementReader", "parse_urdf"]
-
 
 def parse_urdf(text: str | bytes, where: str) -> XmlElement:
     """Parse a document, its links named without a leading slash: one link with and without it."""

@@ -14,8 +14,6 @@ from robomech_ros.robots.limit_arrays import LARGEST_ANGLE
 from robomech_ros.robots.urdf.joints import DRIVE_TAG
 from robomech_ros.robots.urdf.shapes import Shape
 
-__all__ = ["drive_element", "element", "inertial_element", "joint_element", "visual_elements"]
-
 Array = NDArray[np.float64]
 
 _INDENT = "  "

@@ -9,8 +9,6 @@ from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.documents.guarded_xml import XmlElement
 from robomech_ros.robots.urdf.element_reader import ElementReader
 
-__all__ = ["link_bodies"]
-
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _ORDER = ((0, 1, 2), (1, 3, 4), (2, 4, 5))
 

@@ -18,8 +18,6 @@ from robomech_ros.robots.joint import MOVING, Joint
 from robomech_ros.robots.limit_arrays import position_limits
 from robomech_ros.robots.urdf.element_reader import ElementReader
 
-__all__ = ["DRIVE_TAG", "read_joint"]
-
 # A joint axis must be given with at least this length before it is normalised.
 AXIS_LENGTH = 1e-9
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")

@@ -6,8 +6,6 @@ from pathlib import Path
 
 from robomech_ros.robots.documents.guarded_xml import XmlElement, parse_xml
 
-__all__ = ["with_mesh_urls"]
-
 _FILENAME = re.compile(rb"(\sfilename\s*=\s*)(\"[^\"]*\"|'[^']*')")
 
 

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.robots.joint import Joint, turn_of_z
 
-__all__ = ["Shape", "generated_shapes"]
-
 Array = NDArray[np.float64]
 
 # Measures of drums and bars, in parts of the robot's reach; bars shorter than the last are left

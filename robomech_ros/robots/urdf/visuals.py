@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from robomech_ros.robots.documents.guarded_xml import XmlElement
 from robomech_ros.robots.urdf.element_reader import ElementReader, parse_urdf
 
-__all__ = ["Visual", "read_visuals"]
-
 Array = NDArray[np.float64]
 Colour = tuple[float, float, float, float]
 

@@ -29,8 +29,6 @@ from robomech_ros.robots.urdf.elements import (
 from robomech_ros.robots.urdf.joints import DRIVE_TAG
 from robomech_ros.robots.urdf.shapes import Shape, generated_shapes
 
-__all__ = ["urdf_from_description", "written_urdf"]
-
 _DECLARATION = '<?xml version="1.0" encoding="utf-8"?>\n'
 # A tag as a whole; its attributes may contain what looks like its end.
 _TAG = re.compile(rb"<(?:\"[^\"]*\"|'[^']*'|[^\"'>])*>")

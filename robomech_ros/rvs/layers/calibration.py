@@ -15,8 +15,6 @@ from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.page.marker_nodes import MarkerNodes
 from robomech_ros.rvs.page.surroundings import place_eye
 
-__all__ = ["CalibrationLayer"]
-
 ORDER = 5.7
 SOURCE = "calibration"
 

@@ -13,8 +13,6 @@ from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.page.panel import GIZMO
 from robomech_ros.rvs.page.surroundings import fit_eye, place_eye
 
-__all__ = ["CameraLayer", "fit_view"]
-
 Array = NDArray[np.float64]
 
 # Between the joints and what is shown.

@@ -25,8 +25,6 @@ from robomech_ros.rvs.page.layer import Place, Switch
 from robomech_ros.rvs.page.tables import small_text
 from robomech_ros.rvs.serving.worker import Worker
 
-__all__ = ["ContoursLayer"]
-
 Array = NDArray[np.float64]
 
 ORDER = 30

@@ -17,8 +17,6 @@ from robomech_ros.rvs.page.dh_rows import CHANGE, dh_rows
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Place
 
-__all__ = ["DHTableLayer"]
-
 ORDER = 15
 
 

@@ -13,8 +13,6 @@ from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.page.tables import short_name
 
-__all__ = ["GripperLayer"]
-
 ORDER = 4.5
 # Smaller differences are not seen in the field of a slider (m or rad).
 SAME = 5e-5

@@ -13,8 +13,6 @@ from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.units import Units
 
-__all__ = ["LOADS", "HandControls"]
-
 # Among the folders; step of the numbers of a load.
 ORDER, LOAD_STEP = 3.5, 0.1
 MODEL_HINT = "frictionless, with friction, or soft: with a moment about the normal, too"

@@ -17,8 +17,6 @@ from robomech_ros.rvs.page.robot_nodes import placed
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.spatial import quaternion_from_matrix
 
-__all__ = ["HandScene"]
-
 Array = NDArray[np.float64]
 
 BODY, BODY_OPACITY = (120, 150, 190), 0.25

@@ -20,8 +20,6 @@ from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag
 
-__all__ = ["HandLayer"]
-
 # Greatest force and moment of a load that is asked for (N, N m).
 MOST_LOAD = 1000.0
 # What can be shown, by its label.

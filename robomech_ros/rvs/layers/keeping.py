@@ -19,8 +19,6 @@ from robomech_ros.rvs.page.units import Units
 from robomech_ros.rvs.serving.scripts import keep_in_address, read_address_into, save_picture
 from robomech_ros.rvs.serving.worker import Worker
 
-__all__ = ["VIEW", "KeepingLayer"]
-
 VIEW = "View"
 RECORD, END = "Record", "End the recording"
 # The address follows what is seen so late (s): browsers take few changes a second.

@@ -18,8 +18,6 @@ from robomech_ros.rvs.page.live.live_controls import LiveControls
 from robomech_ros.rvs.page.live.live_page import LivePage
 from robomech_ros.rvs.page.marker_nodes import MarkerNodes
 
-__all__ = ["LiveLayer"]
-
 Array = NDArray[np.float64]
 
 

@@ -16,8 +16,6 @@ from robomech_ros.rvs.page.live.mover_controls import MoverControls
 from robomech_ros.rvs.page.path_nodes import PathNode
 from robomech_ros.rvs.page.switches import Switches
 
-__all__ = ["LiveMoverLayer"]
-
 TRAIL = (31, 119, 180)
 
 

@@ -13,8 +13,6 @@ from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.units import Units
 from robomech_ros.trajectory import PROFILES
 
-__all__ = ["MotionControls"]
-
 # Steps of the slider of the time (s), and of the speed; decimals that their fields have room for.
 STEP, SPEED_STEP, DECIMALS = 0.01, 0.1, 2
 START, GOAL = "Start here", "Goal here"

@@ -18,8 +18,6 @@ from robomech_ros.rvs.page.ghost_nodes import GhostBatch
 from robomech_ros.rvs.page.layer import Place
 from robomech_ros.spatial import quaternion_from_matrix
 
-__all__ = ["MotionScene", "SweptPlan", "swept"]
-
 Array = NDArray[np.float64]
 
 # Ghosts of a sweep, from the colour of the start to that of the goal, and the one at the time.

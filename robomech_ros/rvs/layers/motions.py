@@ -31,8 +31,6 @@ from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES
 
-__all__ = ["MotionLayer"]
-
 Array = NDArray[np.float64]
 
 # A motion that plays moves on so often (s).

@@ -17,8 +17,6 @@ from robomech_ros.rvs.page.path_nodes import PathNode
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.spatial.arrays import as_flag
 
-__all__ = ["MovingLayer"]
-
 ORDER = 3.5
 TRAIL, AHEAD = (31, 119, 180), (230, 120, 20)
 

@@ -18,8 +18,6 @@ from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["PlatformLayer"]
-
 ORDER = 10
 # What can be shown, and its label.
 LABELS = {"numbers": "numbers", "arrows": "singular directions"}

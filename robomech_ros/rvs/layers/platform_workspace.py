@@ -17,8 +17,6 @@ from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.serving.worker import Worker
 
-__all__ = ["PlatformWorkspaceLayer"]
-
 ORDER = 20
 # What can be shown, and its hint.
 LABELS = {

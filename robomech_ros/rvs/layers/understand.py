@@ -31,8 +31,6 @@ from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["UnderstandLayer"]
-
 ORDER = 10
 COLOURS = {"velocity": (40, 125, 230), "force": (235, 130, 30)}
 OPACITY = 0.4

@@ -13,8 +13,6 @@ from robomech_ros.rvs.page.moving.support_nodes import SupportNodes
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["WalkingLayer"]
-
 ORDER = 3.6
 SHOWN = "support polygon"
 

@@ -33,8 +33,6 @@ from robomech_ros.rvs.page.workspace_nodes import WorkspaceNodes
 from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["POINT", "WorkspaceLayer"]
-
 Array = NDArray[np.float64]
 
 ORDER = 20

@@ -12,18 +12,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.curve_problems import Axis
 
-__all__ = [
-    "COLOURS",
-    "SIDE",
-    "Mark",
-    "curve_line",
-    "draw_curves",
-    "draw_plane",
-    "part_of_width",
-    "place_script",
-    "placed_points",
-]
-
 Array = NDArray[np.float64]
 
 # Of the first and the second curve, and of the steps; told apart on light and dark ground.

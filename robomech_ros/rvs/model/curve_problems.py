@@ -14,16 +14,6 @@ from robomech_ros.numerics import CurveCrossing, CurvePair
 from robomech_ros.numerics.grid_crossings import Equations
 from robomech_ros.robots import SerialChain
 
-__all__ = [
-    "Axis",
-    "CurveProblem",
-    "EquationsProblem",
-    "Finding",
-    "PostureProblem",
-    "minor_names",
-    "what_is_missing",
-]
-
 Array = NDArray[np.float64]
 
 # What a root leaves of the other equations, as part of their size; where curves touch, a crossing

@@ -13,16 +13,6 @@ from robomech_ros.robots.dh_document import dh_document
 from robomech_ros.robots.documents.numbers_in_text import integer, number
 from robomech_ros.robots.robot_yaml import description_from_yaml
 
-__all__ = [
-    "ANGLES",
-    "PARAMETERS",
-    "DHChange",
-    "changed_robot",
-    "read_change",
-    "table_of",
-    "yaml_of",
-]
-
 ANGLES = ("alpha", "theta")
 PARAMETERS = ("a", "b", *ANGLES)
 EXPECTED = "a joint from 1 to {n}, one of a, b, alpha and theta, and a number, as in '2 a 0.5'"

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from robomech_ros.rvs.model.live_robot import SeenMarker
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 
-__all__ = ["ASPECT", "FIELD", "Eye", "fitted_eye", "marker_points", "seen_points"]
-
 Array = NDArray[np.float64]
 
 # From where a robot is seen at first, and how: less of a field than viser's own distorts less.

@@ -7,8 +7,6 @@ import threading
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["FollowingGoal"]
-
 Array = NDArray[np.float64]
 
 # A joint nearer to its goal is there, and one that moves by less stands (rad or m); the tolerance

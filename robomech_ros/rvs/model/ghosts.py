@@ -13,8 +13,6 @@ from robomech_ros.robots import SerialChain
 from robomech_ros.robots.urdf.shapes import Shape
 from robomech_ros.spatial import quaternion_from_matrix
 
-__all__ = ["PALETTE", "GhostMaker", "GhostPieces", "Ghosts", "NoGhosts"]
-
 Array = NDArray[np.float64]
 Rgb = tuple[int, int, int]
 

@@ -30,8 +30,6 @@ from typing import Generic, NamedTuple, TypeVar
 
 from robomech_ros.errors import BadValueError
 
-__all__ = ["AXES", "Beat", "JogDirection", "JogSwitch", "read_beat"]
-
 AXES = "xyz"
 Held = TypeVar("Held")
 _HOLD = re.compile(r"(joint|linear|angular) ([0-9]{1,3}) ([+-]) ([0-9]{1,16}) ([0-9]{1,9})")

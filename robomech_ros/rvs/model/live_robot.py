@@ -13,8 +13,6 @@ from robomech_ros.robots.gripper import GripperModel
 from robomech_ros.rvs.model.jog import Beat
 from robomech_ros.rvs.motion import Motion
 
-__all__ = ["LiveRobot", "LiveView", "RunningView", "SeenMarker", "ServoNews"]
-
 Array = NDArray[np.float64]
 
 

@@ -18,8 +18,6 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.regular_files import read_regular
 from robomech_ros.rvs.model.solids import Solid
 
-__all__ = ["ColouredSolid", "MeshError", "mesh_file", "read_mesh"]
-
 # Bytes of a file, and triangles in it: more than any maker's arm has, less than a browser bears.
 LARGEST_MESH = 64 * 1024 * 1024
 MOST_TRIANGLES = 2_000_000

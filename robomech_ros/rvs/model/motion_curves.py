@@ -13,8 +13,6 @@ from robomech_ros.parallel import Mechanism, ParallelDynamics
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.motion import Motion
 
-__all__ = ["QUANTITIES", "MotionCurves", "Quantity", "driven_joints", "motion_curves"]
-
 Array = NDArray[np.float64]
 
 QUANTITIES = ("position", "velocity", "acceleration", "jerk", "torque")

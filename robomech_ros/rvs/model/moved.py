@@ -17,8 +17,6 @@ from robomech_ros.rvs.model.ghosts import GhostMaker, NoGhosts
 from robomech_ros.rvs.model.postures import PoseStudy
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 
-__all__ = ["OPEN_TURN", "ROUNDING", "Moved", "Travel"]
-
 # Half the travel of sliders of turning joints without a limit (rad).
 OPEN_TURN = 2.0 * math.pi
 # A typed number may be beyond a limit by this much, rounding of what is shown (rad or m): fields

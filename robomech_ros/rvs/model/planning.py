@@ -16,17 +16,6 @@ from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES, nearest_turns, point_to_point
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 
-__all__ = [
-    "JOINTS",
-    "LINE",
-    "SAME",
-    "WAYS",
-    "MadePlan",
-    "of_goal",
-    "plan_between",
-    "sample_times",
-]
-
 Array = NDArray[np.float64]
 
 # Ways from posture to posture: all joints together, or the tip along a line.

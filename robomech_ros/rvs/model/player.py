@@ -7,8 +7,6 @@ import math
 from robomech_ros.errors import BadValueError
 from robomech_ros.numerics.arrays import finite_number
 
-__all__ = ["FASTEST", "SLOWEST", "Player"]
-
 # Times the speed of the motion.
 SLOWEST, FASTEST = 0.1, 10.0
 

@@ -15,8 +15,6 @@ from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots import SerialChain
 
-__all__ = ["MOST_POSTURES", "PoseStudy", "Posture", "ToldStudy", "study_pose"]
-
 # Of the self-motion of a redundant arm so many samples are shown; no other arm has more postures.
 MOST_POSTURES = 16
 # The nearest posture that is found from the present one is shown as long as no other misses the

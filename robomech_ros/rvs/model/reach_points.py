@@ -16,16 +16,6 @@ from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.workspace_views import is_in_opening
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = [
-    "DENSITIES",
-    "MEASURES",
-    "ORIENTATIONS",
-    "ReachPoints",
-    "computed_map",
-    "reach_points",
-    "scale_colours",
-]
-
 Array = NDArray[np.float64]
 
 ORIENTATIONS = ("64 spread evenly", "the present one")

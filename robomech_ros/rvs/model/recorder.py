@@ -9,8 +9,6 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.motion import Motion
 
-__all__ = ["MOST_POSTURES_KEPT", "Recorder"]
-
 Array = NDArray[np.float64]
 
 # Postures nearer in time than this are one (s); where nothing came for so long, the arm stood.

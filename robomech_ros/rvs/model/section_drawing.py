@@ -15,8 +15,6 @@ from robomech_ros.rvs.model.curve_drawing import (
 )
 from robomech_ros.rvs.model.workspace_views import SectionView
 
-__all__ = ["colour_of_count", "draw_section", "here_rule", "section_legend", "section_points"]
-
 Array = NDArray[np.float64]
 
 # Of one posture, two, three, four, and more; told apart on light and dark ground.

@@ -10,15 +10,6 @@ from numpy.typing import NDArray
 from robomech_ros.calibration import HandEyeResult
 from robomech_ros.rvs.model.live_robot import SeenMarker
 
-__all__ = [
-    "calibration_facts",
-    "calibration_markers",
-    "drawing_factor",
-    "position_half_axes",
-    "residual_ratios",
-    "sample_markers",
-]
-
 Array = NDArray[np.float64]
 Rgba = tuple[float, float, float, float]
 

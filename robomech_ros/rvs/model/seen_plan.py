@@ -5,8 +5,6 @@ from __future__ import annotations
 from robomech_ros.errors import BadValueError
 from robomech_ros.rvs.motion import Motion
 
-__all__ = ["SeenPlan", "check_same_joints"]
-
 
 class SeenPlan:
     """The plan that is shown of a robot, or none.

@@ -21,8 +21,6 @@ from robomech_ros.robots.urdf.visuals import Visual, read_visuals
 from robomech_ros.rvs.model.mesh_files import MeshError, mesh_file, read_mesh
 from robomech_ros.rvs.model.solids import Solid, box, cylinder, sphere
 
-__all__ = ["Colour", "SeenBody", "SeenRobot", "seen_robot"]
-
 Array = NDArray[np.float64]
 Colour = tuple[float, float, float, float]
 

@@ -5,8 +5,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Solid", "box", "cone", "cylinder", "sphere"]
-
 Array = NDArray[np.float64]
 
 # Sides of cylinders, and of spheres from pole to pole.

@@ -25,20 +25,6 @@ from robomech_ros.kinetostatics import (
 from robomech_ros.kinetostatics.conditioning import length_scale
 from robomech_ros.robots import SerialChain
 
-__all__ = [
-    "ROWS",
-    "ArmFacts",
-    "DrawnEllipsoid",
-    "NextSingularity",
-    "PostureFacts",
-    "TwistArrows",
-    "arm_facts",
-    "drawn_ellipsoid",
-    "next_singularity",
-    "posture_facts",
-    "twist_arrows",
-]
-
 Array = NDArray[np.float64]
 
 # Rows of the Jacobian, by what they are of, and the units of their velocities and forces.

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 
-__all__ = ["ViewState", "state_from_text", "text_from_state"]
-
 Array = NDArray[np.float64]
 
 LONGEST = 2000

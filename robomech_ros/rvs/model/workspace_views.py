@@ -15,15 +15,6 @@ from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.curve_problems import Axis
 from robomech_ros.rvs.model.solids import Solid
 
-__all__ = [
-    "OPENING",
-    "SectionView",
-    "is_in_opening",
-    "open_intervals",
-    "section_view",
-    "why_no_section",
-]
-
 Array = NDArray[np.float64]
 
 # Squares along the longer side of the section, in each of which postures are counted once.

@@ -6,8 +6,6 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from typing import Any, Protocol
 
-__all__ = ["AllControls", "Audience", "Controls"]
-
 _WATCHING = '<div data-watching style="font-size:0.85em;padding:0.2em 0.85em 0.6em">{text}</div>'
 _OTHER = "Another browser commands this robot; here it is only seen."
 _NOBODY = "No browser commands this robot."

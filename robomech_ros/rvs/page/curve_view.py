@@ -16,8 +16,6 @@ from robomech_ros.rvs.model.curve_problems import CurveProblem, Finding
 from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.rvs.page.tables import notice, small_text
 
-__all__ = ["ESTIMATE", "CurveView", "Owner"]
-
 Array = NDArray[np.float64]
 Request = Callable[[], None]
 

@@ -13,8 +13,6 @@ from robomech_ros.rvs.model.motion_curves import MotionCurves, Quantity
 from robomech_ros.rvs.page.tables import short_name
 from robomech_ros.rvs.page.units import RADIANS, Units
 
-__all__ = ["ALL", "cursor_rule", "curves_picture"]
-
 Array = NDArray[np.float64]
 
 # Instead of the name of one quantity.

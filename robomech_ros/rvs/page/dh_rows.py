@@ -11,8 +11,6 @@ from robomech_ros.rvs.page.fact_table import SMALL
 from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.rvs.page.units import Units
 
-__all__ = ["CHANGE", "dh_rows"]
-
 # Label of the text field that a change is written into.
 CHANGE = "Change DH"
 # Parameters, what they are called, and their units.

@@ -13,8 +13,6 @@ from robomech_ros.rvs.page.theme import set_theme
 from robomech_ros.rvs.serving.server import guarded_server
 from robomech_ros.rvs.serving.worker import Worker
 
-__all__ = ["EquationsPage"]
-
 # Width of the panel (pixels): all that a browser has, since there is no scene beside it.
 WIDTH = 4000
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import html
 from collections.abc import Sequence
 
-__all__ = ["SMALL", "fact_table"]
-
 SMALL = "font-size:0.8em;line-height:1.4;padding:0 0.85em 0.4em;font-variant-numeric:tabular-nums"
 
 

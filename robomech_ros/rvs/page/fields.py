@@ -1,7 +1,5 @@
 """Text fields that a click elsewhere on the page fills in."""
 
-__all__ = ["script_that_fills"]
-
 
 def script_that_fills(label: str) -> str:
     """Give JavaScript that writes ``text`` into the text field of a label, as if it were typed.

@@ -7,8 +7,6 @@ from typing import Any
 
 from robomech_ros.rvs.page.units import AngleSlider, Units, UnitText
 
-__all__ = ["Folder"]
-
 
 class Folder:
     """A folder, and what is in it, of which each control has something done.

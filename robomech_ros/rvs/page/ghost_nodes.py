@@ -12,8 +12,6 @@ from robomech_ros.rvs.model.ghosts import GhostMaker, Rgb
 from robomech_ros.rvs.model.postures import MOST_POSTURES
 from robomech_ros.rvs.model.solids import cylinder
 
-__all__ = ["Ghost", "GhostBatch", "GhostNodes"]
-
 Array = NDArray[np.float64]
 
 OPACITY = 0.45

@@ -19,8 +19,6 @@ from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.robot_nodes import RobotNodes
 from robomech_ros.rvs.page.units import Units
 
-__all__ = ["Layer", "LayerMaker", "Place", "Switch"]
-
 
 class Ask(Protocol):
     """Has something done on the thread of the page, and shows what came of it."""

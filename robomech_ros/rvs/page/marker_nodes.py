@@ -11,8 +11,6 @@ from robomech_ros.rvs.model.live_robot import SeenMarker
 from robomech_ros.rvs.model.solids import Solid, box, cylinder, sphere
 from robomech_ros.rvs.page.robot_nodes import placed
 
-__all__ = ["MarkerNodes"]
-
 
 class MarkerNodes:
     """The markers of several sources.

@@ -24,8 +24,6 @@ from robomech_ros.rvs.page.units import Units
 from robomech_ros.rvs.serving.server import guarded_server
 from robomech_ros.rvs.serving.worker import Worker
 
-__all__ = ["RobotPage"]
-
 # What is where the arm was brought last.
 WITH_THE_ARM = ("ghosts", "gizmo")
 

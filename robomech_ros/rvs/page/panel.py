@@ -16,8 +16,6 @@ from robomech_ros.rvs.page.theme import set_theme
 from robomech_ros.rvs.page.units import STEP, Units
 from robomech_ros.spatial import pose_from_position_quaternion
 
-__all__ = ["AT_FIRST", "GIZMO", "Panel"]
-
 Array = NDArray[np.float64]
 
 # Size of the gizmo in reaches of the robot.

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.ghosts import Rgb
 
-__all__ = ["PathNode"]
-
 # Width of the line, in the reach of the robot.
 WIDTH = 0.02
 

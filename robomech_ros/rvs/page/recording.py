@@ -27,8 +27,6 @@ from robomech_ros.rvs.page.stage import BASE, add_base
 from robomech_ros.rvs.page.surroundings import add_surroundings, place_eye
 from robomech_ros.rvs.serving.server import guarded_server
 
-__all__ = ["motion_page", "record_motion"]
-
 Array = NDArray[np.float64]
 
 # Pictures a second, of which the eye is placed by every so many.

@@ -13,8 +13,6 @@ from robomech_ros.rvs.model.seen_robot import Colour, SeenRobot
 from robomech_ros.rvs.model.solids import cylinder
 from robomech_ros.spatial import position_quaternion_from_pose
 
-__all__ = ["RobotNodes", "placed"]
-
 Array = NDArray[np.float64]
 
 ROOT = "/robot"

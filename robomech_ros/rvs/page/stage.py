@@ -14,8 +14,6 @@ from robomech_ros.rvs.page.surroundings import add_surroundings
 from robomech_ros.rvs.page.tables import notice, posture_table, summary
 from robomech_ros.rvs.page.units import Units
 
-__all__ = ["BASE", "Stage", "add_base"]
-
 # The node at the base of the arm, in which its poses are.
 BASE = "/base"
 NEAREST_COLOUR = (120, 120, 120)

@@ -10,9 +10,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.eye import FIELD, fitted_eye
 
-__all__ = ["add_surroundings", "fit_eye", "place_eye"]
-
-
 # Lights without shadows or pictures: software draws them in a tenth of a second.
 AMBIENT, SKY = 1.2, 1.4
 # Widths of the squares on the ground (m), the least of which a robot's reach has at most so many.

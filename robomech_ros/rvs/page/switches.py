@@ -10,8 +10,6 @@ from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Place, Switch
 from robomech_ros.spatial.arrays import as_flag
 
-__all__ = ["Switches"]
-
 
 class Switches:
     """The switches of a layer.

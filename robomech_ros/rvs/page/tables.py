@@ -18,17 +18,6 @@ from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.rvs.page.units import Units
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 
-__all__ = [
-    "STYLE",
-    "TAKE",
-    "WARN",
-    "notice",
-    "posture_table",
-    "short_name",
-    "small_text",
-    "summary",
-]
-
 Array = NDArray[np.float64]
 
 # Label of the text field with which a posture is taken; rows of the table write into it.

@@ -2,8 +2,6 @@
 
 from typing import Any
 
-__all__ = ["set_theme"]
-
 
 def set_theme(gui: Any, dark: bool) -> None:
     """Draw pages dark or light, without anything that leads elsewhere.

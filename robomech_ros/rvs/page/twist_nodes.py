@@ -9,8 +9,6 @@ import numpy as np
 from robomech_ros.rvs.model.ghosts import Rgb
 from robomech_ros.rvs.model.understanding import TwistArrows
 
-__all__ = ["TwistNodes"]
-
 # Widths of arrows, in reaches of the robot.
 SHAFT, HEAD, HEAD_LENGTH = 0.007, 0.02, 0.05
 

@@ -7,8 +7,6 @@ import re
 from typing import Any
 from weakref import WeakSet
 
-__all__ = ["RADIANS", "STEP", "AngleSlider", "UnitText", "Units"]
-
 # Steps of sliders, and decimals of their fields, which have room for no more: rad or m, degrees.
 STEP, DECIMALS = 0.001, 4
 STEP_DEGREES, DECIMALS_DEGREES = 0.1, 2

@@ -10,8 +10,6 @@ from robomech_ros.rvs.model.workspace_views import SectionView
 from robomech_ros.rvs.page.fact_table import SMALL
 from robomech_ros.rvs.page.tables import small_text
 
-__all__ = ["map_legend", "section_text"]
-
 # Colours of the bar of a legend.
 STEPS = 9
 

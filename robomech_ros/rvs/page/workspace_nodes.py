@@ -13,8 +13,6 @@ from robomech_ros.rvs.model.solids import box
 from robomech_ros.rvs.model.workspace_views import SectionView
 from robomech_ros.rvs.page.robot_nodes import placed
 
-__all__ = ["WorkspaceNodes"]
-
 Array = NDArray[np.float64]
 
 SURFACE_COLOUR, OPACITY = (60, 130, 200), 0.16

@@ -1,7 +1,5 @@
 """Where pages listen, unless another address is given."""
 
-__all__ = ["GREATEST_PORT", "HOST", "PORT"]
-
 # Only this machine; the port is viser's.
 HOST, PORT = "127.0.0.1", 8080
 GREATEST_PORT = 65535

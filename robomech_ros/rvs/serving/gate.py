@@ -25,8 +25,6 @@ from urllib.parse import parse_qsl, urlencode, urlsplit
 from websockets import Headers
 from websockets.http11 import Request, Response
 
-__all__ = ["Gate"]
-
 LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
 ANY_ADDRESS = ("0.0.0.0", "::")
 TOKEN = "token"

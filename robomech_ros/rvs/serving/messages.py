@@ -7,8 +7,6 @@ from collections.abc import Callable
 
 import msgspec
 
-__all__ = ["is_acceptable"]
-
 LONGEST_MESSAGE = 64 * 1024
 LONGEST_TEXT = 4096
 MOST_ENTRIES = 16

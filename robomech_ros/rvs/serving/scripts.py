@@ -7,8 +7,6 @@ from typing import Any
 
 from viser import _messages
 
-__all__ = ["keep_in_address", "read_address_into", "save_picture"]
-
 # The picture is what was drawn last; a link that is clicked saves it.
 _PICTURE = """__viserMutable.canvas.toBlob(function (blob) {
   var link = document.createElement('a');

@@ -26,8 +26,6 @@ from robomech_ros.rvs.serving.gate import Gate
 from robomech_ros.rvs.serving.messages import LONGEST_MESSAGE, is_acceptable
 from robomech_ros.rvs.serving.wake_up import guard_wake_ups
 
-__all__ = ["AddressError", "GuardedServer", "PortTakenError", "guarded_server"]
-
 # Messages a second that one page may send; the next ones wait on their way here.  A page sends some
 # 20 while something is dragged.
 FASTEST, BURST = 200.0, 100.0

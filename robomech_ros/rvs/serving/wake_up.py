@@ -5,8 +5,6 @@ from __future__ import annotations
 import asyncio
 from typing import Any
 
-__all__ = ["WakeUp", "guard_wake_ups"]
-
 
 class WakeUp(asyncio.Event):
     """An event that is set on the thread of its loop alone.

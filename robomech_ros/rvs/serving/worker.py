@@ -7,8 +7,6 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
 
-__all__ = ["Worker"]
-
 _LOG = logging.getLogger(__name__)
 
 

@@ -14,13 +14,6 @@ from robomech_ros.errors import UndeterminedError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, as_finite, readable_axis
 from robomech_ros.spatial.rows import finite_result, row_name
 
-__all__ = [
-    "angular_acceleration_from_points",
-    "angular_velocity_from_points",
-    "as_motions",
-    "raise_collinear",
-]
-
 Array = NDArray[np.float64]
 
 _velocities = direct(kernels.velocities_of_points)

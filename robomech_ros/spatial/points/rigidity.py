@@ -17,14 +17,6 @@ from robomech_ros.spatial.points.from_points import (
 )
 from robomech_ros.spatial.rows import common_shape, finite_result, row_name
 
-__all__ = [
-    "Rigidity",
-    "angular_velocity_covariance",
-    "require_rigid",
-    "rigidity",
-    "spread_matrix",
-]
-
 Array = NDArray[np.float64]
 
 # Speed left over (of the largest relative one) that is taken for rounding.

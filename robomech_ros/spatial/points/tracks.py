@@ -17,8 +17,6 @@ from robomech_ros.spatial.points.from_points import (
 )
 from robomech_ros.spatial.points.rigidity import spread_matrix
 
-__all__ = ["TrackedMotion", "motion_from_tracks"]
-
 Array = NDArray[np.float64]
 
 _fit = direct(kernels.fit_tracks)

@@ -13,16 +13,6 @@ from robomech_ros._kernels.spatial.representations import (
 )
 from robomech_ros.spatial.rotations.conversions import converted, converted_axis_angle
 
-__all__ = [
-    "axis_angle_from_matrix",
-    "axis_angle_from_quaternion",
-    "matrix_from_axis_angle",
-    "matrix_from_rotation_vector",
-    "quaternion_from_rotation_vector",
-    "rotation_vector_from_matrix",
-    "rotation_vector_from_quaternion",
-]
-
 Array = NDArray[np.float64]
 
 

@@ -17,8 +17,6 @@ from robomech_ros.spatial.rotations.conversions import (
 from robomech_ros.spatial.rotations.unit_quaternions import unit_quaternion
 from robomech_ros.spatial.rows import broadcast_rows, common_shape
 
-__all__ = ["compose_rotations", "slerp"]
-
 Array = NDArray[np.float64]
 
 _compose = direct(conversions.compose)

@@ -29,19 +29,6 @@ from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.rotations.unit_quaternions import unit_quaternion
 from robomech_ros.spatial.rows import as_rows, common_shape, row_name
 
-__all__ = [
-    "REPRESENTATIONS",
-    "SEQUENCES",
-    "convert_rotation",
-    "converted",
-    "converted_axis_angle",
-    "kind_of",
-    "raise_bad_rotation",
-    "rotation_rows",
-    "sequence_kind",
-    "tail_of",
-]
-
 Array = NDArray[np.float64]
 
 _convert = direct(conversions.convert)

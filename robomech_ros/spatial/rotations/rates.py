@@ -17,8 +17,6 @@ from robomech_ros.spatial.rotations.conversions import (
 )
 from robomech_ros.spatial.rows import broadcast_rows, finite_result
 
-__all__ = ["angular_motion", "rotation_rates"]
-
 Array = NDArray[np.float64]
 
 _rates = direct(rates.rates)

@@ -15,14 +15,6 @@ from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.rotations.conversions import converted
 from robomech_ros.spatial.rows import common_shape
 
-__all__ = [
-    "matrix_from_linear_invariants",
-    "matrix_from_rodrigues_vector",
-    "quaternion_from_rodrigues_vector",
-    "rodrigues_vector_from_matrix",
-    "rodrigues_vector_from_quaternion",
-]
-
 Array = NDArray[np.float64]
 
 

@@ -12,8 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.matrices import as_rotation
 
-__all__ = ["matrix_from_roll_pitch_yaw", "roll_pitch_yaw_from_matrix"]
-
 Array = NDArray[np.float64]
 
 

@@ -10,8 +10,6 @@ from robomech_ros.errors import BadQuaternionError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.rows import row_name
 
-__all__ = ["unit_quaternion"]
-
 Array = NDArray[np.float64]
 
 

@@ -11,14 +11,6 @@ from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.cross_product import cross, cross_product_matrix
 from robomech_ros.spatial.rows import common_shape, finite_result
 
-__all__ = [
-    "MovingAxesMotion",
-    "acceleration_pole",
-    "angular_acceleration_matrix",
-    "moving_axes_motion",
-    "point_acceleration",
-]
-
 Array = NDArray[np.float64]
 
 # Sine of the angle between angular velocity and acceleration below which there is no pole.

@@ -10,16 +10,6 @@ from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.cross_product import cross, cross_product_matrix
 from robomech_ros.spatial.rows import common_shape, finite_result
 
-__all__ = [
-    "angular_velocity_dyad",
-    "inertia_about_point",
-    "inertia_dyad",
-    "inertia_of_point_mass",
-    "momentum_screw",
-    "newton_euler_wrench",
-    "twist_kinetic_energy",
-]
-
 Array = NDArray[np.float64]
 
 _SIX = 6

@@ -15,8 +15,6 @@ from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.spatial.rows import as_rows, row_name
 
-__all__ = ["pose_exponential", "pose_logarithm", "raise_bad_pose", "raise_bad_rows"]
-
 Array = NDArray[np.float64]
 
 _exponentials = direct(exponential.exponentials)

@@ -13,8 +13,6 @@ from robomech_ros.spatial.rows import as_rows, broadcast_rows
 from robomech_ros.spatial.screws.exponential import raise_bad_pose, raise_bad_rows
 from robomech_ros.spatial.transformations.linear_maps import unit_vectors
 
-__all__ = ["FiniteScrew", "finite_screw", "pose_from_screw"]
-
 Array = NDArray[np.float64]
 
 _screws = direct(exponential.screws)

@@ -11,8 +11,6 @@ from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.cross_product import cross
 from robomech_ros.spatial.rows import common_shape, finite_result
 
-__all__ = ["InstantScrew", "instant_screw", "wrench_axis"]
-
 Array = NDArray[np.float64]
 
 _SIX = 6

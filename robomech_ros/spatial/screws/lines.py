@@ -14,18 +14,6 @@ from robomech_ros.spatial.rows import common_shape, finite_result
 from robomech_ros.spatial.screws.transfers import transfer_wrench
 from robomech_ros.spatial.transformations.linear_maps import unit_vectors
 
-__all__ = [
-    "CommonNormal",
-    "common_normal",
-    "line_distance",
-    "line_intersection",
-    "line_nearest_point",
-    "line_reciprocity",
-    "line_through",
-    "line_through_points",
-    "transfer_line",
-]
-
 Array = NDArray[np.float64]
 
 _SIX = 6

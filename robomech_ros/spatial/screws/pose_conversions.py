@@ -15,14 +15,6 @@ from robomech_ros.spatial.rotations.quaternions import (
 )
 from robomech_ros.spatial.rows import common_shape
 
-__all__ = [
-    "pose_array_from_pose",
-    "pose_error",
-    "pose_from_pose_array",
-    "pose_from_position_quaternion",
-    "position_quaternion_from_pose",
-]
-
 Array = NDArray[np.float64]
 
 _SEVEN = 7

@@ -15,14 +15,6 @@ from robomech_ros.spatial.cross_product import cross, cross_product_matrix
 from robomech_ros.spatial.rows import as_rows, common_shape, finite_result
 from robomech_ros.spatial.screws.exponential import raise_bad_pose
 
-__all__ = [
-    "pose_adjoint",
-    "transfer_twist",
-    "transfer_wrench",
-    "twist_transfer_matrix",
-    "wrench_transfer_matrix",
-]
-
 Array = NDArray[np.float64]
 
 _adjoints = direct(exponential.adjoints)

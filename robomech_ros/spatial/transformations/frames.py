@@ -12,16 +12,6 @@ from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.spatial.rows import common_shape, finite_result
 
-__all__ = [
-    "homogeneous_coordinates",
-    "moments",
-    "points_from_homogeneous",
-    "same_in_two_frames",
-    "similarity_transform",
-    "transform_points",
-    "transform_vectors",
-]
-
 Array = NDArray[np.float64]
 
 # Relative difference of moments of matrices that are the same: products of doubles.

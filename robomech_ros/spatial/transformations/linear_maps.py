@@ -10,15 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, real_number
 
-__all__ = [
-    "LinearMap",
-    "linear_map",
-    "orthogonal_projection",
-    "projection_on_line",
-    "projection_on_plane",
-    "unit_vectors",
-]
-
 Array = NDArray[np.float64]
 
 # Singular values below this part of the largest are zero: rounding of products of matrices.

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.spatial.matrices import nearest_rotation
 
-__all__ = ["rotations_between", "top_vectors"]
-
 Array = NDArray[np.float64]
 
 # Values this near to the largest may be as large but for noise.

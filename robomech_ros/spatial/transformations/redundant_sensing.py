@@ -22,14 +22,6 @@ from robomech_ros.spatial.rotations.axis_angle import (
 from robomech_ros.spatial.rotations.quaternions import quaternion_from_matrix
 from robomech_ros.spatial.transformations.matching import rotations_between, top_vectors
 
-__all__ = [
-    "SensorAgreement",
-    "frame_between_sensors",
-    "frames_between",
-    "sensor_agreement",
-    "single_match",
-]
-
 Array = NDArray[np.float64]
 
 # Difference of angles (rad) of one motion seen by sensors without noise.

@@ -12,13 +12,6 @@ from robomech_ros.spatial.rotations.axis_angle import axis_angle_from_matrix
 from robomech_ros.spatial.rows import common_shape
 from robomech_ros.spatial.transformations.linear_maps import projection_on_line
 
-__all__ = [
-    "compose_reflections",
-    "reflection",
-    "reflection_normal",
-    "reflections_from_matrix",
-]
-
 Array = NDArray[np.float64]
 
 # Largest entry of |H H - 1| and |H - H^T| of a reflection that is taken for rounding, as for

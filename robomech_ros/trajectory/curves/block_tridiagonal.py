@@ -4,8 +4,6 @@ import numpy as np
 
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["solve_block_tridiagonal", "solve_cyclic_block_tridiagonal"]
-
 
 def solve_block_tridiagonal(
     lower: FloatArray, diagonal: FloatArray, upper: FloatArray, right: FloatArray

@@ -20,8 +20,6 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
 
-__all__ = ["bounded_spline"]
-
 # Knots that are added between two points, until with some of these the bounds can be kept.
 _ADDED = (1, 3, 7)
 # Instants in each part between knots at which the bounds hold first; then also where the curve has

@@ -23,8 +23,6 @@ import numpy.typing as npt
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["extremes", "extremes_and_steps", "first_above", "hull", "steps"]
-
 # A piece is divided into so many: each time the hull becomes narrower by their square.
 _PARTS = 16
 # A hull still too wide after these divisions is rounding.

@@ -8,8 +8,6 @@ from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.curves.bounds import hull
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 
-__all__ = ["checked_pieces"]
-
 
 def checked_pieces(
     pieces: PiecewisePolynomial, what: str, largest_order: int

@@ -10,8 +10,6 @@ import numpy.typing as npt
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import Sample, checked_times
 
-__all__ = ["sample_many"]
-
 
 def sample_many(curve: PiecewisePolynomial, t: npt.ArrayLike) -> Sample:
     """Sample positions and derivatives.

@@ -14,8 +14,6 @@ import numpy as np
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["CubicEnds", "cubic_spline"]
-
 CubicEnds = Literal["natural", "clamped", "parabolic", "rest", "periodic"]
 
 

@@ -9,8 +9,6 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["with_fewer_pieces"]
-
 # How far a quintic over two pieces may be off them where they meet, rad or m, and in parts of the
 # acceleration limit.
 _OFF, _OFF_ACCELERATION = 2e-8, 1e-4

@@ -7,8 +7,6 @@ import numpy as np
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["septic"]
-
 
 def septic(breaks: FloatArray, values: FloatArray) -> PiecewisePolynomial:
     """Interpolate positions and three derivatives, segment by segment.

@@ -16,8 +16,6 @@ from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["interpolant"]
-
 Selection = npt.NDArray[np.bool_] | slice
 
 

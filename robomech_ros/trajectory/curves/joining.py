@@ -6,8 +6,6 @@ import numpy as np
 
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, lasting_pieces
 
-__all__ = ["joined"]
-
 
 def joined(curves: Sequence[PiecewisePolynomial]) -> PiecewisePolynomial:
     """Put curves of the same joints one behind the other.

@@ -20,8 +20,6 @@ from robomech_ros.trajectory.curves.time_scaling import stretch_needed
 from robomech_ros.trajectory.limits import RATES, Limits
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["SPACINGS", "balanced_knots", "knots_at", "optimal_knots", "spaced_knots"]
-
 # Power of the distance between two points that their distance in time is proportional to.
 _POWERS = {"uniform": 0.0, "centripetal": 0.5, "chord": 1.0}
 SPACINGS = (*_POWERS, "balanced", "optimal")

@@ -16,8 +16,6 @@ from robomech_ros.trajectory.limits import RATES, Limits
 from robomech_ros.trajectory.sample import FloatArray, Sample
 from robomech_ros.trajectory.tolerances import LIMIT_SLACK, POSITION_SLACK
 
-__all__ = ["MotionThrough", "MotionToRest", "check_positions", "check_rates", "settled"]
-
 
 @dataclass(frozen=True, eq=False)
 class MotionToRest:

@@ -11,8 +11,6 @@ import numpy.typing as npt
 
 from robomech_ros.trajectory.sample import FloatArray, Sample, checked_times, held_outside
 
-__all__ = ["PiecewisePolynomial", "lasting_pieces"]
-
 # Derivative d of x^i is _FACTORS[d, i] x^_POWERS[d, i], for d = 0..3 and i = 0..5.
 _MAX_ORDER = 9
 _FACTORS = np.array([[math.perm(i, d) for i in range(_MAX_ORDER + 1)] for d in range(4)], float)

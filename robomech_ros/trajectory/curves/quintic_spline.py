@@ -15,8 +15,6 @@ from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Ends", "Side", "matched", "quintic_spline"]
-
 Ends = Literal["natural", "clamped", "periodic"]
 
 

@@ -6,8 +6,6 @@ from robomech_ros._kernels.timing import rows as time_rows
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["summed"]
-
 
 def summed(one: PiecewisePolynomial, other: PiecewisePolynomial) -> PiecewisePolynomial:
     """Add two curves of the same joints over the same time.

@@ -11,8 +11,6 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, SHORTEST_TRAJECTORY
 
-__all__ = ["checked_duration", "fitted", "stretch_needed"]
-
 # Longest duration (s) that may be asked for: some thirty years, and half of what a message holds.
 LONGEST_DURATION = 1e9
 # An excess over limits, as a part by which the curve would have to be slower, that does not matter.

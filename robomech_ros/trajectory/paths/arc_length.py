@@ -14,8 +14,6 @@ from robomech_ros.trajectory.paths.curve import Curve, as_curve, evaluated
 from robomech_ros.trajectory.paths.curve_arguments import as_parameters
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["ArcLength", "ByArcLength", "arc_length", "by_unit_speed", "dot", "measured"]
-
 # Speed, as part of the largest one, below which a curve has no direction: a cusp.
 VANISHING_SPEED = 1e-6
 # An interval is halved until the last coefficients of the speed in it, times the interval, are

@@ -14,17 +14,6 @@ from robomech_ros.spatial.arrays import as_finite, held_rows
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = [
-    "Arm",
-    "JoinedArms",
-    "SerialArm",
-    "Tracked",
-    "as_arm",
-    "as_near",
-    "as_tracked",
-    "checked_array",
-]
-
 _METHODS = ("forward", "inverse", "jacobian", "jacobian_rate")
 
 

@@ -16,8 +16,6 @@ from robomech_ros.trajectory.paths.curve_arguments import as_points, as_positive
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import COINCIDENT, COLLINEAR, NEARLY_HALF_TURN
 
-__all__ = ["Blend", "BlendedPolyline", "blended_polyline"]
-
 Blend = Literal["circular", "parabolic", "quintic"]
 
 # Where the inner control points of a quintic blend divide the way from its ends to the corner;

@@ -19,15 +19,6 @@ from robomech_ros.trajectory.paths.curve_arguments import (
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import COINCIDENT, COLLINEAR
 
-__all__ = [
-    "arc_about",
-    "arc_through",
-    "cylinder_intersection",
-    "helix",
-    "line",
-    "viviani",
-]
-
 
 def line(start: npt.ArrayLike, end: npt.ArrayLike) -> FunctionCurve:
     """Go straight from a point to another; the parameter is the distance from the first (m).

@@ -18,16 +18,6 @@ from robomech_ros.trajectory.paths.curve_arguments import as_breaks, as_paramete
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import COINCIDENT
 
-__all__ = [
-    "Curve",
-    "FunctionCurve",
-    "JoinedCurve",
-    "PolynomialCurve",
-    "as_curve",
-    "evaluated",
-    "join_curves",
-]
-
 # Position and four derivatives: the fourth gives the rate of the torsion.
 ORDERS = 5
 

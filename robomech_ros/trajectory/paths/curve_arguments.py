@@ -11,15 +11,6 @@ from robomech_ros.spatial.arrays import real_array, real_number
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import COINCIDENT, PARAMETER_SLACK
 
-__all__ = [
-    "as_breaks",
-    "as_number",
-    "as_parameters",
-    "as_points",
-    "as_positive",
-    "as_vector",
-]
-
 
 def as_breaks(what: str, value: npt.ArrayLike) -> FloatArray:
     """Check numbers that increase strictly, at least two; give a copy."""

@@ -12,8 +12,6 @@ from robomech_ros.trajectory.paths.curve import Curve, as_curve
 from robomech_ros.trajectory.paths.curve_arguments import as_parameters
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["FrenetSerret", "frenet_serret"]
-
 # Curvature times length below which a curve is straight there: nine digits of its second
 # derivative are gone, and no normal is left in the others.
 STRAIGHT = 1e-9

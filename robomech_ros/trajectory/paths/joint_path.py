@@ -15,8 +15,6 @@ from robomech_ros.trajectory.paths.pose_path import PosePath
 from robomech_ros.trajectory.sample import FloatArray, Sample, Trajectory, checked_times
 from robomech_ros.trajectory.tolerances import PARAMETER_SLACK
 
-__all__ = ["JointMotion", "JointPath", "check_follows"]
-
 # Speed of a time law, over its mean, that is rest where the path has a corner.
 AT_REST = 1e-6
 

@@ -21,8 +21,6 @@ from robomech_ros.trajectory.paths.posture import corrected, posture
 from robomech_ros.trajectory.paths.spline_curves import as_ends
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["joint_spline", "tracking_error"]
-
 # Joint values (rad, m) that differ by less where a path closes are the same: what correcting each
 # leaves open near a singularity.
 CLOSED = 1e-6

@@ -23,18 +23,6 @@ from robomech_ros.trajectory.paths.rotation_vectors import applied
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import NEARLY_HALF_TURN
 
-__all__ = [
-    "FrenetOrientation",
-    "Orientation",
-    "PiecewiseRotation",
-    "Turning",
-    "as_rotations",
-    "constant_orientation",
-    "frenet_orientation",
-    "geodesic_orientation",
-    "turns_between",
-]
-
 # Turn (rad) of a moving frame within the least interval looked at that is a jump.
 TURN_STEP = 1e-3
 

@@ -27,8 +27,6 @@ from robomech_ros.trajectory.paths.spline_curves import as_ends
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import COINCIDENT
 
-__all__ = ["orientation_spline"]
-
 # Newton steps for a rotation spline; convergence is quadratic.
 SPLINE_STEPS = 50
 

@@ -24,17 +24,6 @@ from robomech_ros.trajectory.paths.joint_path import JointPath
 from robomech_ros.trajectory.paths.pose_path import PoseSample
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = [
-    "is_partial",
-    "least_solution",
-    "least_turn",
-    "partial_deviation",
-    "partial_rank",
-    "partial_rates",
-    "partial_step",
-    "tip_rates",
-]
-
 # Moves (rad, m) between which the rates along a path are compared for their derivative.
 _MOVE = 1e-5
 # Part of the range of a joint, and most (rad or m), within which a limit is near; and the factor of

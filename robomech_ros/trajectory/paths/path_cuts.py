@@ -12,8 +12,6 @@ from robomech_ros.trajectory.paths.tracking_result import PathCut, PathTrackingS
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
 
-__all__ = ["PLACES", "last_good_place", "limit_cut"]
-
 # Places looked at along a path at least, and halvings between two of them.
 PLACES, _HALVINGS = 500, 40
 # How far outside its limits a joint may be at these places, and between them (rad or m).

@@ -32,8 +32,6 @@ from robomech_ros.trajectory.paths.posture import (
 from robomech_ros.trajectory.paths.tracking_result import PathTracking, PathTrackingStatus
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["track_path"]
-
 # A joint that moves farther than this (rad, m) between two postures has jumped: they lie closer.
 JUMP = 0.5
 

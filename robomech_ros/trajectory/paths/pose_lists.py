@@ -28,8 +28,6 @@ from robomech_ros.trajectory.paths.pose_path import PosePath, pose_path
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import COINCIDENT
 
-__all__ = ["TURN_RADIUS", "arc_path", "spline_path", "straight_path"]
-
 # What a turn counts in the coordinate of a path through poses (m/rad): about the distance at which
 # a tool of the usual size touches its work.
 TURN_RADIUS = 0.1

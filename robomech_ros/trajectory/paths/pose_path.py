@@ -18,8 +18,6 @@ from robomech_ros.trajectory.paths.orientation import Orientation
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import PARAMETER_SLACK
 
-__all__ = ["PosePath", "PoseSample", "pose_path"]
-
 # Step of a twist, over a unit of the path and turned into lengths by the path's own, that is no
 # rounding: second derivatives of blends of a millimetre keep eight digits.
 RATE_STEP = 1e-7

@@ -17,14 +17,6 @@ from robomech_ros.trajectory.paths.partial_poses import (
 from robomech_ros.trajectory.paths.pose_path import PoseSample
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = [
-    "Posture",
-    "corrected",
-    "is_redundant",
-    "pose_deviation",
-    "posture",
-]
-
 # Change of joint values (rad, m, relative beyond 1) by a Newton step that ends the correction of a
 # posture: convergence is quadratic, the next one would be rounding.
 CORRECTED = 1e-11

@@ -5,8 +5,6 @@ import numpy as np
 from robomech_ros.spatial.rotations.rates import angular_motion
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["applied", "body_rate_matrix", "turning_acceleration"]
-
 
 def turning_acceleration(theta: FloatArray, rate: FloatArray) -> FloatArray:
     """Part of the angular acceleration that is quadratic in the rate of the rotation vector."""

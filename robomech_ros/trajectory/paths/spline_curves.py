@@ -16,8 +16,6 @@ from robomech_ros.trajectory.paths.curve_arguments import as_breaks, as_points
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import COINCIDENT
 
-__all__ = ["as_ends", "spline_curve"]
-
 # Fewest points by degree and ends; of a closed curve the first point counts twice.
 _FEWEST = {
     (3, "natural"): 2,

@@ -9,8 +9,6 @@ from typing import NamedTuple
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.paths.joint_path import JointPath
 
-__all__ = ["PathCut", "PathTracking", "PathTrackingStatus"]
-
 # What ends sooner than at this part of the path is no motion at all.
 _SHORTEST = 1e-6
 

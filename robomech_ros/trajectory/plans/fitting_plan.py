@@ -12,8 +12,6 @@ from robomech_ros.trajectory.paths.curve_arguments import as_positive
 from robomech_ros.trajectory.plans.sampled_plan import SampledPlan
 from robomech_ros.trajectory.plans.via_motions import sampled_through_points, through_points
 
-__all__ = ["check_duration", "fitting_plan", "sampled_to_fit"]
-
 _SHORTEST = "shortest duration within the scaled limits"
 
 

@@ -21,8 +21,6 @@ from robomech_ros.trajectory.profiles.ruckig_phases import failure
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.time_optimal_motions import time_optimal_through
 
-__all__ = ["JerkLimitedThrough", "jerk_limited_through"]
-
 # Steps of the search, in parts of the velocity limits, and how often all points are tried.
 _STEPS = (0.5, 0.25, 0.12, 0.06, 0.03, 0.015)
 _SWEEPS = 4

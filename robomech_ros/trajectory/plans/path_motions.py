@@ -30,8 +30,6 @@ from robomech_ros.trajectory.timing.path_sections import jump
 from robomech_ros.trajectory.timing.section_timing import SECTION_TIMINGS, PathSection
 from robomech_ros.trajectory.tolerances import DURATION_ROUNDING
 
-__all__ = ["PATH_PROFILES", "PathMotion", "TipSpeeds", "along_joint_path", "along_path"]
-
 # How the path coordinate may be run through from corner to corner.
 PATH_PROFILES = tuple(SECTION_TIMINGS)
 # A step of the second derivative along a path, in parts of the largest, that is no rounding.

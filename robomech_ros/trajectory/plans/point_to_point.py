@@ -26,8 +26,6 @@ from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.time_optimal_motions import TimeOptimalMotion
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 
-__all__ = ["PROFILES", "Profile", "point_to_point", "profile_named"]
-
 _both_within = direct(time_straight.both_within)
 # Least scale of a limit: a motion at a millionth of the speed takes weeks, and the powers of its
 # duration are still far from overflow.

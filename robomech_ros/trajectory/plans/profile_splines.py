@@ -24,8 +24,6 @@ from robomech_ros.trajectory.plans.spline_motions import Spline, spline_through
 from robomech_ros.trajectory.profiles.laws import CYCLOIDAL, POLY345, POLY4567, Law
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["spline_like"]
-
 _LAWS = {"poly345": POLY345, "poly4567": POLY4567, "cycloidal": CYCLOIDAL}
 _MOST_KNOTS = 1000
 # Where the deviation is looked at in each segment: halfway between so many equal parts.

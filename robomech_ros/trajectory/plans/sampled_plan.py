@@ -30,8 +30,6 @@ from robomech_ros.trajectory.waypoints import (
     position_rounding,
 )
 
-__all__ = ["Planner", "SampledPlan", "sampled_motion", "sampled_point_to_point"]
-
 Planner = Callable[[Limits], PiecewiseTrajectory]
 
 # Rounding may do this to the jerk between two samples that are near to each other because jerk

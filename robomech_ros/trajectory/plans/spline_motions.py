@@ -27,8 +27,6 @@ from robomech_ros.trajectory.joint_points import joint_points
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.sample import FloatArray, Sample
 
-__all__ = ["Spline", "spline_through"]
-
 _QUINTIC_ENDS = ("natural", "clamped", "rest", "periodic")
 # Spacings that look at the limits.
 _SEARCHES = {"balanced": balanced_knots, "optimal": optimal_knots}

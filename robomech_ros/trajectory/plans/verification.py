@@ -20,8 +20,6 @@ from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import LIMIT_SLACK, POSITION_SLACK
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory, Waypoints
 
-__all__ = ["Verification", "first_violation", "verify"]
-
 # Of piecewise polynomials, as they are documented.
 _LARGEST_ORDER = 9
 

@@ -32,8 +32,6 @@ from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.time_optimal_motions import time_optimal_through
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 
-__all__ = ["VIA_PROFILES", "sampled_through_points", "through_points"]
-
 # Through more points than these the search for the best knots takes long.
 _OPTIMISED = 20
 

@@ -24,8 +24,6 @@ from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
 
-__all__ = ["MOST_VIAS", "ViaPolynomial", "via_polynomial"]
-
 # The motion from 0 to 1 without via points, by powers of the part of the duration that is over, and
 # the derivatives that vanish at both ends.
 _LAWS = {

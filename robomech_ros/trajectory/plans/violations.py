@@ -14,8 +14,6 @@ from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import LIMIT_SLACK, POSITION_SLACK
 
-__all__ = ["Violation", "end_violations", "violations_between"]
-
 _QUANTITIES = ("position", *RATES)
 
 

@@ -6,8 +6,6 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.profiles.velocity_profiles import along_line
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["unit_double_s", "unit_double_s_samples"]
-
 
 def unit_double_s(ramp: float, rounding: float) -> PiecewisePolynomial:
     """Give a double-S profile of one joint over a way of 1 in a time of 1.

@@ -25,8 +25,6 @@ from robomech_ros.trajectory.profiles.ruckig_phases import (
 from robomech_ros.trajectory.sample import FloatArray, Sample
 from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, LIMIT_SLACK, SHORTEST_TRAJECTORY
 
-__all__ = ["JerkLimited", "binding_rates", "check_state", "curve_of", "planned_between"]
-
 # Power k of x + c is _SHIFTS[i, k] c^_SHIFTED[i, k] times power i of x, summed; for k = 3, 4, 5.
 _SHIFTS = np.array([[math.comb(k, i) for k in range(3, 6)] for i in range(6)], float)
 _SHIFTED = np.array([[max(k - i, 0) for k in range(3, 6)] for i in range(6)])

@@ -25,8 +25,6 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Rate
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["CUBIC", "CYCLOIDAL", "POLY345", "POLY4567", "Law", "Rates", "law_of"]
-
 # Septic polynomials that stand for the cycloidal motion: they differ from it by 1e-13.
 _CYCLOIDAL_SEGMENTS = 32
 

@@ -23,8 +23,6 @@ from robomech_ros.trajectory.profiles.jerk_limited import (
 from robomech_ros.trajectory.sample import FloatArray, Sample
 from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, SHORTEST_TRAJECTORY
 
-__all__ = ["StateToState", "state_to_state"]
-
 
 @dataclass(frozen=True, eq=False)
 class StateToState:

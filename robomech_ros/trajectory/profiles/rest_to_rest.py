@@ -22,9 +22,6 @@ from robomech_ros.trajectory.profiles.laws import CUBIC, CYCLOIDAL, POLY345, POL
 from robomech_ros.trajectory.profiles.straight_motion import StraightMotion
 from robomech_ros.trajectory.sample import FloatArray, Sample, checked_times, held_outside
 
-__all__ = ["CubicSplineMotion", "Cycloidal", "Polynomial345", "Polynomial4567", "RestToRest"]
-
-
 _M = TypeVar("_M", bound="RestToRest")
 
 _shortest_duration = direct(time_straight.shortest_duration)

@@ -19,8 +19,6 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Phases", "failure", "jerk_phases", "phases_from_rest", "rest_to_rest"]
-
 # Ruckig refuses durations of more than 7600 of its units of time; this leaves room for a detour.
 _LONG = 1000.0
 # Ways below this (rad, m) are no unit of length.

@@ -10,8 +10,6 @@ from robomech_ros.trajectory.limits import Limits, Rate
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, SHORTEST_TRAJECTORY
 
-__all__ = ["StraightMotion"]
-
 _M = TypeVar("_M", bound="StraightMotion")
 
 

@@ -23,8 +23,6 @@ from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.profiles.straight_motion import StraightMotion
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["DoubleS", "Trapezoidal", "along_line"]
-
 _M = TypeVar("_M", bound="_Straight")
 
 # How long the phases of a ramp from rest to full speed are, without the last one of a ramp whose

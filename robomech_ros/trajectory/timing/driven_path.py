@@ -14,8 +14,6 @@ from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["DrivenPath", "DrivenRobot", "Dynamics", "Friction"]
-
 Dynamics = Callable[[FloatArray, FloatArray, FloatArray], npt.ArrayLike]
 # Of the rates of all joints; or, of a `DrivenRobot`, of all joint values and the rates of drives.
 Friction = Callable[..., npt.ArrayLike]

@@ -35,8 +35,6 @@ from robomech_ros.trajectory.timing.path_sections import jump
 from robomech_ros.trajectory.timing.path_speed import fastest
 from robomech_ros.trajectory.timing.speed_profile import PathLimits, SpeedProfile, Timed
 
-__all__ = ["smoothed"]
-
 # Windows that are tried, as multiples of the largest ratio of acceleration to jerk limit; in each
 # the accelerations are limited to what the jerk reaches within it.
 _WINDOWS = (2.0, 1.4, 1.0, 0.65, 0.4, 0.2, 0.1, 0.05, 0.02, 0.005, 0.001)

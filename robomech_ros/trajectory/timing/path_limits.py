@@ -14,8 +14,6 @@ from robomech_ros.spatial.arrays import as_finite, real_array, real_number
 from robomech_ros.trajectory.limits import SMALLEST_LIMIT
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["SpeedLimit", "TorqueLimits", "checked_list"]
-
 # A cell is sampled at these five places; the ends a little inside it, because the coefficients of
 # a path may step where two of its pieces meet.
 _INSIDE = 1e-9

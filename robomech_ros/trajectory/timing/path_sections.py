@@ -11,8 +11,6 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import PATH_STANDSTILL, PATH_STEP
 
-__all__ = ["checked_path", "jump", "sections"]
-
 _LARGEST_ORDER = 5
 _MOST_PIECES = 100_000
 

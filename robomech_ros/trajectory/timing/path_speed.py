@@ -14,9 +14,6 @@ from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.speed_profile import TIMING_MARGIN, PathLimits, SpeedProfile
 from robomech_ros.trajectory.tolerances import LIMIT_SLACK, PATH_STEP
 
-__all__ = ["fastest"]
-
-
 # Cells of the first grid: in a piece of the path, and in a path of few pieces.
 _CELLS_IN_PIECE = 16
 _FEWEST_CELLS = 64

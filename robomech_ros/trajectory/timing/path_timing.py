@@ -40,8 +40,6 @@ from robomech_ros.trajectory.timing.path_speed import fastest
 from robomech_ros.trajectory.timing.speed_profile import PathLimits, Timed
 from robomech_ros.trajectory.tolerances import SHORTEST_TRAJECTORY
 
-__all__ = ["TimeOptimal", "time_optimal"]
-
 # The pieces in time of a time-optimal motion give back the accelerations of the path up to this
 # part.
 TIMING_ACCURACY = 1e-7

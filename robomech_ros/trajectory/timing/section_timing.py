@@ -25,8 +25,6 @@ from robomech_ros.trajectory.timing.path_limits import SpeedLimit
 from robomech_ros.trajectory.timing.path_timing import time_optimal
 from robomech_ros.trajectory.timing.time_optimal_motions import with_ramps
 
-__all__ = ["SECTION_TIMINGS", "PathSection", "SectionTiming"]
-
 # Instants of a section to begin with, and at most; between them the joints follow quintics.
 _FEWEST, _MOST = 32, 4096
 # How far these may be off the path, rad or m, and the part of the duration below which two

@@ -13,8 +13,6 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, lastin
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
 
-__all__ = ["Bound", "PathLimits", "SpeedProfile", "Timed"]
-
 # Time-optimal motions are planned within the limits less this part; with TIMING_ACCURACY, by which
 # their pieces in time may miss, it is less than LIMIT_SLACK.
 TIMING_MARGIN = 2e-7

@@ -25,13 +25,6 @@ from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.path_timing import TimeOptimal, time_optimal
 
-__all__ = [
-    "TimeOptimalMotion",
-    "TimeOptimalThrough",
-    "time_optimal_through",
-    "with_ramps",
-]
-
 # Shortest time (s) in which an acceleration rises from zero to its limit, where no jerk limit says
 # so, and along curved paths, of which shorter ramps would need thousands of samples per second.
 _RAMP = 0.02

@@ -47,8 +47,6 @@ from robomech_ros.trajectory.timing.path_sections import checked_path
 from robomech_ros.trajectory.timing.path_timing import TimeOptimal, time_optimal
 from robomech_ros.trajectory.tolerances import PATH_STANDSTILL
 
-__all__ = ["torque_limited"]
-
 # The largest part of a torque limit that a sampled motion may take.
 _ACCURACY = 1e-6
 # The motion is found anew at most so often, and while that gains this part of its duration.

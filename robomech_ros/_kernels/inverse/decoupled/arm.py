@@ -42,8 +42,6 @@ from robomech_ros._kernels.inverse.decoupled.arm_rows import (
 )
 from robomech_ros._kernels.tolerances import ACCEPTED, NEAR_DOUBLE, POLISH_ABOVE, SAME_POSTURE
 
-__all__ = ["ARM_ROWS", "MOST_ARMS", "arm_error", "arm_postures", "is_among", "step_aside"]
-
 # Below this determinant, relative to REGULAR, a candidate that had to be improved may stand for
 # two solutions (an error of IDEALISED_SLACK reaches the square root of it at a double root).
 NEAR_SINGULAR = 3e-2

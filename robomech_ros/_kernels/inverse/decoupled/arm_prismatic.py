@@ -31,8 +31,6 @@ from robomech_ros._kernels.inverse.decoupled.arm_rows import (
     enter_turn,
 )
 
-__all__ = ["prismatic_arm"]
-
 
 @lean
 def _through(data, k, x, y, z):

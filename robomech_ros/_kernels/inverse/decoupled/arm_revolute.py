@@ -41,14 +41,6 @@ from robomech_ros._kernels.inverse.decoupled.arm_rows import (
 )
 from robomech_ros._kernels.tolerances import ON_AXIS
 
-__all__ = [
-    "across",
-    "circle",
-    "revolute_arm",
-    "third_angle",
-    "turn_to",
-]
-
 
 @lean
 def circle(data, w):

@@ -11,22 +11,6 @@ from robomech_ros._kernels.algebra.angles import angle_of
 from robomech_ros._kernels.compiling.jit import lean
 from robomech_ros._kernels.inverse.decoupled import layout as at
 
-__all__ = [
-    "DETERMINANT",
-    "FREE",
-    "FREE_1",
-    "FREE_2",
-    "FREE_3",
-    "WIDTH",
-    "aim",
-    "copy_row",
-    "cosine_of",
-    "enter_slide",
-    "enter_turn",
-    "measure",
-    "sine_of",
-]
-
 FREE = 3
 DETERMINANT = 4
 _TURNS = 5  # cosine and sine of joint 1, of joint 2, of joint 3

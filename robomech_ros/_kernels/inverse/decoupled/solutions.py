@@ -56,8 +56,6 @@ from robomech_ros._kernels.inverse.decoupled.wrist import (
 from robomech_ros._kernels.inverse.polishing import call_polish
 from robomech_ros._kernels.tolerances import ACCEPTED, IDEALISED_SLACK, PARALLEL_AXES
 
-__all__ = ["solve_decoupled"]
-
 # Near a singularity of the arm its joints are uncertain by this over the determinant of its
 # Jacobian (relative to REGULAR), and at a double root by the square root of a rounding; so far
 # from parallel the axes may then be found.

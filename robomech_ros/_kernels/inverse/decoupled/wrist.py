@@ -17,8 +17,6 @@ from robomech_ros._kernels.compiling.jit import lean
 from robomech_ros._kernels.inverse.decoupled import layout as at
 from robomech_ros._kernels.tolerances import POLISH_ABOVE
 
-__all__ = ["WRIST_BOUNDARY", "WRIST_FREE", "WRIST_OPPOSED", "spherical_wrist"]
-
 WRIST_FREE = 1  # axes 4 and 6 are parallel: x is the one asked for, z follows
 WRIST_BOUNDARY = 2  # the two solutions have become one
 WRIST_OPPOSED = 4  # with WRIST_FREE: the parallel axes point in opposite directions

@@ -8,25 +8,6 @@ import math
 
 import numpy as np
 
-__all__ = [
-    "ARCS",
-    "ARC_COSINES",
-    "ARC_SINES",
-    "ARC_TANGENT",
-    "BINOMIALS",
-    "CENTRES",
-    "FROM_COSINES",
-    "FROM_NODES",
-    "FROM_SINES",
-    "NODES",
-    "SAMPLES",
-    "SAMPLE_COSINES",
-    "SAMPLE_SINES",
-    "TO_COSINES",
-    "TO_LAST",
-    "TO_SINES",
-]
-
 ORDER = 8
 DEGREE = 2 * ORDER
 SAMPLES = 2 * ORDER + 1

@@ -16,8 +16,6 @@ import math
 
 from robomech_ros._kernels.compiling.jit import inline
 
-__all__ = ["core", "determinant", "null_space"]
-
 _NOTHING = 1e-300
 
 

@@ -35,8 +35,6 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.inverse.general import layout as at
 
-__all__ = ["complete_form", "demanded", "free_equations", "left_side", "right_side"]
-
 # A pivot below this (of the first) is zero: there is nothing left to eliminate.
 GENERAL_RANK = 1e-13
 

@@ -13,8 +13,6 @@ from robomech_ros._kernels.compiling.jit import IIN1, IN2, b1, f8, i8, inline, p
 from robomech_ros._kernels.inverse.general.determinant import null_space
 from robomech_ros._kernels.tolerances import GENERAL_CORANK
 
-__all__ = ["all_simple"]
-
 # Along the direction that a singular Jacobian (lengths over the size) takes to zero the pose bends
 # away, in the direction that it lacks, by this (per half a square of the step) where two solutions
 # have become one and no more: above what rounding leaves of zero.

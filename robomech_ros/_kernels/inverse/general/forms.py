@@ -40,20 +40,6 @@ from robomech_ros._kernels.inverse.general.slides import (
 from robomech_ros._kernels.inverse.polishing import call_polish
 from robomech_ros._kernels.tolerances import ACCEPTED, GENERAL_SINGULAR, SAME_POSTURE
 
-__all__ = [
-    "CONTINUA",
-    "COUNT",
-    "CROWDED",
-    "EFFORT",
-    "LOOSE",
-    "MAX_SOLUTIONS",
-    "MOST_LOOSE",
-    "STATE",
-    "admit",
-    "solve_form",
-    "solve_slides",
-]
-
 # Below this the unknowns that a form eliminates are too dependent for it.
 GENERAL_MARGIN = 1e-6
 # Samplings allowed for one determinant: ten times what any pose of the arms tested needs that is

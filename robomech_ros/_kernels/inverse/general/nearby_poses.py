@@ -3,8 +3,6 @@
 from robomech_ros._kernels.compiling.jit import inline
 from robomech_ros._kernels.inverse.general import layout as at
 
-__all__ = ["N_NUDGED", "nudged"]
-
 # Rotation (rad), and translation over the size.  Each is used both ways; the first stays near
 # all solutions, the others are sure to leave a degenerate pose.
 _NUDGES = (

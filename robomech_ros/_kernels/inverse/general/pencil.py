@@ -12,8 +12,6 @@ import numpy as np
 
 from robomech_ros._kernels.compiling.jit import inline
 
-__all__ = ["MOST_VECTORS", "pencil_vectors"]
-
 # Quadratic equations this small on an orthonormal pencil are rounding: all of it are postures.
 PENCIL_VOID = 1e-4
 # Value of these equations below which a vector may belong to a posture.

@@ -8,8 +8,6 @@ from robomech_ros._kernels.algebra.angles import wrapped
 from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, f8, inline, part
 from robomech_ros._kernels.inverse.general import layout as at
 
-__all__ = ["half_angles", "remaining_joints"]
-
 _ROOT_2 = math.sqrt(2.0)
 
 

@@ -40,8 +40,6 @@ from robomech_ros._kernels.inverse.general.circle_tables import (
 )
 from robomech_ros._kernels.inverse.general.determinant import determinant
 
-__all__ = ["MAX_ROOTS", "isolate", "near_zeros", "sample"]
-
 # Rounding of the determinant, over the product of all pivots but the least: a dozen eliminations
 # of entries of order one, which are themselves rounded.
 DETERMINANT_NOISE = 1e-14

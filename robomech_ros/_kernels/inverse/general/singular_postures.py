@@ -22,8 +22,6 @@ from robomech_ros._kernels.inverse.general.determinant import null_space
 from robomech_ros._kernels.inverse.polishing import largest_error, pose_difference
 from robomech_ros._kernels.tolerances import CONTINUUM_STEP, GENERAL_CORANK
 
-__all__ = ["distance", "is_between", "is_in_continuum", "regularity", "settle"]
-
 # Steps at most, and how many may pass without the squared error sinking by this factor.
 # Twice as many may where it is below a bound; towards a continuum convergence is quadratic.
 SETTLING_STEPS = 80

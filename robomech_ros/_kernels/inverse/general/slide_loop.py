@@ -11,8 +11,6 @@ import numpy as np
 from robomech_ros._kernels.compiling.jit import inline
 from robomech_ros._kernels.inverse.general import layout as at
 
-__all__ = ["demanded_turn", "middle", "read", "root", "round_loop", "triple", "turns_of"]
-
 
 @inline
 def _multiply(a, b, out):

@@ -45,8 +45,6 @@ from robomech_ros._kernels.inverse.general.slide_loop import (
     turns_of,
 )
 
-__all__ = ["MAX_TRIALS", "slide_postures"]
-
 # A determinant whose largest value is not this many times its rounding says nothing.
 GENERAL_VOID = 1e3
 # Below this (of squares of sines) the axes about which two joints turn line up, for another form to

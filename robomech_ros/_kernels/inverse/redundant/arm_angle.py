@@ -35,20 +35,6 @@ from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.vectors import back, cross, dot, turned
 from robomech_ros._kernels.tolerances import ACCEPTED, ON_AXIS, ON_BOUNDARY, PARALLEL_AXES
 
-__all__ = [
-    "arm_angle",
-    "arm_angle_postures",
-    "arm_triad",
-    "base_triad",
-    "elbows",
-    "left_for_wrist",
-    "parts_of",
-    "product_of",
-    "rows_of",
-    "to_wrist",
-    "upper_arm",
-]
-
 
 @inline
 def parts_of(data):

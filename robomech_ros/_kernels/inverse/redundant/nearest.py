@@ -15,8 +15,6 @@ from robomech_ros._kernels.inverse.polishing import largest_error, pose_differen
 from robomech_ros._kernels.inverse.ranking import LINF, distance_from
 from robomech_ros._kernels.tolerances import AT_LIMIT, ON_BOUNDARY
 
-__all__ = ["approach", "best_step", "correct", "direction_like", "minimax"]
-
 # The nearest solution is sought along the self-motion until a step is shorter than this (rad or m):
 # the next one would be about its square.
 NEAREST_STEP = 1e-3

@@ -14,8 +14,6 @@ from robomech_ros._kernels.inverse.redundant.arm_angle import call_arm_angle_pos
 from robomech_ros._kernels.inverse.redundant.vectors import back, turned
 from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
 
-__all__ = ["choose", "locked_postures", "sample", "stretched"]
-
 # Typed, since numba compiles a function anew for a literal.
 _FORWARDS = np.bool_(False)
 

@@ -36,8 +36,6 @@ from robomech_ros._kernels.inverse.redundant.tracing import (
 from robomech_ros._kernels.inverse.six_joints import MAX_SOLUTIONS
 from robomech_ros._kernels.tolerances import AT_LIMIT
 
-__all__ = ["NONE_EXISTS", "solve_redundant"]
-
 # How many times finer the redundancy parameter is sampled where no sample gives a solution inside
 # the limits.
 FINER_SAMPLES = 4

@@ -35,8 +35,6 @@ from robomech_ros._kernels.inverse.redundant.nearest import (
 )
 from robomech_ros._kernels.tolerances import AT_LIMIT
 
-__all__ = ["NEARER_BY", "TRACES", "small_distance", "trace_nearest"]
-
 # How many times farther from the seed than the nearest posture known starts and traces may be.
 BEYOND = 4.0
 # From a posture that is nearer than this (rad or m), in one joint or the root of squares, no trace

@@ -4,8 +4,6 @@ import math
 
 from robomech_ros._kernels.compiling.jit import inline
 
-__all__ = ["about_z", "back", "cross", "dot", "norm", "turned"]
-
 
 @inline
 def turned(packed, row, v):

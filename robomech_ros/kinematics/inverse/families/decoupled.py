@@ -13,8 +13,6 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, joint_transform, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["match", "wrist_constants"]
-
 # Neighbouring axes of the arm this nearly parallel or meeting are solved as if they were, since
 # the general equations lose as many digits; the posture is improved afterwards.
 NEARLY_SPECIAL = 1e-5

@@ -26,8 +26,6 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, turn_about_z, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["match"]
-
 Array = NDArray[np.float64]
 Walks = tuple[tuple[int, int], ...]
 

@@ -13,12 +13,6 @@ from robomech_ros.kinematics.posture_samples import low_discrepancy_strides, rea
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = [
-    "iterative_data",
-    "packed_chain",
-    "task_data",
-]
-
 # An attempt is given up when six steps have not lowered the squared error by this factor.
 STALLED = 0.5
 # Steps of an attempt at most; those that succeed need 8 in the middle, 30 at the most.

@@ -17,8 +17,6 @@ from robomech_ros.kinematics.mobility import moves_in_all_directions
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 
-__all__ = ["AxisLine", "ParallelAxes", "find_parallel_axes", "sine_between"]
-
 # Largest sine between axes taken as parallel: nine printed digits of an angle keep within it, a
 # calibrated arm does not.  What is neglected here the polish on the true pose puts back.
 PARALLEL_ANGLE = 1e-8

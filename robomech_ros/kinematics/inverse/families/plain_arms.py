@@ -18,8 +18,6 @@ from robomech_ros.kinematics.inverse.families.six_joints import chain_of
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, turn_about_z, unpack_chain
 
-__all__ = ["PlainArm", "plain_arm"]
-
 Array = NDArray[np.float64]
 
 # Axes with such a sine between them are parallel, and offsets (m) of this length are none.

@@ -33,8 +33,6 @@ from robomech_ros.kinematics.tolerances import CONCURRENT_EXACT
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import unpack_chain
 
-__all__ = ["locked_anyway", "match"]
-
 # Three axes of a redundant arm this near (of its size) to a common point are solved as if they met
 # there, every solution is polished, and near singular postures the general equations are asked.
 NEARLY_SPHERICAL = 2e-3

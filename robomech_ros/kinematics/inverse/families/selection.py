@@ -20,8 +20,6 @@ from robomech_ros.kinematics.mobility import arm_size, mobility
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import unpack_chain
 
-__all__ = ["REDUNDANT", "Family", "family_of", "iterative_family"]
-
 # Least ratio of singular values, at the best of some postures, of an arm of which a list is called
 # complete: with less, solutions are lost in rounding.
 CERTAIN_MOBILITY = 1e-6

@@ -27,8 +27,6 @@ from robomech_ros.kinematics.tolerances import ARM_RANK
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, turn_about_z, unpack_chain
 
-__all__ = ["match"]
-
 # A completed arm with at least this determinant (lengths over the size) is taken at once.
 SHORT_REGULAR = 0.02
 

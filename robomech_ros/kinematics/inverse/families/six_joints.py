@@ -12,15 +12,6 @@ from robomech_ros.kinematics.inverse.families import decoupled, general, three_p
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import pack_chain
 
-__all__ = [
-    "CLOSED_FORMS",
-    "SixJointArm",
-    "chain_of",
-    "match_general",
-    "match_six",
-    "reversed_transforms",
-]
-
 Array = NDArray[np.float64]
 
 # Families of six-joint arms, the most special first: name, number in the kernels, recognition.

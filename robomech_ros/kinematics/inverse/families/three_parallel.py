@@ -16,8 +16,6 @@ from robomech_ros.kinematics.inverse.families.parallel_axes import (
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["match"]
-
 # Largest distance (of the arm's size) between axes 5 and 6 taken as meeting; beyond, the general
 # equations are accurate although nearly separate.
 PARALLEL_MEETING = 1e-10

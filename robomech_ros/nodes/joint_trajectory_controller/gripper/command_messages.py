@@ -8,8 +8,6 @@ from sensor_msgs.msg import JointState
 from robomech_ros.execution.gripper.finger_motion import FingerCommand, FingerEnd
 from robomech_ros.execution.gripper.received_command import CommandReader
 
-__all__ = ["CommandMessages", "GripperMessages", "ParallelGripperMessages"]
-
 
 class CommandMessages(Protocol):
     """Messages of an action that commands a gripper.

@@ -19,8 +19,6 @@ from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedA
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.outcomes import name_of
 
-__all__ = ["CommandServer"]
-
 # As ros2_control's gripper controllers call it.
 _NAME = "gripper_cmd"
 

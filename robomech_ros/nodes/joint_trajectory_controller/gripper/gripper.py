@@ -34,8 +34,6 @@ from robomech_ros.robots.gripper import commanded_fingers
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Gripper", "gripper_of"]
-
 _PARALLEL = "parallel_gripper_controller"
 _NAME = re.compile(r"~?/?([A-Za-z_]\w*/)*[A-Za-z_]\w*", re.ASCII)
 

@@ -11,8 +11,6 @@ from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripp
 from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 
-__all__ = ["serve_gripper"]
-
 
 def serve_gripper(
     node: Node, gripper: Gripper, settings: ControllerSettings, on_refused: Callable[[], None]

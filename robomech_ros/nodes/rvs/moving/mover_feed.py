@@ -26,8 +26,6 @@ from robomech_ros.rvs.model.running.followed import on_plane
 from robomech_ros.rvs.model.running.live_mover import MoverView, Stance
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["MoverFeed"]
-
 Array = NDArray[np.float64]
 
 # How often it is looked whether states are old (s).

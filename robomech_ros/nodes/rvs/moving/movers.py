@@ -14,8 +14,6 @@ from robomech_ros.rvs.model.running.followed import Followed, followed_base, fol
 if TYPE_CHECKING:
     from robomech_ros.walking import LeggedRobot
 
-__all__ = ["MOVERS", "Mover"]
-
 # How often twists are sent while a button is held (s).
 _BASE_PERIOD, _WALKER_PERIOD = 0.005, 0.02
 

@@ -19,8 +19,6 @@ from robomech_ros.rvs.model.running.live_mover import MoverView
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw
 from robomech_ros.spatial.poses import assembled
 
-__all__ = ["RunningMover"]
-
 _DEPTH = 10
 _Jog = tuple[JogDirection, float]
 

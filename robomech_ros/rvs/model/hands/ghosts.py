@@ -12,8 +12,6 @@ from robomech_ros.robots import SerialChain
 from robomech_ros.robots.urdf.shapes import Shape
 from robomech_ros.rvs.model.ghosts import GhostPieces, Ghosts, Rgb
 
-__all__ = ["HandGhosts"]
-
 Array = NDArray[np.float64]
 
 # Fingers nearer to each other than this are in one posture (rad or m).

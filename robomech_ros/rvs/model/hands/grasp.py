@@ -22,8 +22,6 @@ from robomech_ros.hands import (
 )
 from robomech_ros.hands.contacts import span
 
-__all__ = ["Grasp", "GraspStudy", "quality_line", "study_grasp"]
-
 Array = NDArray[np.float64]
 Line = tuple[str, str]
 

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.solids import Solid, box, cylinder, sphere
 
-__all__ = ["SHAPES", "HeldObject"]
-
 Array = NDArray[np.float64]
 
 SHAPES = ("ball", "cylinder", "box")

@@ -23,8 +23,6 @@ from robomech_ros.rvs.model.postures import MOST_POSTURES, PoseStudy, Posture, T
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 
-__all__ = ["SPOT", "SeenHand", "Spot", "seen_hand"]
-
 Array = NDArray[np.float64]
 
 # Where the object is at first, on the way from the middle of the fingers' bases to that of their

@@ -13,8 +13,6 @@ from robomech_ros.robots import Joint, RobotDescription, SerialChain
 from robomech_ros.robots.urdf.shapes import Shape, generated_shapes
 from robomech_ros.robots.urdf.writer import written_urdf
 
-__all__ = ["OBJECT", "OBJECT_JOINTS", "finger_links", "fingers_tree", "hand_tree"]
-
 # The link of the object, and the joints that place it in the palm: m, then rad.
 OBJECT = "object"
 OBJECT_JOINTS = ("object_x", "object_y", "object_z", "object_yaw", "object_pitch", "object_roll")

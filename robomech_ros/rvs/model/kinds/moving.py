@@ -8,8 +8,6 @@ from typing import ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["AXES", "Moving", "twist_facts"]
-
 Array = NDArray[np.float64]
 
 # Of a twist: its name, its unit, and its place in [w, vx, vy].

@@ -20,8 +20,6 @@ from robomech_ros.rvs.model.kinds.seen_tree import SeenTree
 from robomech_ros.rvs.model.kinds.trail import Trail, on_ground
 from robomech_ros.rvs.model.moved import Travel
 
-__all__ = ["PERIOD", "SeenBase", "seen_base"]
-
 Array = NDArray[np.float64]
 
 # Of the steps of the simulation (s), and for how long the way ahead is drawn, in so many pieces.

@@ -14,8 +14,6 @@ from robomech_ros.rvs.model.moved import Moved, Travel
 from robomech_ros.rvs.model.postures import PoseStudy, ToldStudy
 from robomech_ros.spatial import as_pose
 
-__all__ = ["SeenTree"]
-
 Array = NDArray[np.float64]
 
 

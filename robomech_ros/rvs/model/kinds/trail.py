@@ -7,8 +7,6 @@ from collections import deque
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["LIFT", "Trail", "on_ground"]
-
 Array = NDArray[np.float64]
 
 # Places that are kept, apart by so much (m, rad) at least.

@@ -15,8 +15,6 @@ from robomech_ros.parallel import (
 )
 from robomech_ros.parallel.kinetostatics.conditioning import scaled_matrices
 
-__all__ = ["PlatformFacts", "platform_facts"]
-
 Array = NDArray[np.float64]
 
 ANGULAR = 3

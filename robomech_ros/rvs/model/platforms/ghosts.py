@@ -12,8 +12,6 @@ from robomech_ros.parallel import Mechanism
 from robomech_ros.rvs.model.ghosts import NOTHING, GhostPieces, Rgb
 from robomech_ros.spatial import quaternion_from_matrix
 
-__all__ = ["PlatformGhosts", "limb_points", "rod_poses"]
-
 Array = NDArray[np.float64]
 
 # Radius of rods, part of the size of the robot.

@@ -12,8 +12,6 @@ from robomech_ros.parallel import Mechanism, ParallelRobot, dexterity
 from robomech_ros.rvs.model.moved import ROUNDING
 from robomech_ros.rvs.model.postures import MOST_POSTURES, Posture
 
-__all__ = ["LISTS", "PlatformList", "platform_list"]
-
 Array = NDArray[np.float64]
 
 # Other poses for the same drives, or other joints for the same pose.

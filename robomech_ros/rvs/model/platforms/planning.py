@@ -14,8 +14,6 @@ from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 
-__all__ = ["followed_motion", "plan_platform_between"]
-
 Array = NDArray[np.float64]
 
 

@@ -19,8 +19,6 @@ from robomech_ros.parallel.kinetostatics.workspace import PlatformWorkspace
 from robomech_ros.parallel.kinetostatics.workspace_surface import neighbours
 from robomech_ros.rvs.model.ghosts import PALETTE, Rgb
 
-__all__ = ["PlatformReach", "platform_reach"]
-
 Array = NDArray[np.float64]
 
 # Directions in the space and in the plane, and of limbs of any kind, each of which takes a hundred

@@ -21,8 +21,6 @@ from robomech_ros.rvs.model.postures import PoseStudy, ToldStudy
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.spatial import as_pose, pose_error
 
-__all__ = ["SeenPlatform"]
-
 Array = NDArray[np.float64]
 
 # A drive without a limit slides so many sizes of the robot at most.

@@ -19,8 +19,6 @@ from robomech_ros.rvs.model.kinds.trail import Trail
 if TYPE_CHECKING:
     from robomech_ros.walking import LeggedRobot
 
-__all__ = ["WAYS", "Followed", "Shift", "Way", "followed_base", "followed_walker", "on_plane"]
-
 Array = NDArray[np.float64]
 
 

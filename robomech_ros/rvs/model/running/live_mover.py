@@ -15,8 +15,6 @@ from robomech_ros.rvs.model.live_robot import RunningView
 if TYPE_CHECKING:
     from robomech_ros.rvs.model.walking.support import Support
 
-__all__ = ["LiveMover", "MoverView", "Stance"]
-
 Array = NDArray[np.float64]
 
 

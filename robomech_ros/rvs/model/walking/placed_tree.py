@@ -16,8 +16,6 @@ from robomech_ros.rolling.tree import BASE_JOINTS
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 from robomech_ros.spatial.poses import assembled, rigid_inverse
 
-__all__ = ["BODY_JOINTS", "GROUND", "placed_tree", "placing"]
-
 Array = NDArray[np.float64]
 
 # The root, and the joints of the trunk beside its level pose, as sliders have them.

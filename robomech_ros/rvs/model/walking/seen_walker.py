@@ -21,8 +21,6 @@ from robomech_ros.rvs.model.walking.support import Support
 from robomech_ros.spatial import as_pose
 from robomech_ros.walking import GAITS, LeggedRobot, Walker, WalkUpdate, load_legged
 
-__all__ = ["SeenWalker", "seen_walker"]
-
 Array = NDArray[np.float64]
 
 # In this time (s) the trunk takes a pose, unless a joint would be too fast: it follows the mouse.

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from robomech_ros.rvs.model.kinds.trail import on_ground
 from robomech_ros.walking import stability_margin, support_polygon
 
-__all__ = ["Support"]
-
 Array = NDArray[np.float64]
 
 

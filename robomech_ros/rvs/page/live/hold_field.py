@@ -8,8 +8,6 @@ from typing import Any
 
 from robomech_ros.errors import BadValueError
 
-__all__ = ["HoldField"]
-
 
 class HoldField:
     """A text field of one browser, which is not seen: a pad of buttons writes into it.

@@ -5,8 +5,6 @@ from __future__ import annotations
 import html
 from collections.abc import Sequence
 
-__all__ = ["BEAT", "hold_pad", "jog_pad"]
-
 # How often a page says that a button is still held (s).
 BEAT = 0.1
 

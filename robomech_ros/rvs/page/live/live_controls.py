@@ -15,8 +15,6 @@ from robomech_ros.rvs.page.tables import short_name
 from robomech_ros.rvs.page.units import Units
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["GOAL", "LiveControls"]
-
 # Label of the buttons about the goal, and what they do.
 GOAL = "Goal"
 PLAN, EXECUTE, TO_ROBOT = "Plan", "Execute", "To robot"

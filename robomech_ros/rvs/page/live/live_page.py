@@ -12,8 +12,6 @@ from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.page.tables import STYLE, WARN
 from robomech_ros.rvs.page.units import Units
 
-__all__ = ["LivePage", "News"]
-
 
 class News:
     """Messages on top of the panel, which every browser sees; for any thread.

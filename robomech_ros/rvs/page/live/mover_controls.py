@@ -16,8 +16,6 @@ from robomech_ros.rvs.page.live.trunk_controls import TrunkControls
 from robomech_ros.rvs.page.units import Units
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["MoverControls"]
-
 ORDER = 3.5
 # Parts of the greatest jogging speed.
 SLOWEST, AT_FIRST = 0.05, 0.5

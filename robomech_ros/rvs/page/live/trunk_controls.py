@@ -10,8 +10,6 @@ from robomech_ros.rvs.model.moved import ROUNDING
 from robomech_ros.rvs.model.running.followed import Shift
 from robomech_ros.rvs.page.folder import Folder
 
-__all__ = ["TrunkControls"]
-
 
 class TrunkControls:
     """What a folder has for the trunk.

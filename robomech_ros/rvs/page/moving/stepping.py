@@ -8,8 +8,6 @@ from collections.abc import Callable
 
 from robomech_ros.rvs.page.layer import Place
 
-__all__ = ["Stepping"]
-
 # How often it is drawn while it moves (s), and what is made up for at most (s).
 TICK, MOST = 0.05, 0.4
 

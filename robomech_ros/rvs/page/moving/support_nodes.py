@@ -9,8 +9,6 @@ import numpy as np
 from robomech_ros.rvs.model.walking.support import Support
 from robomech_ros.rvs.page.path_nodes import PathNode
 
-__all__ = ["SupportNodes"]
-
 # Feet that stand, and feet in the air; the border; the way to the nearest edge, safe or not.
 STANDS, LIFTED = (40, 160, 70), (150, 150, 150)
 BORDER = (40, 160, 70)
