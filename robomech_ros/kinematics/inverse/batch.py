@@ -83,8 +83,9 @@ def inverse_kinematics_batch(
     family = family_of(chain)
     if family.redundant:
         room = min(cap or MOST_SAMPLED, MOST_SAMPLED)
+        traced = seed is not None or room == 1
         q, count, *_ = sample_self_motions(
-            chain, targets, family, start, number, respect_limits, room
+            chain, targets, family, start, number, respect_limits, room, traced=traced
         )
     elif chain.coupling is not None:
         room = min(cap or MAX_SOLUTIONS, MAX_SOLUTIONS)

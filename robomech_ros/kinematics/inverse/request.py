@@ -37,9 +37,13 @@ _first_outside = direct(first_outside)
 
 
 class Request(NamedTuple):
-    """A checked request; the fields are those of :func:`inverse_kinematics`."""
+    """A checked request; the fields are those of :func:`inverse_kinematics`.
+
+    ``seeded`` tells whether the caller has given the seed.
+    """
 
     seed: Array
+    seeded: bool
     respect_limits: bool
     include_windings: bool
     metric: int
@@ -88,7 +92,7 @@ def as_request(
         usual = _usual.__wrapped__(*options)
     if seed is None:
         return usual
-    return Request._make((as_seed(chain, seed, usual.respect_limits), *usual[1:]))
+    return Request._make((as_seed(chain, seed, usual.respect_limits), True, *usual[2:]))
 
 
 def with_task(
@@ -125,6 +129,7 @@ def _usual(
     position, orientation = default_tolerances(chain, FULL_TASK)
     return Request(
         seed=as_seed(chain, None, respect_limits),
+        seeded=False,
         respect_limits=respect_limits,
         include_windings=as_flag("include_windings", include_windings),
         metric=as_metric(metric),

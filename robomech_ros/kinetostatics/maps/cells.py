@@ -103,7 +103,7 @@ def _postures(chain: SerialChain, T: Array, respect_limits: bool) -> tuple[Array
     metric = METRICS["linf"]
     if family.redundant:
         q, counts, *_ = sample_self_motions(
-            chain, T, family, seed, metric, respect_limits, MOST_SAMPLED
+            chain, T, family, seed, metric, respect_limits, MOST_SAMPLED, traced=False
         )
     else:
         q, counts, _ = solve_many(chain, T, family, seed, metric, respect_limits, MAX_SOLUTIONS)

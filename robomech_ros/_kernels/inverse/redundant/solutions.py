@@ -199,11 +199,12 @@ def _approach_first(packed, T, request, count, ranked):
 
 
 @inline
-def _solve_pose(data, T, request, nearest, joints, bench, starts, ranked):
+def _solve_pose(data, T, request, nearest, traced, joints, bench, starts, ranked):
     """Rank the nearest posture and those of all samples.
 
     Returns how many are inside the limits, and how many exist.  Where only the nearest is asked
-    for, samples that are farther from the seed than it are left out.  ``joints`` is as
+    for, samples that are farther from the seed than it are left out.  Self-motions are followed
+    where ``traced``; else the first few samples are moved along them.  ``joints`` is as
     :func:`.trace_nearest` has it, and ``bench`` has where they may be, and working space.
     """
     turns, lower, upper, seed, metric, bounded = request
@@ -222,7 +223,7 @@ def _solve_pose(data, T, request, nearest, joints, bench, starts, ranked):
     rows, marks, away = starts
     for _ in range(2):
         total, known = _take_samples(data, T, request, nearest, steps, bench, distance, starts)
-        if n == 7:
+        if traced:
             known += NEARER_BY if known < distance else 0.0
             found = trace_nearest(
                 packed, T, joints, metric, bounded, rows[:total], away[:total], known, best, traces
@@ -238,24 +239,26 @@ def _solve_pose(data, T, request, nearest, joints, bench, starts, ranked):
         if count > 0:
             break
         steps *= FINER_SAMPLES
-    if n > 7:
+    if not traced:
         count = _approach_first(packed, T, request, count, ranked)
     return count, total
 
 
-@kernel(i8(IN1, IN3, IN1, types.UniTuple(i8, 3), OUT3, IOUT1, OUT1, IOUT1))
+@kernel(i8(IN1, IN3, IN1, types.UniTuple(i8, 4), OUT3, IOUT1, OUT1, IOUT1))
 def solve_redundant(arm, T, seed, asked, ranked, names, distances, counts):
     """Solve the poses T (m, 4, 4) one after another, for samples of the redundancy parameter.
 
     ``arm`` is as :func:`.inverse.solutions.solve` has it.  ``asked`` are the metric, whether limits
-    hold, and whether only the nearest is asked for: then samples farther than the first are left
-    out.  The solutions go to ``ranked`` (m, room, n), nearest to the seed first and NaN after the
-    last; of seven joints the first is the nearest of all self-motions.  ``counts`` (m,) gets their
+    hold, whether only the nearest is asked for (samples farther than the first are left out then),
+    and whether self-motions of seven joints are traced.  The solutions go to ``ranked``
+    (m, room, n), nearest to the seed first and NaN after the last; where self-motions are traced
+    the first is the nearest of them all.  ``counts`` (m,) gets their
     number, or NONE_EXISTS where no sample has a posture even outside the limits.  ``names`` and
     ``distances`` (room,) are those of the last pose.  Returns 0.
     """
     metric, bounded, nearest = asked[0], asked[1] != 0, asked[2] != 0
     n = seed.shape[0]
+    traced = asked[3] != 0 and n == 7
     arm, T, ranked = borrowed(arm), borrowed(T), borrowed(ranked)
     turns, lower, upper = arm[1 : n + 1], arm[n + 1 : 2 * n + 1], arm[2 * n + 1 : 3 * n + 1]
     data = arm[3 * n + 1 :]
@@ -272,7 +275,7 @@ def solve_redundant(arm, T, seed, asked, ranked, names, distances, counts):
     bench = q, branch, locked, best, np.empty((TRACES, 28))
     for m in range(T.shape[0]):
         into = Ranked(ranked[m], names, distances)
-        count, bare = _solve_pose(data, T[m], request, nearest, joints, bench, starts, into)
+        count, bare = _solve_pose(data, T[m], request, nearest, traced, joints, bench, starts, into)
         counts[m] = count if bare > 0 else NONE_EXISTS
         for k in range(count, ranked.shape[1]):
             for i in range(n):
