@@ -61,8 +61,8 @@ def inverse_kinematics(
     parallel axes, or a hollow wrist, leave an arm with a closed form; else they are searched.
 
     A redundant arm gets samples of its self-motion, in closed form for each value of its redundancy
-    parameter. With seven joints and a seed the first is the nearest to it on all branches that cross a
-    sample, which are traced; with more, the nearest that steps lead to.
+    parameter. With seven joints and a seed the first is the nearest to it on all branches that
+    cross a sample, which are traced; with more, the nearest that steps lead to.
 
     Redundant partial tasks and chains with very special geometry are searched iteratively, and so
     are poses without a solution if tolerances are looser than the default. ``complete`` is False
