@@ -279,7 +279,7 @@ class SerialChain(Printed):
     @cached_property
     def turns(self) -> NDArray[np.bool_]:
         """Which values are angles of which a whole turn changes nothing, shape (n,)."""
-        kinds = self.packed[: self.n, 0 if self.coupling is None else -1]
+        kinds = self.types if self.coupling is None else self.packed[: self.n, -1]
         result: NDArray[np.bool_] = kinds == TURN
         result.setflags(write=False)
         return result

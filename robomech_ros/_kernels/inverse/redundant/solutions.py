@@ -204,7 +204,7 @@ def _solve_pose(data, T, request, nearest, traced, joints, bench, starts, ranked
 
     Returns how many are inside the limits, and how many exist.  Where only the nearest is asked
     for, samples that are farther from the seed than it are left out.  Self-motions are followed
-    where ``traced``; else the first few samples are moved along them.  ``joints`` is as
+    where ``traced``; of more than seven joints the first few samples are moved along them.  ``joints`` is as
     :func:`.trace_nearest` has it, and ``bench`` has where they may be, and working space.
     """
     turns, lower, upper, seed, metric, bounded = request
@@ -239,7 +239,7 @@ def _solve_pose(data, T, request, nearest, traced, joints, bench, starts, ranked
         if count > 0:
             break
         steps *= FINER_SAMPLES
-    if not traced:
+    if n > 7:
         count = _approach_first(packed, T, request, count, ranked)
     return count, total
 
