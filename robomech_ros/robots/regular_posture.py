@@ -27,6 +27,8 @@ _SLIDE = 0.5
 # How much a posture counts less at the ends of all ranges, and with a joint below the base by
 # more than a part of all lengths.
 _FAR, _BELOW = 0.3, 0.5
+# The middle is taken where it is at least this part as good as the best: it looks familiar.
+_GOOD = 0.3
 _LOW = 0.02
 # Numbers in a row of a packed chain: type, rotation and origin.
 _WIDTH = 13
@@ -55,7 +57,7 @@ def regular_posture(
     Returns
     -------
     ndarray, shape (n,)
-        rad or m, rounded to hundredths.
+        rad or m: the middle of the limits if that is regular, else rounded to hundredths.
     """
     n = len(lower)
     if not n:
@@ -67,8 +69,10 @@ def regular_posture(
     q = np.ascontiguousarray(middle + away * half)
     ratios = _conditioning(packed, types, q) * _standing(packed[:, :_WIDTH], joint_values(q))
     score = ratios * (1.0 - _FAR * np.abs(away).mean(axis=1))
-    best = np.round(q[int(np.argmax(score))], 2)
-    inside: Array = np.clip(best, lower, upper)
+    if score[0] >= _GOOD * score.max():
+        regular: Array = q[0]
+        return regular
+    inside: Array = np.clip(np.round(q[int(np.argmax(score))], 2), lower, upper)
     return inside
 
 

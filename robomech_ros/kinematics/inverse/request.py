@@ -126,9 +126,10 @@ def _usual(
 ) -> Request:
     """Check a request for the full pose from mid-range, with the default tolerances."""
     respect_limits = as_flag("respect_limits", respect_limits)
+    seed = as_seed(chain, None, respect_limits)
     position, orientation = default_tolerances(chain, FULL_TASK)
     return Request(
-        seed=as_seed(chain, None, respect_limits),
+        seed=seed,
         seeded=False,
         respect_limits=respect_limits,
         include_windings=as_flag("include_windings", include_windings),
