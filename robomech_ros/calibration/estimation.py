@@ -60,6 +60,9 @@ _FEW, _USUAL = 7, 0.1
 # Fits farther apart than this (rad) are different ones, and so much (twice the logarithm of the
 # likelihood) the best must be more likely.
 _APART, _CLEARLY = 0.5, 20.0
+# The turn of the sensor about parallel axes is to be known so well (rad); what noise makes of it,
+# in squares for each sample, is no motion.
+_TURN, _CHANCE = 0.1, 12.0
 # A convention is wrong where another one's misfit is less by the first over (n - 3), once both are
 # refined: by chance it is not.  The other need not be refined where its start's is so much more.
 _BETTER, _WORSE = 2.0, 6.0
@@ -190,6 +193,7 @@ def hand_eye(
             "are they of the same moments?",
         )
     _check_turns(fit, None, kind)
+    _check_line(fit)
     _check_single(fit)
     return _result(fit, robot, rows, back, kind)
 
@@ -269,6 +273,8 @@ def _refined(fit: _Fit, robust: bool) -> None:
     if fit.freedom.is_axis and not before:
         fit.at = fit.start.at.copy()
         put_on_axis(fit.A, fit.S, fit.use, fit.at, fit.freedom)
+        if not fit.known:
+            fit.noise[:2] = variances_of(errors_at(fit.A, fit.S, fit.at))
     if fit.freedom.is_axis or before:
         _refined_as_free(fit, robust)
 
@@ -328,6 +334,28 @@ def _check_turns(fit: _Fit, other: _Fit | None, mount: str) -> None:
         "turns about two axes that are not parallel; the sensor's position in the "
         f"{parent} frame is free in all directions",
         np.eye(3).tolist(),
+    )
+
+
+def _check_line(fit: _Fit) -> None:
+    """Refuse turns about one line, which leave the sensor's turn about it free, too.
+
+    Raises
+    ------
+    UndeterminedError
+    """
+    if not fit.freedom.is_axis:
+        return
+    off = fit.freedom.motion_off_line(fit.A, fit.S, fit.use, fit.at)
+    by_chance = float(fit.noise[1]) * (_TURN**-2 + _CHANCE * float(fit.use.sum()))
+    if off**2 > by_chance and off > _EXACT * reach_of(fit.S):
+        return
+    raise UndeterminedError(
+        "axes of the robot's rotations",
+        "all on one line",
+        "turns about axes that are not parallel, or motions across that line; the sensor's "
+        "turn about the line and its position along it are free",
+        fit.freedom.directions.tolist(),
     )
 
 

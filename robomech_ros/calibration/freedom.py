@@ -43,8 +43,35 @@ class Freedom:
 
     def turn_about_axis(self, A: Array, S: Array, use: Array, at: Array) -> None:
         """Turn X and Z (24) about the axis as the positions of the samples have it."""
-        kept = use > 0.0
         axis, other = self.held[:3], self.held[3:6]
+        columns, right = self._positions_about_axis(A, S, use, at)
+        found = np.linalg.lstsq(columns, right, rcond=1e-9)[0]
+        angle = np.arctan2(found[1], found[0])
+        for first, about in ((0, axis), (12, other)):
+            x, y, z = about
+            cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+            turn = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+            at[first : first + 9] = (turn @ at[first : first + 9].reshape(3, 3)).ravel()
+
+    def motion_off_line(self, A: Array, S: Array, use: Array, at: Array) -> float:
+        """Return how far (m) the target moves beyond what turns about one line explain.
+
+        The root of the sum of squares over the samples: the turn of X about the axis is known to
+        the noise of positions over this.
+        """
+        columns, _ = self._positions_about_axis(A, S, use, at)
+        about, others = columns[:, :2], columns[:, 2:]
+        rest = about - others @ np.linalg.lstsq(others, about, rcond=1e-9)[0]
+        return float(np.sqrt(0.5 * np.vdot(rest, rest)))
+
+    def _positions_about_axis(
+        self, A: Array, S: Array, use: Array, at: Array
+    ) -> tuple[Array, Array]:
+        """Return the equations of positions: columns (3 k, 8) and right-hand side (3 k,).
+
+        Unknown are cosine and sine of a turn about the axis, and the positions of X and Z.
+        """
+        kept, axis = use > 0.0, self.held[:3]
         R = A[kept, :9].reshape(-1, 3, 3)
         seen = S[kept, 9:] @ at[:9].reshape(3, 3).T
         along = np.outer(seen @ axis, axis)
@@ -53,13 +80,7 @@ class Freedom:
         columns[:, :, 1] = (R @ np.cross(axis, seen)[:, :, None])[:, :, 0]
         columns[:, :, 2:5], columns[:, :, 5:] = R, -np.eye(3)
         right = -A[kept, 9:] - (R @ along[:, :, None])[:, :, 0]
-        found = np.linalg.lstsq(columns.reshape(-1, 8), right.ravel(), rcond=1e-9)[0]
-        angle = np.arctan2(found[1], found[0])
-        for first, about in ((0, axis), (12, other)):
-            x, y, z = about
-            cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-            turn = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
-            at[first : first + 9] = (turn @ at[first : first + 9].reshape(3, 3)).ravel()
+        return columns.reshape(-1, 8), right.ravel()
 
     def settle(self, at: Array) -> None:
         """Move X and Z (24) along the free axis until X's position along it is zero."""

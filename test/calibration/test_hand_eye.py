@@ -202,6 +202,24 @@ def test_five_of_six_numbers_are_found_about_parallel_axes(mount):
     assert 88 <= inside <= 99
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+@pytest.mark.parametrize("along", [0.0, 0.3])
+def test_turns_about_one_line_leave_the_turn_about_it_free(noise, along):
+    """The rotation came back wrong by a radian, with a deviation of 3e-14 rad."""
+    X, Z = spatial.pose_exponential(
+        [[0.3, -0.2, 0.5, 0.1, 0.1, 0.2], [2.0, 0.3, -0.4, 0.6, 0.1, 0.2]]
+    )
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        twists = np.zeros((12, 6))
+        twists[:, 2], twists[:, 5] = rng.uniform(-2.5, 2.5, 12), along * rng.uniform(-1.0, 1.0, 12)
+        A = spatial.pose_exponential(twists)
+        S = spatial.inverse_pose(A @ X) @ Z
+        S = S @ spatial.pose_exponential(noise * rng.normal(size=(12, 6)))
+        with pytest.raises(UndeterminedError, match="axes of the robot's rotations"):
+            hand_eye(A, S)
+
+
 def test_a_robot_of_four_axes(handeye_data):
     A, S, data = handeye_data("handeye_scara")
     found, truth = hand_eye(A, S), np.array(data["true_T_hand_sensor"])

@@ -204,8 +204,9 @@ def _solve_pose(data, T, request, nearest, traced, joints, bench, starts, ranked
 
     Returns how many are inside the limits, and how many exist.  Where only the nearest is asked
     for, samples that are farther from the seed than it are left out.  Self-motions are followed
-    where ``traced``; of more than seven joints the first few samples are moved along them.  ``joints`` is as
-    :func:`.trace_nearest` has it, and ``bench`` has where they may be, and working space.
+    where ``traced``; of more than seven joints the first few samples are moved along them.
+    ``joints`` is as :func:`.trace_nearest` has it, and ``bench`` has where they may be, and working
+    space.
     """
     turns, lower, upper, seed, metric, bounded = request
     _, _, locked, best, traces = bench
