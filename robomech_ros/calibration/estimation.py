@@ -260,7 +260,7 @@ def _started(A: Array, S: Array, voters: Array, side: int, given: Array | None) 
 def _refined(fit: _Fit, robust: bool) -> None:
     """Refine, leaving out what contradicts the rest, until it is the same samples.
 
-    Directions are free or not as the noise of these has it.
+    The noise of the refined unknowns decides which directions are free.
     """
     _refined_as_free(fit, robust)
     errors = errors_at(fit.A, fit.S, fit.at)

@@ -1,4 +1,4 @@
-"""Which directions of the sensor's position the motions leave free."""
+"""Directions in which the motions leave the sensor's position undetermined."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Freedom:
         return len(self.directions) == 1
 
     def turn_about_axis(self, A: Array, S: Array, use: Array, at: Array) -> None:
-        """Turn X and Z (24) about the axis as the positions of the samples have it."""
+        """Turn X and Z (24) about the axis by the angle that fits the positions best."""
         axis, other = self.held[:3], self.held[3:6]
         columns, right = self._positions_about_axis(A, S, use, at)
         found = np.linalg.lstsq(columns, right, rcond=1e-9)[0]

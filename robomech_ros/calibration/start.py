@@ -48,7 +48,7 @@ class Start:
 
 
 def packed(poses: Array) -> Array:
-    """Give poses (n, 4, 4) as rows of rotation and origin (n, 12)."""
+    """Return poses (n, 4, 4) as rows of rotation and origin (n, 12)."""
     rows = np.empty((len(poses), 12))
     rows[:, :9] = poses[:, :3, :3].reshape(-1, 9)
     rows[:, 9:] = poses[:, :3, 3]
@@ -152,7 +152,7 @@ def errors_at(A: Array, S: Array, at: Array) -> Array:
 
 
 def variances_of(errors: Array) -> tuple[float, float]:
-    """Variances of each coordinate of which the medians of squared errors (2, n) speak."""
+    """Estimate the variances per coordinate from medians of squared errors (2, n)."""
     freed = 1.0 / (_MEDIAN * max(1.0 - 2.0 / errors.shape[1], 0.25))
     ordered, n = np.sort(errors, axis=1), errors.shape[1]
     medians = 0.5 * (ordered[:, (n - 1) // 2] + ordered[:, n // 2])

@@ -111,7 +111,7 @@ def as_follower(chain: SerialChain | Follower, task_mask: Sequence[bool] | None 
         return ChainFollower(chain, task_mask)
     if hasattr(chain, "singular_part") and not isinstance(chain, type):
         if task_mask is not None and len(held_rows("task_mask", task_mask)) not in (0, 6):
-            expected = "the full pose: only a chain may leave a part of it free"
+            expected = "all True or all False: only serial arms can leave components free"
             raise BadValueError("task_mask", list(task_mask), expected)
         return chain
     raise BadValueError("chain", chain, "a SerialChain, or a follower of a parallel robot")

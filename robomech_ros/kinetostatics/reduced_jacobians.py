@@ -61,7 +61,7 @@ def task_jacobian(
     """
     rows = held_rows("mask", mask)
     if not len(rows):
-        raise BadValueError("mask", tuple(mask), "one that leaves a row: not all False")
+        raise BadValueError("mask", tuple(mask), "at least one True")
     part: Array = point_jacobian(chain, q, point, axes)[..., rows, :]
     return part
 

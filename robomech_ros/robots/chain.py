@@ -212,7 +212,7 @@ class SerialChain(Printed):
         )
 
     def joint_values(self, q: Array) -> Array:
-        """Give the values (..., m) of all joints (rad or m) at those (..., n) of the drives."""
+        """Return the values (..., m) of all joints (rad or m) from those (..., n) of the drives."""
         if self.coupling is None:
             return q
         values: Array = (
@@ -221,14 +221,14 @@ class SerialChain(Printed):
         return values
 
     def joint_rates(self, qd: Array) -> Array:
-        """Give the rates (..., m) of all joints at those (..., n) of the drives."""
+        """Return the rates (..., m) of all joints from those (..., n) of the drives."""
         if self.coupling is None:
             return qd
         rates: Array = self.coupling.gain * np.take(qd, self.coupling.drive, -1)
         return rates
 
     def drive_efforts(self, efforts: Array) -> Array:
-        """Give what the drives (..., n) exert for efforts (..., m) at all joints (N m or N)."""
+        """Return the drive efforts (..., n) for efforts (..., m) at all joints (N m or N)."""
         return efforts if self.coupling is None else efforts @ self.coupling.matrix
 
     def drive_matrix(self, matrix: Array) -> Array:
@@ -278,7 +278,7 @@ class SerialChain(Printed):
 
     @cached_property
     def turns(self) -> NDArray[np.bool_]:
-        """Which values are angles of which a whole turn changes nothing, shape (n,)."""
+        """Joints whose value may change by a whole turn without effect, shape (n,)."""
         kinds = self.types if self.coupling is None else self.packed[: self.n, -1]
         result: NDArray[np.bool_] = kinds == TURN
         result.setflags(write=False)

@@ -71,7 +71,7 @@ def dh_from_axes(points: ArrayLike, directions: ArrayLike) -> DHTable:
         raise BadValueError("points", float(np.abs(origins).max()), f"at most {LARGEST_LENGTH:g} m")
     longest = np.abs(axes).max(axis=1, keepdims=True)
     for k in np.flatnonzero(longest == 0.0):
-        raise BadValueError(f"directions[{k}]", axes[k].tolist(), "a vector of some length")
+        raise BadValueError(f"directions[{k}]", axes[k].tolist(), "a non-zero vector")
     # By the largest entry first, so that no square overflows or vanishes.
     axes = axes / longest
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)

@@ -83,7 +83,7 @@ class DHTable(Printed):
 
 
 def implausible_angles(what: str, angles: Iterable[float], names: Iterable[str]) -> Iterator[str]:
-    """Say which angles of a table (rad), by the names of their joints, are more than a turn."""
+    """Yield a note for each angle (rad) beyond one turn."""
     for name, angle in zip(names, angles, strict=True):
         if abs(angle) > _TURN:
             yield (

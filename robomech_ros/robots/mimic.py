@@ -36,7 +36,7 @@ class Follower:
 
 @dataclass(frozen=True, eq=False)
 class Coupling:
-    """How the m joints of a chain stand at the values q (n,) of its drives.
+    """Positions of the m joints of a chain as a function of the values q (n,) of its drives.
 
     Joint i stands at ``gain[i] q[drive[i]] + offset[i]``.
 
@@ -68,13 +68,13 @@ class Coupling:
         return A
 
     def first(self, count: int) -> "Coupling":
-        """Give the coupling of the first joints of the chain."""
+        """Return the coupling of the first ``count`` joints."""
         types, drive = self.types[:count], self.drive[:count]
         gain, offset = self.gain[:count], self.offset[:count]
         return Coupling(self.joint_names[:count], types, drive, gain, offset)
 
     def columns(self, types: NDArray[np.int64]) -> Array:
-        """Give what the kernels read of it (m + 1, 4), for drives of these types (n,)."""
+        """Return its columns (m + 1, 4) in a packed chain, for drives of these types (n,)."""
         rows = np.zeros((len(self.drive) + 1, COUPLING_WIDTH))
         rows[:-1, 0], rows[:-1, 1], rows[:-1, 2] = self.drive, self.gain, self.offset
         rows[-1, 0] = len(types)
@@ -88,7 +88,7 @@ class Coupling:
 
 
 def drive_limits(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Mapping[str, float]:
-    """Give the six limits of a drive, within those of the joints that follow it.
+    """Return the six limits of a drive, narrowed by its followers.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def drive_limits(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Map
 
 
 def joined_drive(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Drive:
-    """Give what a drive feels of its own friction and rotor and of those of the followers."""
+    """Return the friction and rotor inertia of a drive, including those of its followers."""
     ways = [pair for pair in joints if pair[0] is not leader and pair[0].drive != Drive()]
     if not ways:
         return leader.drive

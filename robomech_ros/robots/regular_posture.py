@@ -98,7 +98,7 @@ def _spread(n: int) -> Array:
 
 
 def _standing(packed: Array, values: Array) -> Array:
-    """Give 1 where all joints are above the base, and less where one is well below it."""
+    """Return 1 for postures with all joints above the base, less for others."""
     # Compiled code is loaded only where somebody asks for this posture.
     from robomech_ros._kernels.chain.serial import forward
 

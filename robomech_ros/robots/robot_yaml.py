@@ -127,7 +127,7 @@ def _source(document: Mapping[str, Any], where: str) -> str:
 
 
 def _implausible(rows: list[dict[str, Any]]) -> Iterator[str]:
-    """Say which angles and limits of a table are hardly in rad."""
+    """Yield a note for each value that is probably in degrees."""
     names = [row["name"] for row in rows]
     for key in ("alpha", "theta"):
         yield from implausible_angles(key, [row[key] for row in rows], names)
@@ -136,7 +136,7 @@ def _implausible(rows: list[dict[str, Any]]) -> Iterator[str]:
         if row["type"] == "revolute" and _WIDEST < widest < math.inf:
             yield (
                 f"joint '{row['name']}': a limit of {widest:g} rad is more than four turns; "
-                "for degrees give units: degrees"
+                "if degrees were meant, add the key 'units: degrees'"
             )
 
 

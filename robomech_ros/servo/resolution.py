@@ -205,12 +205,12 @@ class TwistResolver:
         return kept
 
     def scaled(self, twist: Array) -> Array:
-        """Give a twist, angular first (rad/s and m/s), its linear part over the length."""
+        """Return a twist, angular first (rad/s and m/s), its linear part over the length."""
         scaled: Array = self._scale * twist
         return scaled
 
     def condition_number(self, q: Array) -> float:
-        """Give that of a posture (rad or m)."""
+        """Return that of a posture (rad or m)."""
         return _condition(np.linalg.svd(self.jacobian(q), compute_uv=False), self.rank)
 
     def resolve(self, q: Array, twist: Array, velocity: Array) -> Resolution:
@@ -244,7 +244,7 @@ class TwistResolver:
         return Resolution(rates, scale, not falling, condition, possible, missed)
 
     def _missed(self, posture: _Posture, parts: Array) -> Array:
-        """Give the part of a twist that the posture does not allow, or what it allows least."""
+        """Return the part of a twist that the posture does not allow, or what it allows least."""
         none = np.where(posture.values < posture.least, parts, 0.0)
         if _norm(none) <= _SOMETHING * _norm(parts):
             none[np.argmin(posture.values)] = 1.0
@@ -280,7 +280,7 @@ class TwistResolver:
         return Heading(gain @ twist, gain, condition, possible, pose, null)
 
     def unheld(self, q: Array, twist: Array, found: Resolution, acceleration: Array) -> Resolution:
-        """Give rates and scale of a twist that is followed along no line.
+        """Return rates and scale of a twist that is followed along no line.
 
         Towards a singularity the scale is one with which joints can still turn round: with more of
         it their rates would grow faster than they accelerate, and the tip would leave the direction
@@ -316,7 +316,7 @@ class TwistResolver:
         return found._replace(scale=min(found.scale, scale))
 
     def jacobian(self, q: Array) -> Array:
-        """Give that of a posture (rad or m), its linear rows over the length (6, n).
+        """Return that of a posture (rad or m), its linear rows over the length (6, n).
 
         Where components of the pose are free, nothing moves them.
         """
@@ -330,7 +330,7 @@ class TwistResolver:
         return scaled
 
     def change(self, q: Array, rates: Array) -> Array:
-        """Give the rate of the scaled Jacobian at joint rates."""
+        """Return the rate of the scaled Jacobian at joint rates."""
         scaled: Array = np.empty((6, self.chain.n))
         if _rate_one(self.chain.packed, q, rates, scaled):
             raise_not_finite(self.chain, rates, "rates")
@@ -345,7 +345,7 @@ class TwistResolver:
     def _split(
         self, posture: _Posture, parts: Array, needed: Array, velocity: Array
     ) -> tuple[Array, Array]:
-        """Give the rates of what is not in danger of being lost, and of what is."""
+        """Return the rates of what is not in danger of being lost, and of what is."""
         rank = len(parts)
         weak = posture.values < posture.lower
         none = posture.values < _UNCERTAIN * posture.least
@@ -378,7 +378,7 @@ class TwistResolver:
         return way if along >= 0.0 else -way
 
     def room(self, q: Array, way: Array) -> float:
-        """Give how far the joints can go in a direction (rad or m)."""
+        """Return how far the joints can go in a direction (rad or m)."""
         bound = np.where(way > 0.0, self.chain.upper, self.chain.lower)
         moved = np.abs(way) > _NO_RATE
         room = np.abs(bound - q)[moved] / np.abs(way)[moved]
@@ -387,7 +387,7 @@ class TwistResolver:
     def _slowed(
         self, posture: _Posture, parts: Array, needed: Array, lost: Array, rates: Array
     ) -> tuple[float, bool]:
-        """Give the scale, and whether the posture comes nearer to a singularity."""
+        """Return the scale, and whether the posture comes nearer to a singularity."""
         weak = posture.values < posture.lower
         last = int(np.argmin(posture.values))
         change = self.change(posture.q, rates)
@@ -412,7 +412,7 @@ class TwistResolver:
         return scale, fall > _LEVEL
 
     def _before_the_wall(self, pull: float, distance: float) -> float:
-        """Give the scale of a motion that takes away from itself what it needs."""
+        """Return the scale of a motion that takes away from itself what it needs."""
         if pull <= _LEVEL:
             return 1.0
         scale = min(1.0, (self._approach * max(distance, 0.0) + _LEVEL) / pull)

@@ -53,7 +53,7 @@ def test_rows_of_a_task():
 @pytest.mark.parametrize(
     ("mask", "error", "message"),
     [
-        ([False] * 6, BadValueError, "mask .*one that leaves a row"),
+        ([False] * 6, BadValueError, "mask .*at least one True"),
         ([True] * 5, WrongSizeError, "mask has size 5, expected 6"),
         ([True, 2, True, True, True, True], BadValueError, r"mask\[1\] is 2, expected True or"),
         ("xyzrpy", BadValueError, "mask .*six of True or False"),

@@ -247,8 +247,8 @@ def test_a_table_in_degrees_with_d_and_without_a_source():
     ("old", "new", "expected"),
     [
         ("units: degrees", "units: grads", "units: 'grads', expected radians, degrees"),
-        ("d: 0.2,", "d: 0.2, b: 0.2,", "needs b, which other books call d, and not both"),
-        ("d: 0.2,", "", "joint 1.*: needs b, which other books call d$"),
+        ("d: 0.2,", "d: 0.2, b: 0.2,", "needs exactly one of b and d"),
+        ("d: 0.2,", "", "joint 1.*: needs exactly one of b and d"),
         ("lower: -170", "lower: \uff11", "lower is '\uff11', expected a finite number"),
     ],
 )

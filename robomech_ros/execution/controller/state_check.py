@@ -64,8 +64,8 @@ class StateCheck:
         if not (over <= _ROUNDING).all():
             joint = int(np.argmax(over))
             speed = abs(float(position[joint] - self._position[joint])) / span
-            limit = f"faster than its limit {self.limits.velocity[joint]:.4g}"
-            return self._text(joint, f"would jump at {speed:.3g}", 1, limit)
+            limit = f"faster than its limit of {self.limits.velocity[joint]:.4g}"
+            return self._text(joint, f"would move at {speed:.3g}", 1, limit)
         return ""
 
     def _text(self, joint: int, what: str, order: int, limit: str) -> str:

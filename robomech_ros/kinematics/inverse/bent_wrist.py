@@ -155,7 +155,7 @@ def _elbow_arm(
 
 
 def _expanded(values: Array) -> Array:
-    """Give the Chebyshev coefficients of a function of cos q, known at evenly spread q."""
+    """Return the Chebyshev coefficients of a function of cos q, known at evenly spread q."""
     k = len(values)
     waves = np.cos(math.pi * np.outer(np.arange(k), np.arange(k) + 0.5) / k)
     coefficients: Array = 2.0 / k * waves @ values
@@ -166,7 +166,7 @@ def _expanded(values: Array) -> Array:
 def _branches(
     wrist: BentWrist, foot: Array, axis: Array, x: Array
 ) -> tuple[Complex, Complex, Complex, Complex]:
-    """Give four postures of the arm for each cosine x (k,), and the condition that they leave.
+    """Return four postures of the arm for each cosine x (k,), and the condition that they leave.
 
     Foot and direction of the wrist's last axis (3,) are in the frame of the arm.  Returned are what
     the first joint is turned by and what the first three are, as complex numbers of length 1, the
@@ -241,7 +241,7 @@ def _arm_values(
     axis: Array,
     cosine: float,
 ) -> Array:
-    """Give the values of the first three joints of a branch; a complex one gives the nearest."""
+    """Return the values of the first three joints of a branch; a complex one gives the nearest."""
     shift = float(np.polynomial.chebyshev.chebval(cosine, wrist.shift))
     first = float(np.angle(turned))
     point = turn_about_z(-first)[:3, :3] @ (foot - shift * axis)

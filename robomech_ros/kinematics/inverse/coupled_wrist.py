@@ -152,7 +152,7 @@ def _wrist_angles(wrist: CoupledWrist, W: Array) -> tuple[list[Array], bool]:
 
 
 def between_axes(turns: Array, angles: Sequence[float]) -> Array:
-    """Give the rotation from the first axis of a wrist to the last, at angles of the middle ones.
+    """Return the rotation from the first axis of a wrist to the last, at angles of the middle ones.
 
     Parameters
     ----------

@@ -51,7 +51,7 @@ def solve_by_sampling(
 
 @lru_cache(maxsize=64)
 def _sampled(chain: SerialChain, family: Family) -> Findings:
-    """Give what is found of solutions, which is the same for all poses."""
+    """Return what is found of solutions, which is the same for all poses."""
     reason = (
         f"{chain.n} joints for 6 conditions: the solutions form a continuum, of which these are "
         f"samples, along {parameter_name(chain, family.data)}"

@@ -71,7 +71,7 @@ def default_tolerances(chain: SerialChain, task: Task) -> tuple[float, float]:
 
 
 def is_loose(chain: SerialChain, request: Request) -> bool:
-    """Tell whether a request allows larger errors than the defaults for the full pose."""
+    """Return True if a request allows larger errors than the defaults for the full pose."""
     position, orientation = default_tolerances(chain, FULL_TASK)
     return request.position_tolerance > position or request.orientation_tolerance > orientation
 

@@ -129,7 +129,7 @@ def _ended(chain: SerialChain, home: Array, q: Array, unit: Array, length: float
 
 
 def _derivatives(chain: SerialChain, q: Array, scale: Array) -> Array:
-    """Give the derivatives (m, n, 6, n) of scaled Jacobians (m, 6, n) by the joints.
+    """Return the derivatives (m, n, 6, n) of scaled Jacobians (m, 6, n) by the joints.
 
     Linear rows carry the scale, and so does what is made of them.
     """

@@ -32,7 +32,9 @@ def run(args: argparse.Namespace) -> int:
     from robomech_ros.nodes.commands.service_client import NoAnswerError
 
     if find_spec("control_msgs") is None:
-        hint = "control_msgs is missing, which has GripperCommand; 'make compat' builds it"
+        hint = (
+            "control_msgs, which defines GripperCommand, is not installed; 'make setup' builds it"
+        )
         print(f"robomech gripper: {hint}", file=sys.stderr)
         return EXIT_REFUSED
     from robomech_ros.nodes.commands.gripper_client import move_gripper

@@ -163,8 +163,8 @@ def with_assumed_rates(description: RobotDescription) -> tuple[RobotDescription,
         dataclasses.replace(joint, **limits.get(joint.name, {})) for joint in description.joints
     )
     notice = (
-        "nobody gives limits of acceleration and jerk of some joints (URDF cannot); assumed: full "
-        f"speed in {_TO_SPEED:g} s, full acceleration in {_TO_ACCELERATION:g} s"
+        "acceleration or jerk limits of some joints are missing (URDF has none); assumed: "
+        f"full speed in {_TO_SPEED:g} s, full acceleration in {_TO_ACCELERATION:g} s"
     )
     return dataclasses.replace(description, joints=joints), notice, _as_file(limits)
 

@@ -139,7 +139,7 @@ class CommandedJoints:
             self.follower.advance(time)
             state, real = self._look()
             if fault := self._check.fault(state.position, time):
-                raise OutcomeError(Code.LIMIT, f"{fault}; the robot holds where it was before")
+                raise OutcomeError(Code.LIMIT, f"{fault}; the robot holds its last position")
         except RobomechError as error:
             code = code_of(error)
             why = "stopped before a singular posture: " if code is Code.SINGULAR else ""

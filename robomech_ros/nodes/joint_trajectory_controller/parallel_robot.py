@@ -114,8 +114,8 @@ class ParallelRobot(SimulatedRobot):
             raise OutcomeError(closed.status, closed.reason)
         off = float(np.abs(closed.q[index] - drives).max())
         if not max(off, closed.error) <= OPEN:
-            text = f"loops are open by {closed.error:.3g}, and drives off their places by {off:.3g}"
-            raise OutcomeError(Code.NOT_CONVERGED, f"{text}, at most {OPEN:g} is allowed")
+            text = f"the loops do not close: gap {closed.error:.3g}, drives off by {off:.3g}"
+            raise OutcomeError(Code.NOT_CONVERGED, f"{text}; at most {OPEN:g} is allowed")
         return closed.q
 
     def _read(self, trajectory: JointTrajectory) -> Waypoints:

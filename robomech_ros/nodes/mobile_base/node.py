@@ -115,8 +115,8 @@ class MobileBaseNode(Node):
             response.message = str(error)
             return response
         beside = any((request.z, request.roll, request.pitch))
-        ignored = "; z, roll and pitch are not those of a base on the ground" if beside else ""
-        response.message = f"odometry goes on at x, y and yaw{ignored}"
+        ignored = "; z, roll and pitch were ignored: the base stays on the ground" if beside else ""
+        response.message = f"odometry continues at x, y and yaw{ignored}"
         response.success = True
         return response
 

@@ -144,7 +144,7 @@ def check_settings(settings: ServoNodeSettings) -> None:
         raise ParameterError("lower_singularity_threshold", slow, allowed)
     free = settings.free_directions
     if not set(free) < set(_DIRECTIONS):
-        allowed = f"a list of some of {', '.join(_DIRECTIONS)}, not all of them"
+        allowed = f"at most five of {', '.join(_DIRECTIONS)}"
         raise ParameterError("free_directions", free, allowed)
 
 

@@ -79,7 +79,7 @@ class TrajectoryPlannerNode(Node):
             return robot
         completed, notice, file = with_assumed_rates(robot)
         if notice:
-            more = "give yours in a file such as this one, with --joint-limits FILE"
+            more = "to set your own, edit this file and pass it with --joint-limits FILE"
             self.get_logger().warning(f"{notice}; {more}:\n{file}")
         return completed
 

@@ -71,7 +71,7 @@ def _row(row: object, where: str, angle: float) -> dict[str, Any]:
             where, f"type is {str(kind)[:80]!r}, expected one of {', '.join(JOINT_TYPES)}"
         )
     if ("b" in checked) == ("d" in checked):
-        why = "needs b, which other books call d" + (", and not both" if "b" in checked else "")
+        why = "needs exactly one of b and d, two names of the same parameter"
         raise RobotDescriptionError(where, why)
     checked["b"] = checked.pop("d", checked.get("b"))
     for key in (*_ANGLES, *(() if kind == "prismatic" else _TURNS)):

@@ -200,14 +200,14 @@ def test_odometry_goes_on_where_it_is_set(graph):
         answer = graph.call(SetOdometry, "mobile_base/set_odometry", SetOdometry.Request(**fields))
         return answer.success, answer.message
 
-    assert ask(x=3.0, y=-2.0, yaw=1.0) == (True, "odometry goes on at x, y and yaw")
+    assert ask(x=3.0, y=-2.0, yaw=1.0) == (True, "odometry continues at x, y and yaw")
     told = graph.receive(Odometry, "mobile_base/odom", 10, lambda m: m.pose.pose.position.x == 3.0)
     at = told.pose.pose
     assert (at.position.y, at.orientation.z) == (-2.0, math.sin(0.5))
     assert min(told.pose.covariance[::7]) > 0.0 and min(told.twist.covariance[::7]) > 0.0
     success, text = ask(yaw=math.nan)
     assert not success and "odometry.yaw is nan" in text
-    assert "z, roll and pitch are not those of a base" in ask(z=1.0)[1]
+    assert "z, roll and pitch were ignored" in ask(z=1.0)[1]
 
 
 def test_a_robot_may_be_made_from_parameters(graph):

@@ -42,7 +42,7 @@ class PlainArm:
 
 @lru_cache(maxsize=64)
 def plain_arm(chain: SerialChain) -> PlainArm:
-    """Give the arm with the fewest joints that a chain is a part of.
+    """Return the arm with the fewest joints that a chain is a part of.
 
     Parameters
     ----------
