@@ -88,6 +88,8 @@ class LeggedRobot:
                 raise BadValueError(f"leg '{leg}'", chain, "a SerialChain")
             if chain.n != _JOINTS:
                 raise BadValueError(f"number of joints of leg '{leg}'", chain.n, str(_JOINTS))
+        if not isinstance(tree, RobotDescription | None):
+            raise BadValueError("tree", tree, "a RobotDescription")
         trunks = sorted({chain.base for chain in legs.values()})
         if len(trunks) > 1:
             raise BadValueError("base links of the legs", trunks, "one trunk")

@@ -38,11 +38,15 @@ def test_groups_are_listed_with_what_is_wrong(srdf, capsys):
     assert "line 10: group_state 'far' of group 'wrist': joint 'wrist_1_joint' is at 70" in shown
 
 
-def test_an_srdf_that_does_not_fit_is_refused(srdf, capsys):
-    assert main(["groups", "puma560", "--srdf", srdf]) == 2
-    assert (
-        "line 3: joint 'wrist_1_joint': name is 'wrist_1_joint' (did you" in capsys.readouterr().err
-    )
+def test_an_srdf_none_of_whose_groups_fits_is_refused(srdf, tmp_path, capsys):
+    assert main(["groups", "puma560", "--srdf", srdf]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "line 3: joint 'wrist_1_joint': name is 'wrist_1_joint' (did you" in shown
+    lines = SRDF.splitlines()
+    other = tmp_path / "wrist.srdf"
+    other.write_text("\n".join(lines[:1] + lines[2:3] + lines[-1:]), encoding="utf-8")
+    assert main(["groups", "puma560", "--srdf", str(other)]) == 2
+    assert "none of its groups is one of 'puma560'; " in capsys.readouterr().err
 
 
 def test_a_named_posture_is_drawn(srdf, tmp_path, capsys):
