@@ -65,4 +65,4 @@ def test_who_does_not_answer_and_missing_types_are_named(domain_id, capfd, monke
     assert code == 3 and "'/joint_trajectory_controller/get_parameters' is not there" in err
     monkeypatch.setattr(gripper, "find_spec", lambda name: None)
     code, _, err = run(capfd, "open")
-    assert code == 1 and "control_msgs is missing, which has GripperCommand" in err
+    assert code == 1 and "control_msgs, which defines GripperCommand, is not" in err
