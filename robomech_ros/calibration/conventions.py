@@ -13,7 +13,7 @@ from robomech_ros.errors import ContradictionError
 
 Array = NDArray[np.float64]
 
-# What is off by so much (rad, and the same part of the distances) is not noise of a sensor.
+# Residuals this large (rad, and the same part of the distances) are no noise of a sensor.
 _SUSPICIOUS = 0.02
 # Residuals in the right units are so much smaller.
 _CLEARLY = 0.2

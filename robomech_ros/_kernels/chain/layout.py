@@ -6,7 +6,7 @@ its value is: TURN, SLIDE, or ANGLE where a whole turn of it does not bring all 
 last row has the number n of drives in the place of the index.
 """
 
-# Of a plain chain, of one with bodies (``dynamics.layout``), and what a coupling adds to both.
+# Columns of a plain chain, of one with bodies (``dynamics.layout``), and of a coupling.
 PACKED_WIDTH = 13
 MODEL_WIDTH = 24
 COUPLING_WIDTH = 4

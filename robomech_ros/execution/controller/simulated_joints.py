@@ -146,7 +146,7 @@ class SimulatedJoints:
         self._time = 0.0
         self._under_way: deque[tuple[float, State]] = deque()
         self._state = self._command = at_rest(position)
-        # What the sensors showed last, whether that is wrong, and whether the joints are late.
+        # Last sensor reading, whether it is wrong, and whether the joints are late.
         self._shown, self._astray, self._late = self._state.position, False, False
 
     @property

@@ -92,7 +92,7 @@ def bent_wrist(plain: PlainArm) -> BentWrist | None:
     C, size = unpack_chain(chain.packed), arm_size(chain)
     if np.count_nonzero(rows[4]) != 1 or np.abs(rows[4]).max() != 1.0:
         return None
-    # Where the middle axes meet, in the frames of the first and of the last one.
+    # Intersection of the middle axes, in the frames of the first and of the last one.
     u, d = C[5][:3, 2], C[5][:3, 3]
     square = float(u[0] ** 2 + u[1] ** 2)
     if square < _NEAR**2 or abs(np.cross(u, d)[2]) > _NEAR * size * math.sqrt(square):

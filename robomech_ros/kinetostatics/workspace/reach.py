@@ -16,7 +16,7 @@ from robomech_ros.robots.chain_layout import PRISMATIC
 Array = NDArray[np.float64]
 
 _STARTS = 256
-# Of a chain on which joints follow others; each descent takes some milliseconds.
+# Starts for a chain with mimic joints; each descent takes some milliseconds.
 _STARTS_IN_DRIVES = 12
 _SWEEPS = 300
 # Sweeps end when no distance changes by more, over the arm's reach.

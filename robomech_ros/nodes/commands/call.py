@@ -14,7 +14,7 @@ EXIT_NO_ANSWER = 3
 
 # A day, s.
 _LONGEST = 86400.0
-# What people read, and what a double holds.
+# Digits that people read, and digits of a double.
 _DIGITS, _ALL_DIGITS = 4, 17
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from robomech_ros.parallel import Mechanism
 
 Array = NDArray[np.float64]
-# What moves a link: a chain, or all limbs of a parallel robot.
+# A link is moved by a chain, or by all limbs of a parallel robot.
 Way: TypeAlias = "SerialChain | Mechanism"
 
 

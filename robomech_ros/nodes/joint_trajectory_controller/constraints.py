@@ -10,7 +10,7 @@ from robomech_ros.nodes.common.parameters import ParameterRow
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 
 CONSTRAINTS = "constraints"
-# Of each joint: its name there, and the parameter that holds where it is NaN.
+# Constraints per joint, each with the parameter that holds while it is NaN.
 _OF_JOINTS = {"trajectory": "path_tolerance", "goal": "goal_tolerance"}
 _OF_ALL = ("stopped_velocity_tolerance", "goal_time")
 

@@ -22,7 +22,7 @@ ANGLE = (
     8  # where a LOCKED arm whose axes nearly meet in two points is laid out as an ARM_ANGLE one;
 )
 # 0.0 where it is no such arm
-# Of a LOCKED arm whose locked joint moves shoulder and wrist towards each other: the centre beyond
+# For a LOCKED arm whose locked joint moves shoulder and wrist together: the centre beyond
 # the six joints, in the base or, where joint 1 is locked, in the tip frame (m); the direction of
 # the other one in the frame of the locked joint; and 1.0 where they are known.
 CENTRE = 9

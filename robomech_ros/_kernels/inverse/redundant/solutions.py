@@ -41,8 +41,8 @@ from robomech_ros._kernels.tolerances import AT_LIMIT
 FINER_SAMPLES = 4
 # Samples that are kept, the nearest, as starts.
 STARTS = 256
-# Of more than seven joints so many of the nearest samples are moved along, those within so much
-# (rad or m) of the first: about as much as lies between samples.
+# With more than seven joints, this many of the nearest samples are moved along their self-motion,
+# if they are within this distance (rad or m) of the first: about the spacing of samples.
 APPROACHED = 3
 APPROACHED_WITHIN = 0.8
 # Where steps from the seed come no nearer than FROM (rad or m), others begin beside it, with some
@@ -216,7 +216,7 @@ def _solve_pose(data, T, request, nearest, traced, joints, bench, starts, ranked
     if distance < math.inf and place(turns, lower, upper, seed, bounded, best, best):
         distance = distance_from(best, seed, metric)
     else:
-        # Where steps lead to no posture, they leave one that is none.
+        # Steps that fail leave no valid posture behind.
         for i in range(n):
             best[i] = math.inf
     steps = int(data[at.SAMPLES])

@@ -90,7 +90,7 @@ def _turns(poses: Array, A: Array, offsets: Array) -> tuple[list[Array], list[Ar
     """
     signs = np.sign(poses[:, 2, 2])
     sums, angles = np.cumsum(signs[:, None] * A, axis=0), np.cumsum(signs * offsets)
-    # Where the axes are, and how offsets turn: t = sum of R(sum_k) v_k, less R(last) of the last.
+    # Axis positions; offsets turn as t = sum of R(sum_k) v_k, less R(last) of the last.
     points = np.zeros((len(poses), 4))
     points[:, :2] = poses[:, :2, 3]
     parts: dict[tuple[float, ...], Array] = {}
