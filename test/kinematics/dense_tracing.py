@@ -10,9 +10,11 @@ from robomech_ros.kinetostatics import jacobian
 __all__ = ["dense_branches", "nearest_of"]
 
 # Length of a step (rad, of the joint that moves most), and how many there are to each side of a
-# start.  Values of the parameter and random starts that give the starts, and how far apart these
-# are.
+# start.
 _STEP, _STEPS = 0.04, 70
+# Largest error of a posture's pose.
+_ON_POSE = 1e-6
+# Values of the parameter and random starts that give the starts, and how far apart these are.
 _VALUES, _STARTS, _APART = 24, 60, 0.1
 # Postures near the least that are looked at closer, in rounds with a finer grid each.
 _CANDIDATES, _ROUNDS = 120, 9
@@ -57,7 +59,9 @@ def dense_branches(chain, T, posture, seed=0):
             q, J = _on_pose(chain, T, q + _STEP * g, 2)
             before = g
             sides.append(q)
-    return np.vstack(sides)
+    rows = np.vstack(sides)
+    # Steps across a singular posture may end beside the pose.
+    return rows[np.abs(forward_kinematics(chain, rows) - T).max(axis=(1, 2)) < _ON_POSE]
 
 
 def nearest_of(chain, T, branches, seed, metric, bounded=True):

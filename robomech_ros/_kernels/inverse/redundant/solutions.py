@@ -51,6 +51,9 @@ BESIDE = 4
 BESIDE_FROM = 0.1
 BESIDE_BY = 0.9
 BESIDE_MOST = 0.6
+# Steps from so many postures, spread evenly over a box around the seed, find the branches of seven
+# joints on which the locked one hardly moves.
+SCATTERED = 24
 # So many samples of a locked joint, at least, are within the distance of the nearest posture known.
 WITHIN = 3
 
@@ -177,6 +180,39 @@ def _take_angles(data, T, request, nearest, steps, bench, distance, starts, coun
     return count, distance
 
 
+@lean
+def _needs_scatter(data, metric, known):
+    """Tell whether samples of a locked joint may miss a branch nearer than ``known``."""
+    return (
+        data[at.KIND] == at.LOCKED and data[at.STRETCHED] == 0.0 and known > small_distance(metric)
+    )
+
+
+@lean
+def _scatter(data, packed, T, request, bench, distance, count, starts):
+    """Enter among the ``starts`` to which steps from a box around the seed lead.
+
+    The nearest posture known is at a ``distance``, which is the half of the box's width.  Returns
+    how many starts there are, and the least distance of one inside the limits.
+    """
+    _, lower, upper, seed, metric, bounded = request
+    q, _, _, _, _ = bench
+    root, size = 1.0, min(distance, math.pi)
+    for _ in range(32):
+        root = (1.0 + root) ** 0.125
+    for k in range(SCATTERED):
+        stride = 1.0
+        for i in range(7):
+            stride /= root
+            part = 0.5 + (k + 1) * stride
+            there = seed[i] + size * (2.0 * (part - math.floor(part)) - 1.0)
+            q[0, i] = min(max(there, lower[i]), upper[i])
+        if approach(packed, T, lower, upper, seed, metric, bounded, q[0]) < math.inf:
+            count, here = _enter(request, q[0], INEXACT, count, starts)
+            distance = min(distance, here)
+    return count, distance
+
+
 @inline
 def _approach_first(packed, T, request, count, ranked):
     """Move the first few solutions along their self-motion; return how many there are then."""
@@ -224,6 +260,8 @@ def _solve_pose(data, T, request, nearest, traced, joints, bench, starts, ranked
     rows, marks, away = starts
     for _ in range(2):
         total, known = _take_samples(data, T, request, nearest, steps, bench, distance, starts)
+        if traced and _needs_scatter(data, metric, known):
+            total, known = _scatter(data, packed, T, request, bench, known, total, starts)
         if traced:
             known += NEARER_BY if known < distance else 0.0
             found = trace_nearest(

@@ -9,8 +9,6 @@ import math
 
 import numpy as np
 
-from robomech_ros._kernels.algebra.dense import cholesky_solve
-from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import (
     IN1,
     IN2,
@@ -23,17 +21,21 @@ from robomech_ros._kernels.compiling.jit import (
     part,
     scratch,
 )
-from robomech_ros._kernels.inverse.polishing import largest_error, pose_difference
 from robomech_ros._kernels.inverse.ranking import LINF, distance_from, place
-from robomech_ros._kernels.inverse.redundant.nearest import (
-    NEAREST_DAMPING,
-    NEAREST_ERROR,
-    best_step,
-    correct,
-    direction_like,
-    minimax,
+from robomech_ros._kernels.inverse.redundant.crossings import (
+    CROSSING,
+    enter_crossing,
+    passes_crossing,
+    weakest_direction,
 )
-from robomech_ros._kernels.tolerances import AT_LIMIT
+from robomech_ros._kernels.inverse.redundant.nearest import best_step, minimax
+from robomech_ros._kernels.inverse.redundant.settling import (
+    SETTLE_STEP,
+    TRACE_ERROR,
+    copy,
+    settle,
+    step_onto,
+)
 
 # How many times farther from the seed than the nearest posture known starts and traces may be.
 BEYOND = 4.0
@@ -46,8 +48,6 @@ TRACE_STEP = 0.25
 TRACE_SHORTEST = 1e-3
 TRACE_STEPS = 500
 TRACE_BENT = 0.3
-# A trace ends where the error of the pose (rad, m) is larger than this.
-TRACE_ERROR = 0.3
 # Steps that are kept, to see where a curve has been followed already: within so much (rad or m).
 # Whether it closes is seen by those on the first CLOSING of it, at twice that and beyond.
 TRACES = 2048
@@ -61,193 +61,16 @@ TRACE_OFF = 5e-3
 TRACE_OUTSIDE = 2e-3
 TRACE_AGAIN = 3e-3
 CHORD = 1.3
-# Steps towards a least distance: the first, the longest, by how much they grow, the shortest one in
-# which the least lies (rad or m), and how many there are at most.  A part of one is no smaller than
-# the edge.
-SETTLE_STEP = 0.01
-SETTLE_MOST = 0.1
-SETTLE_GROWTH = 2.0
-SETTLE_SHORTEST = 1e-8
-SETTLE_STEPS = 40
-SETTLE_EDGE = 1e-3
-# A posture is on the self-motion when its error (rad, m) was less than this before the last
-# correction, of so many at most; so many at most bring the nearest one onto its pose.
-SETTLE_ERROR = 1e-5
-SETTLE_CORRECTIONS = 10
-FINISH_STEPS = 10
+# Starts beside crossings that wait at most.
+QUEUED = 64
 # A posture counts as settled where lines lead no nearer than by this (rad or m).
 NEARER_BY = 1e-7
-# Added to how far a posture is beyond limits: more than any distance.
-OUTSIDE = 1e6
 
 
 @lean
 def small_distance(metric):
     """Distance from the seed (rad or m) below which a posture's self-motion is nearly a line."""
     return SMALL if metric == LINF else SMALL_ROOT
-
-
-@lean
-def _step(packed, T, way, bench, g, q):
-    """Correct the pose of q (7,) and turn g (7,) into the direction of the self-motion.
-
-    Returns the error that there was, infinite where the pose is lost.
-    """
-    J, current, e, y, A, none = bench
-    jacobian_body(packed, q, J, current)
-    pose_difference(T, current, e)
-    error = largest_error(e)
-    for i in range(6):
-        for j in range(i + 1):
-            value = 0.0
-            for k in range(7):
-                value += J[i, k] * J[j, k]
-            A[i, j] = value
-        A[i, i] += NEAREST_DAMPING * error * error
-    if not cholesky_solve(A, e, 6):
-        return math.inf
-    correct(J, e, none, q)
-    return error if direction_like(J, A, y, way, g) else math.inf
-
-
-@lean
-def _copy(source, target):
-    for i in range(7):
-        target[i] = source[i]
-
-
-@lean
-def _measured(request, q, g):
-    """Give what is to be small at a posture q (7,), and how fast it grows along g (7,).
-
-    That is the distance from the seed or, beyond a limit, OUTSIDE and how far it is beyond.  Also
-    returns by which joint both are measured, -1 by all.
-    """
-    _, lower, upper, seed, metric, bounded = request
-    most, joint, sense = AT_LIMIT, -1, 0.0
-    for i in range(7):
-        if bounded and lower[i] - q[i] > most:
-            most, joint, sense = lower[i] - q[i], i, -1.0
-        if bounded and q[i] - upper[i] > most:
-            most, joint, sense = q[i] - upper[i], i, 1.0
-    if joint >= 0:
-        return OUTSIDE + most, sense * g[joint], joint
-    if metric == LINF:
-        most, slope = 0.0, 0.0
-        for i in range(7):
-            move = q[i] - seed[i]
-            if abs(move) >= most:
-                most, joint, slope = abs(move), i, math.copysign(g[i], g[i] * move)
-        return most, slope, joint
-    along = 0.0
-    for i in range(7):
-        along += (q[i] - seed[i]) * g[i]
-    most = distance_from(q, seed, metric)
-    return most, along / most if most > 0.0 else 0.0, joint
-
-
-@lean
-def _put_on(packed, T, bench, g, q):
-    """Put q (7,) on the self-motion; g (7,) is its direction then.  False where that fails."""
-    for _ in range(SETTLE_CORRECTIONS):
-        error = _step(packed, T, 1.0, bench, g, q)
-        if error < SETTLE_ERROR:
-            return True
-        if error > TRACE_ERROR:
-            return False
-    return False
-
-
-@lean
-def _part_between(first, last, length):
-    """Give the part of a step at which the least is expected, from what is known of both ends."""
-    value, slope, joint = first
-    other, rise, another = last
-    part = 0.5
-    if other >= OUTSIDE > value and rise > 0.0:
-        # The limit itself.
-        part = 1.0 - (other - OUTSIDE) / (rise * length)
-    elif value >= OUTSIDE > other and slope < 0.0:
-        part = (OUTSIDE - value) / (slope * length)
-    elif joint == another and slope < 0.0 < rise:
-        part = slope / (slope - rise)
-    elif slope < rise:
-        part = (other - value - rise * length) / ((slope - rise) * length)
-    return part
-
-
-@lean
-def _settle(packed, T, request, bench, g, q):
-    """Go down from q (7,) to the next least distance; return that, infinite where there is none.
-
-    Steps down lead to one after which it goes up; what is between them is divided where lines
-    through both ends meet, or by Newton's rule where one joint counts, or all.
-    """
-    _, lower, upper, seed, metric, _ = request
-    a, b, ga, gb = scratch(7), scratch(7), scratch(7), scratch(7)
-    if not _put_on(packed, T, bench, g, q):
-        return math.inf
-    _copy(q, a)
-    first = _measured(request, a, g)
-    way = -1.0 if first[1] > 0.0 else 1.0
-    for i in range(7):
-        ga[i] = way * g[i]
-    first = first[0], way * first[1], first[2]
-    last, length, found = first, SETTLE_STEP, False
-    for _ in range(SETTLE_STEPS):
-        if first[0] >= OUTSIDE and first[1] < 0.0:
-            length = min(max(length, (OUTSIDE - first[0]) / first[1]), SETTLE_MOST)
-        for i in range(7):
-            b[i], gb[i] = a[i] + length * ga[i], ga[i]
-        if not _put_on(packed, T, bench, gb, b):
-            break
-        last = _measured(request, b, gb)
-        found = last[0] >= first[0] or last[1] > 0.0
-        if found:
-            break
-        _copy(b, a)
-        _copy(gb, ga)
-        first, length = last, min(SETTLE_GROWTH * length, SETTLE_MOST)
-    same = 0
-    for _ in range(SETTLE_STEPS if found else 0):
-        length = 0.0
-        for i in range(7):
-            length = max(length, abs(b[i] - a[i]))
-        if length < SETTLE_SHORTEST:
-            break
-        part = _part_between(first, last, length) if abs(same) < 2 else 0.5
-        part = min(max(part, SETTLE_EDGE), 1.0 - SETTLE_EDGE)
-        for i in range(7):
-            q[i] = a[i] + part * (b[i] - a[i])
-            g[i] = ga[i]
-        if not _put_on(packed, T, bench, g, q):
-            break
-        here = _measured(request, q, g)
-        if here[0] < first[0] and here[1] < 0.0:
-            _copy(q, a)
-            _copy(g, ga)
-            first, same = here, max(same, 0) + 1
-        else:
-            _copy(q, b)
-            _copy(g, gb)
-            last, same = here, min(same, 0) - 1
-        if abs(same) > 2:
-            same = 0
-    if last[0] < first[0]:
-        _copy(b, a)
-    _copy(a, q)
-    for _ in range(FINISH_STEPS):
-        error = _step(packed, T, 1.0, bench, g, q)
-        value, slope, _ = _measured(request, q, g)
-        if value >= OUTSIDE and abs(slope) > SETTLE_EDGE:
-            # Rounding has moved it off the limit.
-            for i in range(7):
-                q[i] -= (value - OUTSIDE) / slope * g[i]
-        elif error <= NEAREST_ERROR:
-            for i in range(7):
-                q[i] = min(max(q[i], lower[i]), upper[i])
-            return distance_from(q, seed, metric) if value < OUTSIDE else math.inf
-    return math.inf
 
 
 @lean
@@ -304,7 +127,7 @@ def _nearest_between(request, ends, best, found):
     _, _, _, seed, metric, _ = request
     p, move, here = scratch(7), scratch(7), scratch(7)
     length = _reach(ends)
-    _copy(ends[0], p)
+    copy(ends[0], p)
     least = math.inf
     for k in range(1, TRACE_PARTS + 1):
         _on_cubic(ends, length, k / TRACE_PARTS, here)
@@ -320,8 +143,8 @@ def _nearest_between(request, ends, best, found):
                 distance = distance_from(move, seed, metric)
                 if distance < least:
                     least = distance
-                    _copy(move, found)
-        _copy(here, p)
+                    copy(move, found)
+        copy(here, p)
     return least
 
 
@@ -359,10 +182,10 @@ def _settled(packed, T, request, bench, found, g, distance, best):
     Returns the least distance; the posture at that distance is ``best`` (7,) then.
     """
     along = scratch(7)
-    _copy(g, along)
-    settled = _settle(packed, T, request, bench, along, found)
+    copy(g, along)
+    settled = settle(packed, T, request, bench, along, found)
     if settled < distance:
-        _copy(found, best)
+        copy(found, best)
     return min(settled, distance)
 
 
@@ -408,7 +231,7 @@ def _advance(packed, T, bench, ends, bent, length):
         for i in range(7):
             q[i] = ends[0, i] + length * (ends[1, i] + length * bent[i])
             g[i] = ends[1, i]
-        lost = _step(packed, T, 1.0, bench, g, q) > TRACE_ERROR
+        lost = step_onto(packed, T, 1.0, bench, g, q) > TRACE_ERROR
         turned = 0.0
         for i in range(7):
             turned = max(turned, abs(g[i] - ends[1, i]))
@@ -435,22 +258,27 @@ def _rewind(request, ends):
 
 
 @lean
-def _trace_from(packed, T, request, bench, start, known, count, distance, best):
-    """Trace both ways from ``start`` (7,); return how many steps are known, and the least distance.
+def _trace_from(packed, T, request, bench, start, known, count, distance, best, queue, queued):
+    """Trace both ways from ``start`` (7,), and queue starts beside crossings.
 
-    The posture at that distance is ``best`` (7,) then.
+    Returns how many steps are known, the least distance, and how many starts are queued.  The
+    posture at that distance is ``best`` (7,) then.
     """
     _, _, _, seed, metric, _ = request
     q, g, bent, first = scratch(7), scratch(7), scratch(7), count
     closing = 1
     begin, ahead = scratch(7), scratch(7)
-    _copy(start, begin)
+    push, weak, weak_ahead, weak_begin = scratch(6), scratch(7), scratch(7), scratch(7)
+    copy(start, begin)
     for i in range(7):
         ahead[i] = 0.0
-    if _step(packed, T, 1.0, bench, ahead, begin) > TRACE_ERROR:
-        return count, distance
+    for i in range(6):
+        push[i] = 1.0
+    if step_onto(packed, T, 1.0, bench, ahead, begin) > TRACE_ERROR:
+        return count, distance, queued
     if _is_known(known, count, begin):
-        return count, distance
+        return count, distance, queued
+    size_begin = weakest_direction(bench, push, weak_begin)
     if distance_from(start, seed, metric) <= distance:
         distance = _improve(packed, T, request, bench, begin, ahead, distance, best)
         if distance < small_distance(metric):
@@ -459,21 +287,32 @@ def _trace_from(packed, T, request, bench, start, known, count, distance, best):
             for i in range(7):
                 ends[0, i], ends[1, i] = begin[i] - SMALL_ROOT * ahead[i], ahead[i]
                 ends[2, i], ends[3, i] = begin[i] + SMALL_ROOT * ahead[i], ahead[i]
-            return count + 1, distance
+            return count + 1, distance, queued
+    if size_begin < CROSSING:
+        queued = enter_crossing(packed, T, request, bench, ahead, weak_begin, begin, queue, queued)
     for side in range(2):
-        _copy(begin, q)
+        copy(begin, q)
+        copy(weak_begin, weak)
         for i in range(7):
             g[i], bent[i] = ahead[i] * (1.0 - 2.0 * side), 0.0
         length, gone = TRACE_STEP, 0.0
+        before, size, past = 0.0, size_begin, 1.0
         for _ in range(TRACE_STEPS):
             if count + 2 > known.shape[0]:
                 break
             ends = known[count]
-            _copy(q, ends[0])
-            _copy(g, ends[1])
+            copy(q, ends[0])
+            copy(g, ends[1])
             length, turned = _advance(packed, T, bench, ends, bent, length)
             if length == 0.0:
                 break
+            size_ahead = weakest_direction(bench, push, weak_ahead)
+            if passes_crossing(before, size, size_ahead, past, length):
+                queued = enter_crossing(
+                    packed, T, request, bench, ends[1], weak, ends[0], queue, queued
+                )
+            before, size, past = size, size_ahead, length
+            copy(weak_ahead, weak)
             for i in range(7):
                 bent[i] = 0.5 * (ends[3, i] - ends[1, i]) / length
             distance = _look_between(packed, T, request, bench, ends, distance, best)
@@ -489,15 +328,17 @@ def _trace_from(packed, T, request, bench, start, known, count, distance, best):
                 ends = known[count]
                 distance = _look_between(packed, T, request, bench, ends, distance, best)
                 count += 1
-            _copy(ends[2], q)
-            _copy(ends[3], g)
+            copy(ends[2], q)
+            copy(ends[3], g)
             if closed:
-                return count, distance
+                return count, distance, queued
             if distance_from(q, seed, metric) > distance * BEYOND:
                 break
             if turned < 0.5 * TRACE_BENT:
                 length = min(TRACE_STEP, 2.0 * length)
-    return count, distance
+        if length == 0.0 and size < CROSSING:
+            queued = enter_crossing(packed, T, request, bench, g, weak, q, queue, queued)
+    return count, distance, queued
 
 
 @part(f8(IN2, IN2, IN2, i8, b1, IN2, IN1, f8, OUT1, OUT2))
@@ -514,12 +355,19 @@ def trace_nearest(packed, T, joints, metric, bounded, starts, away, distance, be
     J, current, e, y, A = scratch(6, 7), scratch(4, 4), scratch(6), scratch(6), scratch(6, 6)
     bench = J, current, e, y, A, np.zeros(7)
     known = known.reshape((known.shape[0], 4, 7))
-    count = 0
-    for k in range(starts.shape[0]):
-        if away[k] > distance * BEYOND or count + 2 > known.shape[0]:
+    queue = np.empty((QUEUED, 7))
+    count = queued = k = taken = 0
+    while True:
+        if k < starts.shape[0] and away[k] <= distance * BEYOND:
+            start, k = starts[k], k + 1
+        elif taken < queued:
+            start, taken = queue[taken], taken + 1
+        else:
             break
-        if not _is_known(known, count, starts[k]):
-            count, distance = _trace_from(
-                packed, T, request, bench, starts[k], known, count, distance, best
+        if count + 2 > known.shape[0]:
+            break
+        if not _is_known(known, count, start):
+            count, distance, queued = _trace_from(
+                packed, T, request, bench, start, known, count, distance, best, queue, queued
             )
     return distance
