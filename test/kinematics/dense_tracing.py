@@ -13,7 +13,7 @@ __all__ = ["dense_branches", "nearest_of"]
 # start.
 _STEP, _STEPS = 0.04, 70
 # Largest error of a posture's pose.
-_ON_POSE = 1e-6
+_ON_POSE = 1e-9
 # Values of the parameter and random starts that give the starts, and how far apart these are.
 _VALUES, _STARTS, _APART = 24, 60, 0.1
 # Postures near the least that are looked at closer, in rounds with a finer grid each.
@@ -97,7 +97,7 @@ def nearest_of(chain, T, branches, seed, metric, bounded=True):
         g = _directions(_on_pose(chain, T, centres, 1)[1])
         on_lines = (centres[:, None] + reach * _GRID[:, None] * g[:, None]).reshape(-1, 7)
         p, _ = _on_pose(chain, T, on_lines)
-        good = np.abs(forward_kinematics(chain, p) - T).max(axis=(1, 2)) < 1e-9
+        good = np.abs(forward_kinematics(chain, p) - T).max(axis=(1, 2)) < 1e-13
         good &= np.abs(p - on_lines).max(axis=1) < reach
         value = np.linalg.norm(p - seed, norm, axis=1)
         if bounded:

@@ -28,12 +28,11 @@ from robomech_ros._kernels.inverse.redundant.arm_angle import call_arm_angle
 from robomech_ros._kernels.inverse.redundant.nearest import approach
 from robomech_ros._kernels.inverse.redundant.samples import choose, sample, stretched
 from robomech_ros._kernels.inverse.redundant.tracing import (
-    NEARER_BY,
     TRACES,
     small_distance,
     trace_nearest,
 )
-from robomech_ros._kernels.inverse.six_joints import MAX_SOLUTIONS
+from robomech_ros._kernels.inverse.six_joints import GENERAL, MAX_SOLUTIONS
 from robomech_ros._kernels.tolerances import AT_LIMIT
 
 # How many times finer the redundancy parameter is sampled where no sample gives a solution inside
@@ -56,6 +55,8 @@ BESIDE_MOST = 0.6
 SCATTERED = 24
 # So many samples of a locked joint, at least, are within the distance of the nearest posture known.
 WITHIN = 3
+# and so many at least of a quick closed form.
+FAR_SAMPLES = 48
 
 NONE_EXISTS = -1
 _NAME = np.int64(bit.SELF_MOTION | bit.UNNAMED)
@@ -136,6 +137,8 @@ def _take_samples(data, T, request, nearest, steps, bench, distance, starts):
         # between both.
         if known:
             steps = max(steps, int(WITHIN * 2.0 * math.pi / distance) + 1)
+        if data[at.SIX] != GENERAL:
+            steps = max(steps, FAR_SAMPLES)
         beyond = 2.0 * math.pi / steps
     towards = stretched(data, T)
     for k in range(steps if math.isnan(towards) else steps + 2):
@@ -263,12 +266,24 @@ def _solve_pose(data, T, request, nearest, traced, joints, bench, starts, ranked
         if traced and _needs_scatter(data, metric, known):
             total, known = _scatter(data, packed, T, request, bench, known, total, starts)
         if traced:
-            known += NEARER_BY if known < distance else 0.0
-            found = trace_nearest(
-                packed, T, joints, metric, bounded, rows[:total], away[:total], known, best, traces
+            for k in range(total if known < distance else 0):
+                if away[k] == known:
+                    distance = known
+                    for i in range(n):
+                        best[i] = rows[k, i]
+                    break
+            distance = trace_nearest(
+                packed,
+                T,
+                joints,
+                metric,
+                bounded,
+                rows[:total],
+                away[:total],
+                distance,
+                best,
+                traces,
             )
-            if found < known:
-                distance = found
         if distance < math.inf:
             count = insert(turns, best, _NAME, distance, count, ranked)
         for k in range(total):

@@ -119,33 +119,26 @@ def _least_between(request, p, move):
 
 
 @lean
-def _nearest_between(request, ends, best, found):
-    """Write the nearest posture (7,) between two postures to ``found``; return its distance.
+def _nearest_in_parts(request, ends, least, found):
+    """Write the nearest posture in each part of a step to ``found`` (parts, 7), and its distance.
 
-    What is near the ``best`` one is left out.
+    The distances (parts,) go to ``least``; they are infinite where the part is outside the limits.
     """
     _, _, _, seed, metric, _ = request
     p, move, here = scratch(7), scratch(7), scratch(7)
     length = _reach(ends)
     copy(ends[0], p)
-    least = math.inf
-    for k in range(1, TRACE_PARTS + 1):
-        _on_cubic(ends, length, k / TRACE_PARTS, here)
+    for k in range(TRACE_PARTS):
+        _on_cubic(ends, length, (k + 1) / TRACE_PARTS, here)
         for i in range(7):
             move[i] = here[i] - p[i]
         s = _least_between(request, p, move)
+        least[k] = math.inf
         if s == s:
-            away = 0.0
             for i in range(7):
-                move[i] = p[i] + s * move[i]
-                away = max(away, abs(move[i] - best[i]))
-            if away > TRACE_AGAIN:
-                distance = distance_from(move, seed, metric)
-                if distance < least:
-                    least = distance
-                    copy(move, found)
+                found[k, i] = p[i] + s * move[i]
+            least[k] = distance_from(found[k], seed, metric)
         copy(here, p)
-    return least
 
 
 @lean
@@ -204,18 +197,26 @@ def _improve(packed, T, request, bench, q, g, distance, best):
 
 @lean
 def _look_between(packed, T, request, bench, ends, distance, best):
-    """Settle the nearest posture between two, if it may be nearer than the ``best`` one (7,).
+    """Settle the postures between two that may be nearer than the ``best`` one (7,).
 
     Returns the least distance; the posture at that distance is ``best`` then.
     """
     _, _, _, seed, metric, _ = request
-    found = scratch(7)
     # On the way it is nearer than both by half of its length at most.
     between = distance_from(ends[0], seed, metric) + distance_from(ends[2], seed, metric)
     if between - CHORD * distance_from(ends[0], ends[2], metric) > 2.0 * distance:
         return distance
-    if _nearest_between(request, ends, best, found) < distance + TRACE_OFF:
-        distance = _settled(packed, T, request, bench, found, ends[3], distance, best)
+    least, found = scratch(TRACE_PARTS), scratch(TRACE_PARTS, 7)
+    _nearest_in_parts(request, ends, least, found)
+    for k in range(TRACE_PARTS):
+        lowest = k == 0 or least[k] < least[k - 1]
+        lowest = lowest and (k == TRACE_PARTS - 1 or least[k] <= least[k + 1])
+        if lowest and least[k] < distance + TRACE_OFF:
+            away = 0.0
+            for i in range(7):
+                away = max(away, abs(found[k, i] - best[i]))
+            if away > TRACE_AGAIN:
+                distance = _settled(packed, T, request, bench, found[k], ends[3], distance, best)
     return distance
 
 
@@ -357,6 +358,10 @@ def trace_nearest(packed, T, joints, metric, bounded, starts, away, distance, be
     known = known.reshape((known.shape[0], 4, 7))
     queue = np.empty((QUEUED, 7))
     count = queued = k = taken = 0
+    if distance < math.inf:
+        count, distance, queued = _trace_from(
+            packed, T, request, bench, best, known, count, distance, best, queue, queued
+        )
     while True:
         if k < starts.shape[0] and away[k] <= distance * BEYOND:
             start, k = starts[k], k + 1

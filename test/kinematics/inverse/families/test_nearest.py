@@ -72,7 +72,8 @@ def missed_by_tracing(name, count, first=0):
                 away = np.linalg.norm(best.q[0] - seed, norm)
                 np.testing.assert_allclose(away, best.seed_distance[0])
                 least = nearest_of(chain, T, branches, seed, metric, bounded)
-                if not best.seed_distance[0] < least + 1e-6:
+                # Two kinks of the largest move may be closer to each other than steps can tell.
+                if not best.seed_distance[0] < least + 1e-5:
                     missed.add(k)
     return missed
 
