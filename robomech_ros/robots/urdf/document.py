@@ -61,12 +61,13 @@ def description_from_urdf(text: str | bytes, where: str = "URDF") -> RobotDescri
     faults = mimic_faults(made)
     made = tuple(_without_leader(one, faults.get(one.name, ""), where) for one in made)
     notes += ["{}: {}; no chain takes this joint".format(*one.fault) for one in made if one.fault]
+    bodies = link_bodies(links, where, notes)
     return RobotDescription(
         name=root.attributes["name"],
         links=tuple(link_names),
         joints=made,
         where=where,
-        bodies=link_bodies(links, where),
+        bodies=bodies,
         document=text_of_xml(text),
         notes=tuple(notes),
     )

@@ -60,6 +60,15 @@ class ElementReader:
             self.refuse(f"<{tag}> is missing")
         return found[0] if found else None
 
+    def first(
+        self, tag: str, notes: list[str], parent: XmlElement | None = None
+    ) -> XmlElement | None:
+        """Find the first child with this tag, as urdfdom does; note that there are more."""
+        found = (parent or self.element).all(tag)
+        if len(found) > 1:
+            notes.append(f"{self.where}: <{tag}> given {len(found)} times; the first one counts")
+        return found[0] if found else None
+
     def numbers(self, element: XmlElement, attribute: str, count: int) -> list[float] | None:
         """Read this many finite numbers; None where there is no such attribute."""
         text = element.attributes.get(attribute)

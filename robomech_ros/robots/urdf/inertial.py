@@ -13,7 +13,7 @@ _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _ORDER = ((0, 1, 2), (1, 3, 4), (2, 4, 5))
 
 
-def link_bodies(links: Iterable[XmlElement], where: str) -> dict[str, Body]:
+def link_bodies(links: Iterable[XmlElement], where: str, notes: list[str]) -> dict[str, Body]:
     """Read the bodies of those links that have any, in their own frames.
 
     Whether a body can have these numbers is asked where they are used (:meth:`Body.fault`), so
@@ -25,6 +25,8 @@ def link_bodies(links: Iterable[XmlElement], where: str) -> dict[str, Body]:
         Named.
     where : str
         What the document is called in messages.
+    notes : list of str
+        Gets what is given more than once.
 
     Raises
     ------
@@ -33,18 +35,18 @@ def link_bodies(links: Iterable[XmlElement], where: str) -> dict[str, Body]:
     """
     bodies = {}
     for link in links:
-        body = _body(ElementReader(link, where))
+        body = _body(ElementReader(link, where), notes)
         if body is not None:
             bodies[link.attributes["name"]] = body
     return bodies
 
 
-def _body(reader: ElementReader) -> Body | None:
-    inertial = reader.child("inertial")
+def _body(reader: ElementReader, notes: list[str]) -> Body | None:
+    inertial = reader.first("inertial", notes)
     if inertial is None:
         return None
-    mass = reader.child("mass", parent=inertial)
-    moments = reader.child("inertia", parent=inertial)
+    mass = reader.first("mass", notes, inertial)
+    moments = reader.first("inertia", notes, inertial)
     if mass is None or moments is None:
         reader.refuse("<inertial> needs <mass> and <inertia>")
     six = np.array([_required(reader, moments, key) for key in _MOMENTS])

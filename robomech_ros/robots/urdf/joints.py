@@ -59,15 +59,15 @@ def read_joint(element: XmlElement, where: str, notes: list[str]) -> Joint:
     if kind not in MOVING:
         return joint
     try:
-        axis = _read_axis(reader)
+        joint = replace(joint, axis=_read_axis(reader, notes))
         motion = _read_limits(reader, kind, notes) | _read_drive(reader) | _read_mimic(reader)
     except RobotDescriptionError as error:
         return replace(joint, fault=(error.where, error.why))
-    return replace(joint, axis=axis, **motion)
+    return replace(joint, **motion)
 
 
-def _read_axis(reader: ElementReader) -> Array:
-    given = reader.child("axis")
+def _read_axis(reader: ElementReader, notes: list[str]) -> Array:
+    given = reader.first("axis", notes)
     values = None if given is None else reader.numbers(given, "xyz", 3)
     axis = np.array(values or (1.0, 0.0, 0.0))
     if given is not None and math.hypot(*axis) < AXIS_LENGTH:

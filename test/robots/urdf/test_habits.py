@@ -121,6 +121,8 @@ LOADED = {
     "two origins": robot(
         TURN, MOUNT.replace("</joint>", '<origin xyz="9 9 9" rpy="1 1 1"/></joint>')
     ),
+    # bulletphysics/bullet3: pybullet_data/quadruped/spirit40newer.urdf: two axes; the first counts.
+    "two axes": robot(TURN.replace(LIMIT, f'<axis xyz="1 0 0"/>{LIMIT}'), MOUNT),
     # frankaemika/franka_description: robots/common/utils.xacro: origin without xyz;
     # PR2/pr2_common: pr2_description/urdf/torso_v0/torso.urdf.xacro: without rpy.
     "halves of origins": robot(
@@ -316,6 +318,33 @@ def test_masses_of_nothing_and_no_inertial_do_not_matter_to_kinematics():
     )
     text = robot(TURN, MOUNT).replace('<link name="arm"/>', f'<link name="arm">{inertial}</link>')
     assert_is_the_arm(text)
+
+
+def test_the_first_of_two_inertials_counts():
+    """isaac-sim/IsaacGymEnvs: fingerpro.urdf: two <inertial>; lite3_description: two <inertia>."""
+    six = 'ixx="{0}" ixy="0" ixz="0" iyy="{0}" iyz="0" izz="{0}"/>'
+    inertia = "<inertia " + six
+    first = f'<inertial><mass value="2"/>{inertia.format(1)}{inertia.format(5)}</inertial>'
+    second = f'<inertial><mass value="3"/>{inertia.format(7)}</inertial>'
+    arm = f'<link name="arm">{first}{second}</link>'
+    text = robot(TURN, MOUNT).replace('<link name="arm"/>', arm)
+    assert_is_the_arm(text)
+    description = load_description(text)
+    assert description.bodies["arm"].mass == 2.0
+    np.testing.assert_array_equal(description.bodies["arm"].inertia, np.eye(3))
+    assert [note.partition("link 'arm': ")[2] for note in description.notes] == [
+        "<inertial> given 2 times; the first one counts",
+        "<inertia> given 2 times; the first one counts",
+    ]
+
+
+@pytest.mark.parametrize("limit", [LIMIT.replace("-1.5", "3"), LIMIT + LIMIT, ""])
+def test_links_move_about_the_axis_of_a_joint_whose_limits_are_wrong(limit):
+    """adept_mobile_robots: pioneer-lx-devil.urdf: the limits of the pan joint are exchanged."""
+    text = robot(TURN.replace(LIMIT, limit).replace('"0 0 1"', '"0 1 0"'), MOUNT)
+    poses = load_description(text).link_poses({"turn": 0.7})
+    expected = turned(0.7, (0.0, 1.0, 0.0)) @ moved(0.5, 0.0, 0.1)
+    np.testing.assert_allclose(poses["hand"], expected, atol=1e-15)
 
 
 REFUSED = {
