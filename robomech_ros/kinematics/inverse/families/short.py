@@ -25,10 +25,18 @@ from robomech_ros.kinematics.inverse.families.six_joints import (
 )
 from robomech_ros.kinematics.tolerances import ARM_RANK
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, turn_about_z, unpack_chain
+from robomech_ros.robots.chain_layout import (
+    PRISMATIC,
+    REVOLUTE,
+    joint_transform,
+    turn_about_z,
+    unpack_chain,
+)
 
 # A completed arm with at least this determinant (lengths over the size) is taken at once.
 SHORT_REGULAR = 0.02
+# With less (lengths over the size) wherever imagined joints are at zero, it serves as the last one.
+SHORT_SINGULAR = 1e-3
 
 Array = NDArray[np.float64]
 # Transforms, types, and which joint of the arm each is (-1 for imagined ones).
@@ -75,11 +83,37 @@ def _with_closed_form(chain: SerialChain, size: float) -> tuple[SixJointArm, Com
         regular = 1.0
         if arm.family == DECOUPLED:
             regular = float(arm.data[decoupled_layout.REGULAR])
+        if _regularity(completed, size) < SHORT_SINGULAR:
+            regular = 0.0
         if best is None or regular > best[0]:
             best = regular, arm, completed
         if regular >= SHORT_REGULAR:
             break
     return None if best is None else best[1:]
+
+
+def _regularity(completed: Completed, size: float) -> float:
+    """Return the largest determinant among some postures, imagined joints at zero.
+
+    A completed arm that is singular wherever they are at zero loses solutions of the real one.
+    """
+    links, kinds, places = completed
+    own = np.array(places) != _IMAGINED
+    largest = 0.0
+    for q in np.random.default_rng(0).uniform(-np.pi, np.pi, (8, len(kinds))) * own:
+        pose, frames = links[0], []
+        for kind, value, link in zip(kinds, q, links[1:], strict=True):
+            frames.append(pose)
+            pose = pose @ joint_transform(kind == PRISMATIC, value) @ link
+        J = np.zeros((6, len(kinds)))
+        for column, kind, frame in zip(J.T, kinds, frames, strict=True):
+            axis, arm = frame[:3, 2], (pose[:3, 3] - frame[:3, 3]) / size
+            if kind == PRISMATIC:
+                column[3:] = axis
+            else:
+                column[:3], column[3:] = axis, np.cross(axis, arm)
+        largest = max(largest, abs(float(np.linalg.det(J))))
+    return largest
 
 
 def _without_closed_form(chain: SerialChain, size: float) -> tuple[SixJointArm, Completed] | None:

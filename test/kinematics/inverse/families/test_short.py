@@ -91,6 +91,17 @@ def test_what_an_independent_search_finds(name, search_everywhere, apart):
             assert apart(chain, result.q, one).min() < 1e-6
 
 
+@pytest.mark.parametrize("offset", [0.0, 3e-6, -3e-6])
+def test_a_forearm_that_nearly_passes_through_the_elbow(offset, apart):
+    """Quanser QArm: an offset of 3e-6 m keeps the roll axis and the elbow from meeting."""
+    alpha = [-HALF, 0.0, -HALF, 0.0]
+    chain = chain_from_dh([0.0, 0.35, offset, 0.0], [0.14, 0.0, 0.0, 0.24], alpha)
+    for q in random_postures(chain, 300, 4):
+        result = inverse_kinematics(chain, forward_kinematics(chain, q), respect_limits=False)
+        assert result.status is Status.SUCCESS
+        assert apart(chain, result.q, q).min() < 1e-6
+
+
 def test_planar_arm_by_hand():
     """Two circles: elbow up and elbow down, the tool's heading given."""
     chain = load_robot("planar3r")
