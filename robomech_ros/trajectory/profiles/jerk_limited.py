@@ -10,12 +10,13 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import DurationTooShortError, LimitExceededError
+from robomech_ros.errors import BadValueError, DurationTooShortError, LimitExceededError
 from robomech_ros.trajectory.curves.bounds import extremes
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions, check_rates, settled
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
+from robomech_ros.trajectory.profiles.resting_phases import resting_phases
 from robomech_ros.trajectory.profiles.ruckig_phases import (
     Phases,
     jerk_phases,
@@ -234,11 +235,16 @@ def planned_between(
     Raises
     ------
     BadValueError
-        If Ruckig fails.
+        If Ruckig fails and a joint moves at an end.
     """
     allowed = limits
     for _ in range(_ROUNDS):
-        phases = jerk_phases(goal - start, *begin, allowed, least, *end)
+        try:
+            phases = jerk_phases(goal - start, *begin, allowed, least, *end)
+        except BadValueError:
+            if any(rates.any() for rates in (*begin, *end)):
+                raise
+            phases = resting_phases(goal - start, allowed, least)
         pieces = curve_of(phases, start, goal, end[0])
         low, high = extremes(pieces)
         excess = np.maximum(-low, high)[3] / limits.jerk - 1.0

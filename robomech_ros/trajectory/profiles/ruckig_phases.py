@@ -38,7 +38,7 @@ _SAME_BREAK = 2e-15
 _SAME_LIMIT = 1e-12
 
 # Phases of one joint: when each begins (p,), and [q, v, a, jerk] there (p, 4).
-_JointPhases = tuple[FloatArray, FloatArray]
+JointPhases = tuple[FloatArray, FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -302,11 +302,11 @@ def _phases_of(motion: Any, request: Any, length: FloatArray | float) -> Phases:
         joints = [_phases(profile) for profile in profiles]
     else:
         joints = _on_one_course(profiles, int(np.argmax(alone)), request)
-    breaks, coefficients = _common_phases(joints, motion.duration)
+    breaks, coefficients = common_phases(joints, motion.duration)
     return Phases(breaks, coefficients * length, alone)
 
 
-def _on_one_course(profiles: list[Any], leader: int, request: Any) -> list[_JointPhases]:
+def _on_one_course(profiles: list[Any], leader: int, request: Any) -> list[JointPhases]:
     """Let all joints that can do so, from rest to rest, follow the course of the slowest one.
 
     Ruckig does this for all joints or none; but the fewer courses there are, the fewer are the
@@ -337,7 +337,7 @@ def _peaks(begin: FloatArray, states: FloatArray) -> FloatArray:
     return peaks
 
 
-def _common_phases(phases: list[_JointPhases], duration: float) -> tuple[FloatArray, FloatArray]:
+def common_phases(phases: list[JointPhases], duration: float) -> tuple[FloatArray, FloatArray]:
     """Bring the phases of all joints onto common breaks (s + 1,); coefficients (4, s, n)."""
     same = _SAME_BREAK * duration
     courses = {id(begin): begin for begin, _ in phases}
@@ -379,7 +379,7 @@ def _gentler(states: FloatArray, spans: FloatArray) -> FloatArray:
     return gentler
 
 
-def _phases(profile: Any) -> _JointPhases:
+def _phases(profile: Any) -> JointPhases:
     brake = profile.brake
     spans = [*brake.t, *profile.t]
     rows = list(zip(brake.p, brake.v, brake.a, brake.j, strict=True))

@@ -251,7 +251,11 @@ def test_a_failure_of_ruckig_names_the_joint(monkeypatch):
     monkeypatch.setattr(ruckig.Ruckig, "calculate", fail)
     limits = Limits(JOINTS, velocity=1.0, acceleration=1.0, jerk=1.0)
     with pytest.raises(BadValueError, match="motion of joint 'elbow' is 'error in step 1, dof: 2"):
-        point_to_point(np.zeros(3), np.ones(3), limits=limits, profile="ruckig")
+        point_to_point(
+            np.zeros(3), np.ones(3), limits=limits, profile="ruckig", start_velocity=[0.1, 0.0, 0.0]
+        )
+    resting = point_to_point(np.zeros(3), np.ones(3), limits=limits, profile="ruckig")
+    assert resting.duration == pytest.approx(32.0 ** (1.0 / 3.0), rel=1e-12)
 
 
 @pytest.mark.parametrize("distance", [0.0, 1e-300, 1e-17, 1e-12, 1e-9, 1e-6])
@@ -320,3 +324,22 @@ def test_threads_may_plan_within_the_same_limits():
     alone = [duration(goal) for goal in goals]
     with ThreadPoolExecutor(4) as pool:
         assert list(pool.map(duration, goals)) == alone
+
+
+@pytest.mark.parametrize("way", [62.5, 14.22])
+def test_what_takes_too_long_for_ruckig_is_still_the_fastest(way):
+    """A joint that crawls for hours beside others that start within milliseconds."""
+    rates = np.array([[5.0, 8e-5], [8.0, 0.2], [12.8, 500.0]])
+    limits = Limits(("far", "slow"), *rates)
+    goal = np.array([way, way])
+    motion = point_to_point([0.0, 0.0], goal, limits=limits, profile="ruckig")
+    alone = [
+        point_to_point([0.0], [way], limits=Limits(("one",), *of), profile="double_s").duration
+        for of in rates.T[:, :, None]
+    ]
+    assert motion.duration == pytest.approx(max(alone), rel=1e-9)
+    np.testing.assert_array_equal(motion.sample(motion.duration).position, goal)
+    # A limit is kept to the rounding of instants, 1e-10 s after nine days, over the ramp's 0.4 ms.
+    samples = motion.sample(np.linspace(0.0, motion.duration, 201))
+    assert (np.abs(samples.velocity) <= rates[0] * (1.0 + 1e-6)).all()
+    assert (np.abs(samples.acceleration) <= rates[1] * (1.0 + 1e-6)).all()
