@@ -21,6 +21,7 @@ from robomech_ros._kernels.compiling.jit import (
     IN2,
     OUT2,
     OUT3,
+    fused,
     i8,
     kernel,
     lean,
@@ -52,7 +53,7 @@ def _first_frame(packed):
     )
 
 
-@lean
+@fused
 def _advance(frame, packed, i, value):
     """Go from the frame before joint i through J_i(value) and C_(i+1)."""
     r00, r01, r02, r10, r11, r12, r20, r21, r22, x, y, z = frame
@@ -133,7 +134,7 @@ def forward_body(packed, q, T):
     return _joint_forward(packed, q, T)
 
 
-@lean
+@fused
 def joint_jacobian(packed, q, J, T):
     """Write the Jacobian (6, m) of all joints, as if each moved by itself, to J, and the pose T."""
     frame = _first_frame(packed)

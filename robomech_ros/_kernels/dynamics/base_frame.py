@@ -8,11 +8,11 @@ Motions are [omega; v] and forces [n; f], v the velocity of the point of the bod
 import math
 
 from robomech_ros._kernels.chain.serial import NOT_FINITE, OK
-from robomech_ros._kernels.compiling.jit import lean
+from robomech_ros._kernels.compiling.jit import fused
 from robomech_ros._kernels.dynamics.inverse import step_between
 
 
-@lean
+@fused
 def place_frames(model, q, frames):
     """Write rotation and origin in the base (n, 12) of the frame of every link.
 
@@ -57,7 +57,7 @@ def place_frames(model, q, frames):
     return status, (x, y, z), tip
 
 
-@lean
+@fused
 def placed_axis(model, frames, i, point):
     """Give the axis (6) of joint i, seen from a point."""
     ex, ey, ez = frames[i, 2], frames[i, 5], frames[i, 8]
@@ -67,7 +67,7 @@ def placed_axis(model, frames, i, point):
     return (ex, ey, ez, dy * ez - dz * ey, dz * ex - dx * ez, dx * ey - dy * ex)
 
 
-@lean
+@fused
 def placed_body(model, frames, i, point):
     """Give the body (10) of link i, seen from a point, in the axes of the base."""
     a0, a1, a2 = frames[i, 0], frames[i, 1], frames[i, 2]
@@ -113,20 +113,20 @@ def placed_body(model, frames, i, point):
     )
 
 
-@lean
+@fused
 def six(row):
     """Read a row of six numbers."""
     return (row[0], row[1], row[2], row[3], row[4], row[5])
 
 
-@lean
+@fused
 def write_six(row, values):
     """Write a row of six numbers."""
     row[0], row[1], row[2] = values[0], values[1], values[2]
     row[3], row[4], row[5] = values[3], values[4], values[5]
 
 
-@lean
+@fused
 def plus(a, b, factor):
     """Give a (6) plus a multiple of b (6)."""
     return (
@@ -139,7 +139,7 @@ def plus(a, b, factor):
     )
 
 
-@lean
+@fused
 def joined(a, b):
     """Make one body (10) of two."""
     return (
@@ -156,7 +156,7 @@ def joined(a, b):
     )
 
 
-@lean
+@fused
 def inertia_times(body, motion):
     """Multiply a body (10) by a motion (6): a force (6)."""
     m, hx, hy, hz = body[0], body[1], body[2], body[3]
@@ -172,7 +172,7 @@ def inertia_times(body, motion):
     )
 
 
-@lean
+@fused
 def motion_cross(a, b):
     """Give the rate of a motion b (6) that moves with a (6)."""
     return (
@@ -185,7 +185,7 @@ def motion_cross(a, b):
     )
 
 
-@lean
+@fused
 def force_cross(a, f):
     """Give the rate of a force f (6) that moves with a (6)."""
     return (
@@ -198,13 +198,13 @@ def force_cross(a, f):
     )
 
 
-@lean
+@fused
 def dot(a, b):
     """Multiply six numbers by six."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5]
 
 
-@lean
+@fused
 def base_motion(around, point):
     """Give the base's velocity (6) and acceleration (6) less gravity, both as motions.
 
@@ -225,7 +225,7 @@ def base_motion(around, point):
     return velocity, acceleration
 
 
-@lean
+@fused
 def wrench_seen(around, tip):
     """Give the wrench on the tip (6) as seen from the point that the tip is seen from."""
     x, y, z = tip

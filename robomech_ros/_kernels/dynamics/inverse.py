@@ -18,6 +18,7 @@ from robomech_ros._kernels.compiling.jit import (
     IN2,
     OUT1,
     OUT2,
+    fused,
     i8,
     kernel,
     lean,
@@ -27,7 +28,7 @@ from robomech_ros._kernels.compiling.jit import (
 from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
 
 
-@lean
+@fused
 def step_between(model, i, q):
     """Give the transform from the frame of link i to that before it, as twelve numbers."""
     a0, a1, a2 = model[i, 1], model[i, 2], model[i, 3]

@@ -15,6 +15,7 @@ from robomech_ros._kernels.compiling.jit import (
     IN2,
     OUT2,
     OUT3,
+    fused,
     i8,
     kernel,
     lean,
@@ -40,7 +41,7 @@ NO_BODY = (0.0,) * 10
 NO_RATE = (0.0,) * 12
 
 
-@lean
+@fused
 def _joint_masses(model, q, M):
     """Write the mass matrix (m, m) of all joints to M."""
     frames = scratch(MOST_JOINTS, 12)
