@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros._kernels.calibration import refinement
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.calibration.estimation import MOUNTS
+from robomech_ros.calibration.initial_guess import pack_poses
 from robomech_ros.calibration.result import HandEyeResult, sensor_covariance
-from robomech_ros.calibration.start import packed
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.poses import as_pose, inverse_pose
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
@@ -79,10 +79,10 @@ def next_best_pose(calibration: HandEyeResult, candidates: ArrayLike | None = No
         if poses.ndim != 3 or not len(poses):
             raise WrongSizeError("candidates", poses.shape, "(m, 4, 4) with m at least 1")
     side = MOUNTS.index(calibration.mount)
-    rows = packed(inverse_pose(poses) if side else poses)
+    rows = pack_poses(inverse_pose(poses) if side else poses)
     noise = calibration.noise
     three = np.array([noise.rotation**2, noise.position**2, noise.robot_share])
-    at = packed(np.stack((calibration.sensor, calibration.target))).reshape(24)
+    at = pack_poses(np.stack((calibration.sensor, calibration.target))).reshape(24)
     added = np.empty((len(rows), 12, 12))
     _information(rows, at, three, side, added)
     before = sensor_covariance(calibration.information, calibration.sensor)

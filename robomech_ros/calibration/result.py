@@ -55,9 +55,10 @@ class HandEyeResult(Printed):
         Unit vectors, in the frame of ``sensor``'s parent, along which its position is known five
         times worse than along the best; the worst first.
     free_directions : ndarray, shape (k, 3)
-        The axis, in the same frame, of turns that are all about parallel axes, or none (k = 0):
-        along it the position is not determined and taken to be 0, and its deviation is 20 times
-        the mean distance of the hand's poses.
+        Unit vector, in the same frame, of the common rotation axis if all axes are parallel; else
+        k = 0.  The position along it is not determined and set to 0, with a deviation of 20 times
+        the mean distance of the hand's poses.  Not the ``free_directions`` of a servo, which are
+        coordinates that a task leaves open.
     noise : HandEyeNoise
         As estimated, or as given.
     mount : str
@@ -82,12 +83,12 @@ class HandEyeResult(Printed):
 
     @property
     def outliers(self) -> tuple[int, ...]:
-        """Numbers of the samples that were left out."""
+        """Indices of the samples that were left out."""
         return tuple(int(i) for i in np.flatnonzero(~self.inlier))
 
     @property
     def determined_covariance(self) -> Array:
-        """Covariance of the position (m^2), nothing along directions that are free, (3, 3)."""
+        """Covariance of the position (m^2), zero along free directions, (3, 3)."""
         kept = np.eye(3) - self.free_directions.T @ self.free_directions
         return kept @ self.covariance[3:, 3:] @ kept
 

@@ -202,26 +202,26 @@ REFUSED = {
         lambda: about([0.0, 0.0, 0.0]),
         {},
         207,
-        "pure translations', expected turns about two axes",
+        "expected rotations about two axes that are not parallel",
     ),
     "the other mount": (
         lambda: samples(np.random.default_rng(1), 8)[:2],
         {"mount": EYE_TO_HAND},
         208,
-        "mount is 'eye-to-hand', expected 'eye-in-hand', or robot_poses",
+        "mount is 'eye-to-hand', expected 'eye-in-hand', with which the samples fit",
     ),
     "inverted poses": (
         lambda: [f(p) for f, p in zip(
             (inverse_pose, np.asarray), samples(np.random.default_rng(1), 8)[:2], strict=True)],
         {},
         208,
-        "of which one is inverted here",
+        "if the mount is right, invert one list",
     ),
     "a sensor in mm": (
         lambda: in_two_units(*samples(np.random.default_rng(1), 8)[:2]),
         {},
         208,
-        "unit of positions is 'm in robot_poses and mm in sensor_poses, as it seems', expected m",
+        "unit of positions is 'probably m in robot_poses and mm in sensor_poses', expected m",
     ),
     "an unknown mount": (
         lambda: samples(np.random.default_rng(1), 8)[:2],

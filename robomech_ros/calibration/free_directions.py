@@ -1,4 +1,4 @@
-"""Directions in which the motions leave the sensor's position undetermined."""
+"""Directions along which the motions do not determine the sensor's position."""
 
 from __future__ import annotations
 
@@ -16,34 +16,37 @@ _common_turns = direct(starting.common_turns)
 
 # Sensor and target are nearer than so many times the reach of the hand.
 FAR = 20.0
-# Turns of one side's noise look like turns of both, the more the fewer samples there are: their
-# mean square, as part of the noise's, was never larger than this over (n - 2) to this power.
+# Noise of one side looks like rotations of both, more so for few samples: in simulations, its mean
+# square over the variance of the noise was never larger than this over (n - 2) to this power.
 _BY_CHANCE, _POWER = 16.0, 1.1
 
 
 @dataclass(eq=False)
-class Freedom:
-    """Directions that are free: none, one, or all three.
+class FreeDirections:
+    """Directions along which positions are not determined: none, one, or all three.
+
+    These are unit vectors; the free directions of a servo are names of coordinates.
 
     Attributes
     ----------
     directions : ndarray, shape (k, 3)
         Unit vectors in X's parent, k = 0, 1 or 3.
-    held : ndarray, shape (7,)
-        The one direction in X's parent and in Z's, and the weight of staying along it; or zeros.
+    constraint : ndarray, shape (7,)
+        The one direction in X's parent and in Z's, and the weight that keeps positions along it
+        constant; zeros for k = 0 or 3.
     """
 
     directions: Array
-    held: Array
+    constraint: Array
 
     @property
     def is_axis(self) -> bool:
-        """Whether all turns are about parallel axes."""
+        """Whether all rotations are about parallel axes."""
         return len(self.directions) == 1
 
-    def turn_about_axis(self, A: Array, S: Array, use: Array, at: Array) -> None:
-        """Turn X and Z (24) about the axis by the angle that fits the positions best."""
-        axis, other = self.held[:3], self.held[3:6]
+    def rotate_about_axis(self, A: Array, S: Array, use: Array, at: Array) -> None:
+        """Rotate X and Z (24) about the axis by the angle that fits the positions best."""
+        axis, other = self.constraint[:3], self.constraint[3:6]
         columns, right = self._positions_about_axis(A, S, use, at)
         found = np.linalg.lstsq(columns, right, rcond=1e-9)[0]
         angle = np.arctan2(found[1], found[0])
@@ -54,10 +57,10 @@ class Freedom:
             at[first : first + 9] = (turn @ at[first : first + 9].reshape(3, 3)).ravel()
 
     def motion_off_line(self, A: Array, S: Array, use: Array, at: Array) -> float:
-        """Return how far (m) the target moves beyond what turns about one line explain.
+        """Return the motion of the target (m) that rotations about one line do not explain.
 
-        The root of the sum of squares over the samples: the turn of X about the axis is known to
-        the noise of positions over this.
+        This is the root of the sum of squares over the samples.  The deviation of X's rotation
+        about the axis is that of the positions over this motion.
         """
         columns, _ = self._positions_about_axis(A, S, use, at)
         about, others = columns[:, :2], columns[:, 2:]
@@ -69,9 +72,9 @@ class Freedom:
     ) -> tuple[Array, Array]:
         """Return the equations of positions: columns (3 k, 8) and right-hand side (3 k,).
 
-        Unknown are cosine and sine of a turn about the axis, and the positions of X and Z.
+        The unknowns are cosine and sine of a rotation about the axis, and the positions of X and Z.
         """
-        kept, axis = use > 0.0, self.held[:3]
+        kept, axis = use > 0.0, self.constraint[:3]
         R = A[kept, :9].reshape(-1, 3, 3)
         seen = S[kept, 9:] @ at[:9].reshape(3, 3).T
         along = np.outer(seen @ axis, axis)
@@ -82,20 +85,22 @@ class Freedom:
         right = -A[kept, 9:] - (R @ along[:, :, None])[:, :, 0]
         return columns.reshape(-1, 8), right.ravel()
 
-    def settle(self, at: Array) -> None:
+    def zero_along_axis(self, at: Array) -> None:
         """Move X and Z (24) along the free axis until X's position along it is zero."""
-        along = float(self.held[:3] @ at[9:12])
-        at[9:12] -= along * self.held[:3]
-        at[21:24] -= along * self.held[3:6]
+        along = float(self.constraint[:3] @ at[9:12])
+        at[9:12] -= along * self.constraint[:3]
+        at[21:24] -= along * self.constraint[3:6]
 
 
-def reach_of(A: Array) -> float:
-    """Root mean square distance (m) of origins, rows (n, 12)."""
+def rms_distance(A: Array) -> float:
+    """Return the root mean square distance (m) of origins, rows (n, 12)."""
     return float(np.sqrt(np.vdot(A[:, 9:], A[:, 9:]) / len(A)))
 
 
-def freedom_of(A: Array, S: Array, use: Array, at: Array, variance: float) -> Freedom:
-    """Find what is free, by the turns that robot and sensor have in common.
+def find_free_directions(
+    A: Array, S: Array, use: Array, at: Array, variance: float
+) -> FreeDirections:
+    """Find the free directions by the rotations that robot and sensor have in common.
 
     Parameters
     ----------
@@ -113,15 +118,15 @@ def freedom_of(A: Array, S: Array, use: Array, at: Array, variance: float) -> Fr
     values, axes = np.linalg.eigh(common)
     chance = _BY_CHANCE / (float(use.sum()) - 2.0) ** _POWER
     count = int((values <= 2.0 * chance * variance).sum())
-    held = np.zeros(7)
+    constraint = np.zeros(7)
     if count == 0:
-        return Freedom(np.zeros((0, 3)), held)
+        return FreeDirections(np.zeros((0, 3)), constraint)
     if count > 1:
-        return Freedom(np.eye(3), held)
+        return FreeDirections(np.eye(3), constraint)
     axis = axes[:, 0]
     axis = axis * np.sign(axis[int(np.argmax(np.abs(axis)))])
     other = (use @ (A[:, :9].reshape(-1, 3, 3) @ axis)) / use.sum()
-    held[:3], held[3:6] = axis, other / np.linalg.norm(other)
+    constraint[:3], constraint[3:6] = axis, other / np.linalg.norm(other)
     # Each of the two positions moves by the root of a half of a step along both.
-    held[6] = 0.5 / (FAR * (reach_of(A) or 1.0)) ** 2
-    return Freedom(axis[None], held)
+    constraint[6] = 0.5 / (FAR * (rms_distance(A) or 1.0)) ** 2
+    return FreeDirections(axis[None], constraint)
