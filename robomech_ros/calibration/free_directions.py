@@ -19,6 +19,8 @@ FAR = 20.0
 # Noise of one side looks like rotations of both, more so for few samples: in simulations, its mean
 # square over the variance of the noise was never larger than this over (n - 2) to this power.
 _BY_CHANCE, _POWER = 16.0, 1.1
+# Smaller mean squares (rad^2) are rounding.
+_ROUNDING = 1e-14
 
 
 @dataclass(eq=False)
@@ -117,7 +119,7 @@ def find_free_directions(
     _common_turns(A, S, use, at, common)
     values, axes = np.linalg.eigh(common)
     chance = _BY_CHANCE / (float(use.sum()) - 2.0) ** _POWER
-    count = int((values <= 2.0 * chance * variance).sum())
+    count = int((values <= max(2.0 * chance * variance, _ROUNDING)).sum())
     constraint = np.zeros(7)
     if count == 0:
         return FreeDirections(np.zeros((0, 3)), constraint)

@@ -184,6 +184,24 @@ def test_noise_is_no_turn(rotation, camera, given, mount):
 
 
 @pytest.mark.parametrize("mount", MOUNTS)
+@pytest.mark.parametrize("noise", [0.0, 1e-12, 1e-9])
+def test_rounding_is_no_turn(noise, mount):
+    """Samples from a simulation, exact or nearly, were accepted or said to have the wrong mount."""
+    rng = np.random.default_rng(10)
+    for n in [4, 6, 12] * 10:
+        A, S, X, axis = degenerate(rng, n, "parallel axes", mount, robot=(noise, noise))
+        found = hand_eye(A, S, mount=mount)
+        np.testing.assert_allclose(np.abs(found.free_directions @ axis), [1.0], atol=1e-9)
+        across = np.eye(3) - np.outer(axis, axis)
+        error = spatial.pose_error(found.sensor, X)
+        np.testing.assert_allclose(error[:3], 0.0, atol=1e-5)
+        np.testing.assert_allclose(across @ error[3:], 0.0, atol=1e-5)
+        A, S, _, _ = degenerate(rng, n, "translations", mount, robot=(noise, noise))
+        with pytest.raises(UndeterminedError, match="pure translations"):
+            hand_eye(A, S, mount=mount)
+
+
+@pytest.mark.parametrize("mount", MOUNTS)
 def test_five_of_six_numbers_are_found_about_parallel_axes(mount):
     rng = np.random.default_rng(11)
     inside = 0
