@@ -9,6 +9,7 @@ from robomech_ros.calibration.free_directions import FAR, rms_distance
 from robomech_ros.calibration.initial_guess import (
     TRANSPOSED,
     closed_form_guess,
+    medians,
     rotation_products,
 )
 from robomech_ros.calibration.maximum_likelihood import Fit
@@ -123,7 +124,7 @@ def check_units(fit: Fit, other: Fit | None, consistent: Array) -> None:
     ------
     ContradictionError
     """
-    turn, shift = (float(one) for one in np.median(fit.guess.residuals, axis=1))
+    turn, shift = medians(fit.guess.residuals)
     suspicious = max(turn, shift / (rms_distance(fit.S) ** 2 or 1.0)) > _SUSPICIOUS**2
     far = np.abs(fit.at[[9, 10, 11, 21, 22, 23]]).max() > FAR * rms_distance(fit.A)
     if not suspicious and not far:
