@@ -100,8 +100,11 @@ def drive_limits(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Map
         gain = follower.multiplier
         if joint is leader or gain == 0.0:
             continue
-        ends = sorted((end - follower.offset) / gain for end in (joint.lower, joint.upper))
-        lower, upper = max(limits["lower"], ends[0]), min(limits["upper"], ends[1])
+        lower, upper = _common_range(limits, joint, gain, follower.offset)
+        if lower >= upper and gain < 0.0:
+            # Many grippers turn some fingers the other way, with limits as if they did not.
+            mirrored = _common_range(limits, joint, -gain, follower.offset)
+            lower, upper = mirrored if mirrored[0] < mirrored[1] else (lower, upper)
         if lower > upper:
             place = f"joint '{joint.name}'"
             why = (
@@ -114,6 +117,14 @@ def drive_limits(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Map
         for key in ("velocity", "acceleration", "jerk"):
             limits[key] = float(np.fmin(limits[key], getattr(joint, key) / abs(gain)))
     return limits
+
+
+def _common_range(
+    limits: Mapping[str, float], joint: Joint, gain: float, offset: float
+) -> tuple[float, float]:
+    """Return the range of a drive in which a follower keeps its limits, too."""
+    ends = sorted((end - offset) / gain for end in (joint.lower, joint.upper))
+    return max(limits["lower"], ends[0]), min(limits["upper"], ends[1])
 
 
 def joined_drive(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Drive:

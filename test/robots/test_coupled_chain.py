@@ -96,6 +96,14 @@ def test_limits_that_leave_a_drive_no_position_are_refused():
     assert load_robot(text, "base", "a").n == 1
 
 
+def test_limits_of_a_follower_may_lack_the_sign_of_its_multiplier():
+    text = (DATA / "coupled_finger.urdf").read_text()
+    turned = text.replace('multiplier="0.8"', 'multiplier="-0.8"')
+    assert turned != text
+    finger = load_robot(turned)
+    np.testing.assert_allclose((finger.lower[1], finger.upper[1]), (0.0, 1.6))
+
+
 def test_a_link_that_is_not_below_the_other_is_refused():
     with pytest.raises(RobotDescriptionError, match="not below"):
         load_description(URDF).chain("d", "e")
