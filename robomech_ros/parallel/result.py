@@ -53,7 +53,7 @@ class DirectKinematicsResult(Printed):
 
 @dataclass(frozen=True, eq=False)
 class FollowedPose:
-    """Where a known pose has gone when the joints moved.
+    """Pose into which a known one moves when the joints move.
 
     Parameters
     ----------
@@ -63,14 +63,14 @@ class FollowedPose:
         Whether it is provably the pose into which the given one moves while the squared lengths
         move along a line: the assembly mode is the same.
     status : Code
-        ``NONE``; ``SINGULAR`` where a singularity, in which modes meet, is in the way;
-        ``NOT_CONVERGED`` where no step is proved any more, which says nothing of the mode.
+        ``NONE``; ``SINGULAR`` if the motion ends in a singular pose, in which modes meet;
+        ``NOT_CONVERGED`` if the next step cannot be certified: the mode is unknown.
     part : float
-        The part of the way that was gone: 1 at the end.
+        Certified part of the motion, 1 at its end.
     steps : int
-        In how many steps it was proved.
+        Number of certified steps; 0 if the motion is incomplete.
     reason : str
-        In words; empty where there is nothing to say.
+        Why the motion is incomplete; empty if it is complete.
     """
 
     pose: Array

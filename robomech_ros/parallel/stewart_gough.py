@@ -249,8 +249,8 @@ class StewartGough:
     def follow(self, lengths: ArrayLike, T: ArrayLike) -> FollowedPose:
         """Find the pose into which a known one moves, and prove that the mode is the same.
 
-        Each step satisfies Kantorovich's condition, which is exact here, with constant second
-        derivatives; where the whole way does not, it is divided.
+        Each step satisfies Kantorovich's condition, which is exact here because second derivatives
+        are constant.  The motion is divided into as many steps as that takes.
 
         Parameters
         ----------
@@ -280,10 +280,13 @@ class StewartGough:
         if steps > 0:
             return FollowedPose(reached, True, Code.NONE, 1.0, steps)
         part, regularity = report.tolist()
-        code, what = Code.SINGULAR, "a singular pose is in the way, in which assembly modes meet,"
+        code, why = Code.SINGULAR, "assembly modes meet there in a singular pose"
         if steps != following.SINGULAR:
-            code, what = Code.NOT_CONVERGED, f"no step is proved (regularity {regularity:.3g})"
-        return FollowedPose(reached, False, code, part, 0, f"{what} after {part:.3g} of it")
+            condition = 1.0 / regularity
+            code = Code.NOT_CONVERGED
+            why = f"the next step cannot be certified (condition number {condition:.3g})"
+        reason = f"stopped after {100.0 * part:.3g} % of the motion: {why}"
+        return FollowedPose(reached, False, code, part, 0, reason)
 
     def jacobian(self, T: ArrayLike) -> Array:
         r"""Find K of :math:`K t = \dot L`: rows :math:`[(R b_i \times n_i)^T, n_i^T]`.

@@ -5,7 +5,15 @@ from scipy.spatial.transform import Rotation
 
 from robomech_ros.parallel import StewartGough
 
-__all__ = ["KINDS", "independent_poses", "on_circles", "platform", "random_pose", "same_poses"]
+__all__ = [
+    "KINDS",
+    "independent_poses",
+    "on_circles",
+    "platform",
+    "random_pose",
+    "same_poses",
+    "traced",
+]
 
 
 def on_circles(base, top, ratio=0.6):
@@ -91,3 +99,66 @@ def same_poses(ours, theirs, tolerance):
     apart = np.abs(np.asarray(ours)[:, None] - np.asarray(theirs)[None]).max(axis=(2, 3))
     nearest = apart.argmin(axis=1)
     return len(set(nearest)) == len(ours) and float(apart.min(axis=1).max()) <= tolerance
+
+
+def traced(robot, T, lengths):
+    """Trace the curve of poses while the squared lengths move along a line, by its arc length.
+
+    The curve is smooth also in singular poses, in which it turns back.  Steps are so short that its
+    tangent turns by less than 0.1 rad in each, and that none reaches another curve nearby.
+
+    Returns
+    -------
+    part : float
+        1.0 at the end of the line, less in the singular pose on the way to it.
+    pose : ndarray, shape (4, 4)
+        There.
+    """
+    a, b = robot.base_points, robot.platform_points
+    first = robot.inverse(T) ** 2
+    rise = lengths**2 - first
+
+    def system(pose, part):
+        turned = b @ pose[:3, :3].T
+        legs = pose[:3, 3] + turned - a
+        error = 0.5 * ((legs * legs).sum(axis=1) - first - part * rise)
+        return np.column_stack((np.cross(turned, legs), legs, -0.5 * rise)), error
+
+    def moved(pose, part, step):
+        new = pose.copy()
+        new[:3, :3] = Rotation.from_rotvec(step[:3]).as_matrix() @ pose[:3, :3]
+        new[:3, 3] += step[3:6]
+        return new, part + step[6]
+
+    def corrected(pose, part, tangent):
+        """Bring a pose back onto the curve, and return the tangent there."""
+        for _ in range(8):
+            A, error = system(pose, part)
+            step = np.linalg.lstsq(A, -error, rcond=None)[0]
+            pose, part = moved(pose, part, step)
+            if np.abs(step).max() < 1e-12:
+                _, values, right = np.linalg.svd(system(pose, part)[0])
+                return pose, part, right[6] * np.sign(right[6] @ tangent), 0.1 * values[5]
+        return None
+
+    pose, part, tangent, longest = corrected(T, 0.0, np.eye(7)[6])
+    step = 1e-3
+    for _ in range(200_000):
+        step = min(step, longest)
+        found = corrected(*moved(pose, part, step * tangent), tangent)
+        if found is None or found[2] @ tangent < 0.995:
+            step *= 0.5
+            continue
+        back, over = found[2][6] <= 0.0, found[1] >= 1.0
+        if not (back or over):
+            pose, part, tangent, longest = found
+            step *= 1.3
+        elif step > 1e-7:
+            step *= 0.5
+        elif back:
+            return part, pose
+        else:
+            # The rest is almost nothing: move to the end itself.
+            A, error = system(pose, 1.0)
+            return 1.0, moved(pose, 1.0, np.append(np.linalg.solve(A[:, :6], -error), 0.0))[0]
+    raise AssertionError("the curve does not end")
