@@ -1,4 +1,4 @@
-"""Where the bodies of a chain are, and the axes that they turn about or slide along."""
+"""Positions of the bodies of a chain, and the axes that they turn about or slide along."""
 
 from dataclasses import dataclass
 
@@ -13,20 +13,20 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class PosedBodies:
-    """Axes and bodies at given joint values, all in the axes of the base.
+    """Axes and bodies of m joints at given joint values, all in the axes of the base.
 
     Parameters
     ----------
-    revolute : ndarray of bool, shape (n,)
-    axes : ndarray, shape (..., n, 3)
+    revolute : ndarray of bool, shape (m,)
+    axes : ndarray, shape (..., m, 3)
         Unit vectors e_i.
-    origins : ndarray, shape (..., n, 3)
+    origins : ndarray, shape (..., m, 3)
         Points o_i of the axes, fixed to link i (m).
-    centres : ndarray, shape (..., n, 3)
+    centres : ndarray, shape (..., m, 3)
         Mass centres c_i (m).
-    masses : ndarray, shape (n,)
+    masses : ndarray, shape (m,)
         kg.
-    inertias : ndarray, shape (..., n, 3, 3)
+    inertias : ndarray, shape (..., m, 3, 3)
         About the mass centres (kg m^2).
     tip : ndarray, shape (..., 3)
         Origin of the tip (m).
@@ -47,15 +47,16 @@ def link_transforms(chain: SerialChain, q: Array) -> Array:
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Of m joints moved by n drives.
     q : ndarray, shape (..., n)
-        Joint values (rad or m).
+        Joint values (rad or m), of the drives where joints follow others.
 
     Returns
     -------
-    ndarray, shape (..., n + 1, 4, 4)
+    ndarray, shape (..., m + 1, 4, 4)
         In the base (m); the tip last.
     """
+    q, chain = chain.joint_values(q), chain.uncoupled
     constants = chain.transforms
     poses = np.empty((*q.shape[:-1], chain.n + 1, 4, 4))
     T = np.broadcast_to(constants[0], (*q.shape[:-1], 4, 4))
@@ -75,7 +76,7 @@ def link_transforms(chain: SerialChain, q: Array) -> Array:
 
 
 def body_moments(chain: SerialChain) -> tuple[Array, Array, Array]:
-    """Give masses (n,), mass centres (n, 3) and inertias about them (n, 3, 3) in link frames.
+    """Return masses (m,), mass centres (m, 3) and inertias about them (m, 3, 3) in link frames.
 
     Raises
     ------
@@ -88,17 +89,17 @@ def body_moments(chain: SerialChain) -> tuple[Array, Array, Array]:
 
 
 def reflected_inertias(chain: SerialChain) -> Array:
-    """Give what the rotors add to the diagonal of the mass matrix (kg m^2 or kg), shape (n,)."""
+    """Return what the rotors add to the diagonal of the mass matrix (kg m^2 or kg), shape (n,)."""
     return np.array([drive.reflected_inertia for drive in chain.drives])
 
 
 def posed_bodies(chain: SerialChain, q: Array) -> PosedBodies:
-    """Compute where axes and bodies are.
+    """Compute the positions of axes and bodies.
 
     Parameters
     ----------
     chain : SerialChain
-        Of n joints, with the inertia of all its bodies.
+        Of m joints moved by n drives, with the inertia of all its bodies.
     q : ndarray, shape (..., n)
         Joint values (rad or m).
 
@@ -111,7 +112,7 @@ def posed_bodies(chain: SerialChain, q: Array) -> PosedBodies:
     T = link_transforms(chain, q)
     R, o = T[..., :-1, :3, :3], T[..., :-1, :3, 3]
     return PosedBodies(
-        revolute=chain.types == REVOLUTE,
+        revolute=chain.uncoupled.types == REVOLUTE,
         axes=R[..., 2],
         origins=o,
         centres=o + np.einsum("...nij,nj->...ni", R, centres),

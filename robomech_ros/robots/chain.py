@@ -180,7 +180,7 @@ class SerialChain(Printed):
 
     @cached_property
     def n(self) -> int:
-        """Number of joints that move by themselves."""
+        """Number of drives: joints that move independently."""
         return len(self.joint_names)
 
     @property
@@ -190,7 +190,7 @@ class SerialChain(Printed):
 
     @cached_property
     def uncoupled(self) -> SerialChain:
-        """The chain as if all m joints moved by themselves, without limits; else itself."""
+        """The chain whose m joints move independently, without limits; itself without coupling."""
         if self.coupling is None:
             return self
         m = len(self.all_joint_names)
@@ -231,6 +231,10 @@ class SerialChain(Printed):
         """Return the drive efforts (..., n) for efforts (..., m) at all joints (N m or N)."""
         return efforts if self.coupling is None else efforts @ self.coupling.matrix
 
+    def drive_columns(self, columns: Array) -> Array:
+        """Turn columns (..., k, m) for the rates of all joints into those (..., k, n) for drives."""
+        return columns if self.coupling is None else columns @ self.coupling.matrix
+
     def drive_matrix(self, matrix: Array) -> Array:
         """Turn matrices (..., m, m) of all joints into those (..., n, n) of the drives."""
         if self.coupling is None:
@@ -254,27 +258,35 @@ class SerialChain(Printed):
         Raises
         ------
         BadValueError
-            Joints follow others, which whoever multiplies transforms by joint values must know.
+            Joints follow others, so that products with the values q would be wrong.
         """
         self.require_uncoupled()
         return unpack_chain(self.packed)
 
-    def require_uncoupled(self) -> None:
-        """Raise where joints follow others.
+    def require_uncoupled(
+        self,
+        what: str = "chain",
+        instead: str = "chain.uncoupled is one, at the joint values chain.joint_values(q)",
+    ) -> None:
+        """Refuse a chain on which joints follow others.
+
+        Parameters
+        ----------
+        what : str, optional
+            The subject of the message.
+        instead : str, optional
+            Advice that ends the message.
 
         Raises
         ------
         BadValueError
-            It names the joints, and says what to do.
+            It names the joints that follow others.
         """
         if self.coupling is not None:
             followers = [name for name in self.all_joint_names if name not in self.joint_names]
-            named = f"{self.name}, with followers: {', '.join(followers or self.all_joint_names)}"
-            expected = (
-                "one whose joints all move by themselves, such as chain.uncoupled at "
-                "chain.joint_values(q)"
-            )
-            raise BadValueError("chain", named, expected)
+            noun = "joint" if len(followers) == 1 else "joints"
+            named = f"{self.name} with mimic {noun} {', '.join(followers or self.all_joint_names)}"
+            raise BadValueError(what, named, f"one whose joints move independently; {instead}")
 
     @cached_property
     def turns(self) -> NDArray[np.bool_]:

@@ -85,7 +85,7 @@ class RobotDescription(Printed):
 
     @cached_property
     def followers(self) -> dict[str, Follower]:
-        """The joints that mimic others, by name; see :class:`Follower`."""
+        """The mimic joints by name; see :class:`Follower`."""
         return followers(self.joints)
 
     def joint_positions(self, positions: Mapping[str, float] | None = None) -> dict[str, float]:
@@ -161,7 +161,7 @@ class RobotDescription(Printed):
 
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
-        """The joints that move by themselves: all that move, but those that mimic others."""
+        """The joints that move independently: all that move and mimic no other."""
         return tuple(joint.name for joint in self.joints if joint.moves and joint.mimic is None)
 
     @property
@@ -219,8 +219,8 @@ class RobotDescription(Printed):
         RobotDescriptionError
             The tip is not below the base, no joint moves between them, several links could be
             the tip, or a joint between them is of a kind that a chain cannot have (planar,
-            floating): the joint is named.  Or the limits of one leave no position to the joint
-            that it follows.
+            floating): the joint is named.  Or no position of a joint keeps its followers inside
+            their limits.
         """
         for what, link in (("base", base), ("tip", tip)):
             if link is not None and not isinstance(link, str):
@@ -254,18 +254,18 @@ class RobotDescription(Printed):
         constants.append(C)
         frames = [*along, *self._attached(along)]
         types = _types(moving)
-        ways = [self.followers.get(one.name, Follower(one.name, 1.0, 0.0)) for one in moving]
-        leaders = list(dict.fromkeys(way.leader for way in ways))
+        couplings = [self.followers.get(one.name, Follower(one.name, 1.0, 0.0)) for one in moving]
+        leaders = list(dict.fromkeys(one.leader for one in couplings))
         by_name = {joint.name: joint for joint in self.joints}
         leading = [by_name[name] for name in leaders]
         coupling = None
         if leading != moving:
-            indices = np.array([leaders.index(way.leader) for way in ways])
-            gain = np.array([way.multiplier for way in ways])
-            offset = np.array([way.offset for way in ways])
+            indices = np.array([leaders.index(one.leader) for one in couplings])
+            gain = np.array([one.multiplier for one in couplings])
+            offset = np.array([one.offset for one in couplings])
             names = tuple(joint.name for joint in moving)
             coupling = Coupling(names, types, indices, gain, offset)
-        pairs = list(zip(moving, ways, strict=True))
+        pairs = list(zip(moving, couplings, strict=True))
         driven = [[pair for pair in pairs if pair[1].leader == name] for name in leaders]
         limits = [drive_limits(*pair) for pair in zip(leading, driven, strict=True)]
         whole = base == self.root and len(path) == len(self.joints)

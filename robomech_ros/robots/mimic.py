@@ -1,4 +1,4 @@
-"""Joints that mimic others: who follows whom in the end, and the drives of a chain with them."""
+"""Mimic joints: the joint that each one follows, and the drives of a chain with such joints."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,9 +20,10 @@ _MOST_NAMES = 20
 
 @dataclass(frozen=True)
 class Follower:
-    """How a joint follows another, which itself follows none.
+    """Position of a mimic joint as a function of the joint that it follows.
 
-    It stands at ``multiplier`` times the position of joint ``leader`` plus ``offset`` (rad or m).
+    It is ``multiplier`` times the position of joint ``leader``, which follows none, plus ``offset``
+    (rad or m).
     """
 
     leader: str
@@ -30,7 +31,7 @@ class Follower:
     offset: float
 
     def position(self, of_leader: float) -> float:
-        """Give the position (rad or m) that belongs to one of the leader."""
+        """Return the position (rad or m) for a position of the leader."""
         return self.multiplier * of_leader + self.offset
 
 
@@ -93,7 +94,7 @@ def drive_limits(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Map
     Raises
     ------
     RobotDescriptionError
-        A follower's limits leave the leader no position.
+        No position of the leader keeps all followers inside their limits.
     """
     limits = {key: float(getattr(leader, key)) for key in KEYS}
     for joint, follower in joints:
@@ -108,9 +109,10 @@ def drive_limits(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Map
         if lower > upper:
             place = f"joint '{joint.name}'"
             why = (
-                f"its limits [{joint.lower:g}, {joint.upper:g}] leave no position to joint "
-                f"'{leader.name}' in [{limits['lower']:g}, {limits['upper']:g}], which it mimics "
-                f"{gain:g} times with the offset {follower.offset:g}; correct one of them"
+                f"it stays inside its limits [{joint.lower:g}, {joint.upper:g}] only if joint "
+                f"'{leader.name}', which it mimics with multiplier {gain:g} and offset "
+                f"{follower.offset:g}, is in [{ends[0]:g}, {ends[1]:g}], but that joint is limited "
+                f"to [{limits['lower']:g}, {limits['upper']:g}]; change the limits or the <mimic>"
             )
             raise RobotDescriptionError(place, why)
         limits["lower"], limits["upper"] = lower, upper
@@ -129,10 +131,10 @@ def _common_range(
 
 def joined_drive(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Drive:
     """Return the friction and rotor inertia of a drive, including those of its followers."""
-    ways = [pair for pair in joints if pair[0] is not leader and pair[0].drive != Drive()]
-    if not ways:
+    others = [pair for pair in joints if pair[0] is not leader and pair[0].drive != Drive()]
+    if not others:
         return leader.drive
-    parts = [(1.0, leader.drive), *((way.multiplier, joint.drive) for joint, way in ways)]
+    parts = [(1.0, leader.drive), *((one.multiplier, joint.drive) for joint, one in others)]
     static = sum(abs(gain) * max(one.static, one.coulomb) for gain, one in parts)
     coulomb = sum(abs(gain) * one.coulomb for gain, one in parts)
     decays = [
@@ -148,12 +150,12 @@ def joined_drive(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Dri
 
 
 def followers(joints: Iterable[Joint]) -> dict[str, Follower]:
-    """Find the joints that follow others; where those follow again, the first of all is the leader.
+    """Map each mimic joint to its leader, the joint at the end of a row of mimics.
 
     Parameters
     ----------
     joints : iterable of Joint
-        Those that mimic others have one to follow (:func:`mimic_faults`).
+        Without faults (:func:`mimic_faults`).
     """
     by_name = {joint.name: joint for joint in joints}
     found: dict[str, Follower] = {}
@@ -174,12 +176,12 @@ def followers(joints: Iterable[Joint]) -> dict[str, Follower]:
 
 
 def mimic_faults(joints: Iterable[Joint]) -> dict[str, str]:
-    """Find joints that mimic one that does not exist or does not move, or in the end themselves.
+    """Find mimic joints whose leader is missing, does not move or is the joint itself.
 
     Parameters
     ----------
     joints : iterable of Joint
-        All of a robot.
+        All joints of a robot.
 
     Returns
     -------
@@ -195,13 +197,16 @@ def mimic_faults(joints: Iterable[Joint]) -> dict[str, str]:
             path[joint.name] = None
             if joint.mimic not in by_name or not by_name[joint.mimic].moves:
                 names = _listed([one.name for one in by_name.values() if one.moves])
-                why = f"<mimic> names joint '{joint.mimic[:80]}', expected one that moves: {names}"
+                why = (
+                    f"<mimic> names joint '{joint.mimic[:80]}', which does not exist or does not "
+                    f"move; joints that move: {names}"
+                )
                 faults[joint.name] = why
                 break
             if joint.mimic in path:
                 circle = [*path][[*path].index(joint.mimic) :]
                 names = _listed([*circle, joint.mimic])
-                why = f"<mimic> goes in a circle: {names}; expected a joint that mimics none"
+                why = f"<mimic> is circular: {names}; let one of them mimic no joint"
                 faults |= dict.fromkeys(circle, why)
                 break
             joint = by_name[joint.mimic]

@@ -88,6 +88,7 @@ class LeggedRobot:
                 raise BadValueError(f"leg '{leg}'", chain, "a SerialChain")
             if chain.n != _JOINTS:
                 raise BadValueError(f"number of joints of leg '{leg}'", chain.n, str(_JOINTS))
+            chain.require_uncoupled(f"leg '{leg}'", "describe the leg without <mimic>")
         if not isinstance(tree, RobotDescription | None):
             raise BadValueError("tree", tree, "a RobotDescription")
         trunks = sorted({chain.base for chain in legs.values()})
@@ -150,8 +151,6 @@ class LeggedRobot:
     @cached_property
     def packed(self) -> Array:
         """The legs as kernels read them, shape (k, 4, 13)."""
-        for leg in self.legs:
-            leg.require_uncoupled()
         return np.array([leg.packed for leg in self.legs])
 
     @staticmethod

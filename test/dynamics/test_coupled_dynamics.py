@@ -1,5 +1,7 @@
 """Dynamics where joints follow others: Pinocchio's of all joints, through the coupling."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,24 +9,35 @@ from robomech_ros.dynamics import (
     base_parameters,
     bias_torque,
     body_parameters,
+    christoffel_symbols,
     consistent_fit,
     coriolis_matrix,
     forward_dynamics,
+    forward_dynamics_by_cholesky,
+    forward_dynamics_by_kane,
+    forward_dynamics_by_lagrange,
+    forward_dynamics_by_reflections,
     gravity_torque,
     identify,
     inverse_dynamics,
     inverse_dynamics_by_kane,
+    inverse_dynamics_by_lagrange,
+    inverse_dynamics_by_orthogonal_complement,
     inverse_dynamics_derivatives,
     kinetic_energy,
     mass_matrix,
+    mass_matrix_gradient,
+    natural_orthogonal_complement,
+    newton_euler,
+    partial_velocities,
+    planar_orthogonal_complement,
     potential_energy,
     power_balance,
     simulate,
     with_payload,
 )
-from robomech_ros.errors import BadValueError
-from robomech_ros.robots import Body
-from test.coupled_robots import coupled, with_bodies
+from robomech_ros.robots import Body, Drive, load_description
+from test.coupled_robots import DATA, coupled, lifter, with_bodies
 
 pinocchio = pytest.importorskip("pinocchio")
 
@@ -104,6 +117,78 @@ def test_a_payload_and_a_motion_that_keeps_its_energy(chain):
     assert abs(energy[1] - energy[0]) < 1e-6 * max(1.0, abs(energy[0]))
 
 
-def test_the_formulations_of_the_book_are_refused_in_words(chain):
-    with pytest.raises(BadValueError, match="followers"):
-        inverse_dynamics_by_kane(chain, *np.zeros((3, chain.n)))
+def test_the_formulations_of_the_book_agree_with_pinocchio(chain):
+    model, data = pinocchio_model(chain)
+    rotors = 0.1 * np.arange(1.0, chain.n + 1.0)
+    chain = replace(chain, drives=tuple(Drive(rotor_inertia=one) for one in rotors))
+    A = chain.coupling.matrix
+    states = np.random.default_rng(7).uniform(-1.0, 1.0, (4, 3, chain.n))
+    tau = [
+        A.T @ pinocchio.rnea(model, data, chain.joint_values(q), A @ qd, A @ qdd) + rotors * qdd
+        for q, qd, qdd in states
+    ]
+    q, qd, qdd = states.swapaxes(0, 1)
+    for inverse in (
+        inverse_dynamics_by_kane,
+        inverse_dynamics_by_lagrange,
+        inverse_dynamics_by_orthogonal_complement,
+        lambda *motion: newton_euler(*motion).torques,
+    ):
+        np.testing.assert_allclose(inverse(chain, q, qd, qdd), tau, atol=1e-11)
+    for forward in (
+        forward_dynamics_by_cholesky,
+        forward_dynamics_by_kane,
+        forward_dynamics_by_lagrange,
+        forward_dynamics_by_reflections,
+    ):
+        np.testing.assert_allclose(forward(chain, q, qd, tau), qdd, atol=1e-8)
+
+
+def test_the_wrenches_at_the_joints_are_those_of_all_joints(chain):
+    q, qd, qdd = np.random.default_rng(8).uniform(-1.0, 1.0, (3, chain.n))
+    rates, A = chain.joint_rates(qd), chain.coupling.matrix
+    whole = newton_euler(chain.uncoupled, chain.joint_values(q), rates, A @ qdd)
+    np.testing.assert_array_equal(
+        newton_euler(chain, q, qd, qdd).joint_wrenches, whole.joint_wrenches
+    )
+    partial, each = (
+        partial_velocities(chain, q),
+        partial_velocities(chain.uncoupled, chain.joint_values(q)),
+    )
+    for name in ("angular", "linear"):
+        velocity = np.einsum("ija,j->ia", getattr(partial, name), qd)
+        np.testing.assert_allclose(
+            velocity, np.einsum("ija,j->ia", getattr(each, name), rates), atol=1e-13
+        )
+
+
+def test_the_complement_holds_the_coupling_among_its_constraints():
+    chain = with_bodies(lifter())
+    q, qd, qdd, twist = np.random.default_rng(9).uniform(-1.0, 1.0, (4, 3))
+    base = {"base_twist": [*twist, *qdd], "base_twist_rate": [*qd, *q]}
+    model = natural_orthogonal_complement(chain, q, qd, **base)
+    np.testing.assert_allclose(model.K @ model.T, 0.0, atol=1e-14)
+    np.testing.assert_allclose(model.K @ model.twists, -model.K_0 @ base["base_twist"], atol=1e-13)
+    # All but the three rates of the drives are constrained.
+    assert np.linalg.matrix_rank(model.K) == 24 - 3
+    np.testing.assert_allclose(model.T.T @ model.A, np.eye(3), atol=1e-14)
+    holding = model.constraint_wrenches(qdd, model.gravity_wrenches([0, 0, -9.81]))
+    np.testing.assert_allclose(model.T.T @ holding, 0.0, atol=1e-12)
+
+
+def test_the_gradient_of_the_mass_matrix_by_differences(chain):
+    q, qd = np.random.default_rng(10).uniform(-1.0, 1.0, (2, chain.n))
+    steps = 1e-6 * np.eye(chain.n)
+    slopes = [(mass_matrix(chain, q + h) - mass_matrix(chain, q - h)) / 2e-6 for h in steps]
+    np.testing.assert_allclose(mass_matrix_gradient(chain, q), np.stack(slopes, -1), atol=1e-6)
+    C = christoffel_symbols(chain, q) @ qd
+    np.testing.assert_allclose(C @ qd, coriolis_matrix(chain, q, qd) @ qd, atol=1e-11)
+
+
+def test_the_complement_of_a_planar_finger():
+    finger = with_bodies(load_description(DATA / "coupled_finger.urdf").chain("knuckle", "tip"))
+    q, qd = np.array([[0.3], [0.7]])
+    model = planar_orthogonal_complement(finger, q, qd)
+    assert model.T.shape == (6, 1)
+    np.testing.assert_allclose(model.generalised_inertia, mass_matrix(finger, q), atol=1e-13)
+    np.testing.assert_allclose(model.coupling, coriolis_matrix(finger, q, qd), atol=1e-13)

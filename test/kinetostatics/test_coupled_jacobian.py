@@ -20,6 +20,7 @@ from robomech_ros.kinetostatics import (
     point_jacobian,
     singularity_free,
     singularity_report,
+    workspace_boundary,
 )
 from test.coupled_robots import coupled
 
@@ -95,7 +96,11 @@ def test_reach_is_that_of_many_postures(chain):
 
 def test_what_is_read_from_axes_is_refused():
     chain = coupled("palletizer")
-    with pytest.raises(BadValueError, match="with followers: rear_back, level"):
+    with pytest.raises(
+        BadValueError, match="mimic joints rear_back, level.*nearest_singular_posture"
+    ):
         singularity_free(chain)
+    with pytest.raises(BadValueError, match="mimic joints rear_back, level.*reach_map"):
+        workspace_boundary(chain)
     with pytest.raises(BadValueError, match="a planar one: joint 'rear'"):
         planar_rows(chain)

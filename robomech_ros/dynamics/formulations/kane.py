@@ -33,9 +33,9 @@ class PartialVelocities:
 
     Parameters
     ----------
-    angular : ndarray, shape (..., n, n, 3)
-        ``[..., i, j, :]`` of the angular velocity of body i by the rate of joint j.
-    linear : ndarray, shape (..., n, n, 3)
+    angular : ndarray, shape (..., m, n, 3)
+        ``[..., i, j, :]`` of the angular velocity of body i by the rate of drive j.
+    linear : ndarray, shape (..., m, n, 3)
         The same of the velocity of the mass centre.
     """
 
@@ -49,7 +49,7 @@ def partial_velocities(chain: SerialChain, q: ArrayLike) -> PartialVelocities:
     Parameters
     ----------
     chain : SerialChain
-        Of n joints, with the inertia of all its bodies.
+        Of m joints moved by n drives, with the inertia of all its bodies.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m).
 
@@ -180,9 +180,9 @@ def forward_dynamics_by_kane(
 
 @dataclass(frozen=True, eq=False)
 class _Steps:
-    """Frames of neighbours seen from each other: R (..., n, 3, 3) from i to i - 1, o in i - 1.
+    """Frames of neighbours seen from each other: R (..., m, 3, 3) from i to i - 1, o in i - 1.
 
-    ``base`` (..., n, 3, 3) are the axes of the frames in the base, ``tip`` is the tip's origin in
+    ``base`` (..., m, 3, 3) are the axes of the frames in the base, ``tip`` is the tip's origin in
     the last of them.
     """
 
@@ -206,7 +206,8 @@ def _steps(chain: SerialChain, q: Array) -> _Steps:
 def _outward(
     chain: SerialChain, steps: _Steps, qd: Array, qdd: Array
 ) -> tuple[Array, Array, Array, Array]:
-    """Angular velocity, its rate, velocity and acceleration of the mass centres (..., n, 3)."""
+    """Angular velocity, its rate, velocity and acceleration of the mass centres (..., m, 3)."""
+    qd, qdd, chain = chain.joint_rates(qd), chain.joint_rates(qdd), chain.uncoupled
     _, centres, _ = body_moments(chain)
     omega, alpha, v, a = (np.zeros((*qd.shape[:-1], 3)) for _ in range(4))
     found = np.empty((4, *qd.shape, 3))
@@ -233,7 +234,7 @@ def _outward(
 
 def _partial_velocities(chain: SerialChain, steps: _Steps) -> PartialVelocities:
     batch = steps.o.shape[:-2]
-    angular = np.empty((*batch, chain.n, chain.n, 3))
+    angular = np.empty((*batch, len(chain.bodies), chain.n, 3))
     linear = np.empty_like(angular)
     for j, unit in enumerate(np.eye(chain.n)):
         rates = np.broadcast_to(unit, (*batch, chain.n))

@@ -201,7 +201,7 @@ def forward_dynamics_by_lagrange(
 
 @dataclass(frozen=True, eq=False)
 class _Derivatives:
-    """Poses differentiated once (..., i, j, 4, 4) and twice (..., i, j, k, 4, 4), and the rest.
+    """Poses by the drives, once (..., i, j, 4, 4) and twice (..., i, j, k, 4, 4), and the rest.
 
     ``screws`` are the matrices S_j (..., n, 4, 4), ``tip`` the tip's origin (..., 3).
     """
@@ -214,27 +214,32 @@ class _Derivatives:
 
 
 def _derivatives(chain: SerialChain, q: Array) -> _Derivatives:
-    n = chain.n
     pseudo = pseudo_inertia(body_parameters(chain))
-    A = link_transforms(chain, q)
-    S = np.zeros((*q.shape, 4, 4))
-    for j in range(n):
+    A, types = link_transforms(chain, q), chain.uncoupled.types
+    m, batch = len(types), q.shape[:-1]
+    S = np.zeros((*batch, m, 4, 4))
+    for j in range(m):
         e, o = A[..., j, :3, 2], A[..., j, :3, 3]
-        if chain.types[j] == REVOLUTE:
+        if types[j] == REVOLUTE:
             S[..., j, :3, :3] = cross_product_matrix(e)
             S[..., j, :3, 3] = np.cross(o, e)
         else:
             S[..., j, :3, 3] = e
-    once = np.zeros((*q.shape, n, 4, 4))
-    twice = np.zeros((*q.shape, n, n, 4, 4))
-    for i in range(n):
+    once = np.zeros((*batch, m, m, 4, 4))
+    twice = np.zeros((*batch, m, m, m, 4, 4))
+    for i in range(m):
         for j in range(i + 1):
             once[..., i, j, :, :] = S[..., j, :, :] @ A[..., i, :, :]
         for k in range(i + 1):
             for j in range(k + 1):
                 product = S[..., j, :, :] @ once[..., i, k, :, :]
                 twice[..., i, j, k, :, :] = twice[..., i, k, j, :, :] = product
-    return _Derivatives(once, twice, S, A[..., n, :3, 3], pseudo)
+    if chain.coupling is not None:
+        by_drive = chain.coupling.matrix
+        S = np.einsum("...jab,jk->...kab", S, by_drive)
+        once = np.einsum("...ijab,jk->...ikab", once, by_drive)
+        twice = np.einsum("...ijkab,jr,ks->...irsab", twice, by_drive, by_drive, optimize=True)
+    return _Derivatives(once, twice, S, A[..., m, :3, 3], pseudo)
 
 
 def _mass_matrix(chain: SerialChain, derivatives: _Derivatives) -> Array:

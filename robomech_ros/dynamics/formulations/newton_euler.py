@@ -27,14 +27,14 @@ class NewtonEuler:
     Parameters
     ----------
     bodies : PosedBodies
-        Where axes and bodies are.
-    twists : ndarray, shape (..., n, 6)
+        Positions of axes and bodies.
+    twists : ndarray, shape (..., m, 6)
         Angular velocity and velocity of the mass centre of each link (rad/s, m/s).
-    twist_rates : ndarray, shape (..., n, 6)
+    twist_rates : ndarray, shape (..., m, 6)
         Their rates (rad/s^2, m/s^2).
-    joint_wrenches : ndarray, shape (..., n, 6)
+    joint_wrenches : ndarray, shape (..., m, 6)
         Moment and force [n; f] that the link before exerts on link i, at the joint's origin o_i
-        (N m, N): what bearings and drive hold together.
+        (N m, N): the sum of bearings, drive and coupling.
     torques : ndarray, shape (..., n)
         Of the drives, as from `inverse_dynamics`: the part of each wrench along the joint's axis,
         and what the rotor takes (N m or N).
@@ -65,7 +65,7 @@ def newton_euler(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints, with the inertia of all its bodies.
+        Of m joints moved by n drives, with the inertia of all its bodies.
     q, qd, qdd : array_like, shape (n,) or (..., n)
         Joint values, rates and accelerations (rad or m; per s, per s^2).
     gravity : array_like, shape (3,), optional
@@ -108,18 +108,19 @@ def newton_euler(
     q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
     bodies = posed_bodies(chain, q)
     base = (as_screw("base_twist", base_twist), as_screw("base_twist_rate", base_twist_rate))
-    twists, rates = _outward(bodies, qd, qdd, *base)
+    twists, rates = _outward(bodies, chain.joint_rates(qd), chain.joint_rates(qdd), *base)
     tip, g = as_screw("tip_wrench", tip_wrench), as_vector("gravity", gravity, 3)
     wrenches = _inward(bodies, twists, rates, g, tip)
     along = np.where(bodies.revolute[:, None], wrenches[..., :3], wrenches[..., 3:])
-    torques = np.sum(along * bodies.axes, axis=-1) + reflected_inertias(chain) * qdd
+    efforts = chain.drive_efforts(np.sum(along * bodies.axes, axis=-1))
+    torques = efforts + reflected_inertias(chain) * qdd
     return NewtonEuler(bodies, twists, rates, wrenches, torques)
 
 
 def _outward(
     bodies: PosedBodies, qd: Array, qdd: Array, base_twist: Array, base_twist_rate: Array
 ) -> tuple[Array, Array]:
-    """Give twists and twist rates of the links at their mass centres, (..., n, 6)."""
+    """Give twists and twist rates of the links at their mass centres, (..., m, 6)."""
     shape = (*qd.shape[:-1], 3)
     omega, v = (np.broadcast_to(one, shape) for one in (base_twist[:3], base_twist[3:]))
     alpha, a = (np.broadcast_to(one, shape) for one in (base_twist_rate[:3], base_twist_rate[3:]))
@@ -152,7 +153,7 @@ def _moved(omega: Array, alpha: Array, v: Array, a: Array, r: Array) -> tuple[Ar
 def _inward(
     bodies: PosedBodies, twists: Array, rates: Array, gravity: Array, tip_wrench: Array
 ) -> Array:
-    """Give the wrenches (..., n, 6) that the joints pass on outward, at their origins."""
+    """Give the wrenches (..., m, 6) that the joints pass on outward, at their origins."""
     wrenches = np.empty(twists.shape)
     # What the last link passes on outward is what it does to the surroundings.
     moment, force, point = -tip_wrench[:3], -tip_wrench[3:], bodies.tip

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.dynamics.checked_states import as_screw, finite_states
 from robomech_ros.dynamics.complement.constrained_bodies import ConstrainedBodies
-from robomech_ros.dynamics.complement.stacking import times
+from robomech_ros.dynamics.complement.stacking import times, transposed
 from robomech_ros.dynamics.formulations.stacked_matrices import (
     base_shaping,
     constraints,
@@ -39,19 +39,19 @@ Array = NDArray[np.float64]
 class OrthogonalComplement(ConstrainedBodies):
     """The matrices of a chain in motion; all vectors in the axes of the base.
 
-    The constrained bodies of a chain of n joints, whose independent rates are the joint rates:
-    body i moves with joint i, and r = m = n.
+    The constrained bodies of a chain of r joints, whose independent rates are those of its m
+    drives: body i moves with joint i, and r = m unless joints follow others.
 
     Parameters
     ----------
     bodies : PosedBodies
-        Where axes and bodies are.
-    K : ndarray, shape (..., 6 n, 6 n)
+        Positions of axes and bodies.
+    K : ndarray, shape (..., 7 r - m, 6 r)
         Constraint matrix: ``K t + K_0 t_0 = 0``; moments of the constraints in rows 6 i to
-        6 i + 2, forces in the three below.
-    K_0 : ndarray, shape (..., 6 n, 6)
+        6 i + 2, forces in the three below.  The last r - m rows couple followers to drives.
+    K_0 : ndarray, shape (..., 7 r - m, 6)
         Of the base's twist [omega; velocity of its origin].
-    T_0, T_0_dot : ndarray, shape (..., 6 n, 6)
+    T_0, T_0_dot : ndarray, shape (..., 6 r, 6)
         What the base's twist shapes, and its rate.
     masses, inertias, T, T_dot, rates, rotors, N, N_dot, t_0, t_0_dot, A
         As for :class:`ConstrainedBodies`; the prescribed motion is that of the base.
@@ -64,7 +64,7 @@ class OrthogonalComplement(ConstrainedBodies):
     T_0_dot: Array
 
     def tip_wrenches(self, wrench: ArrayLike | None) -> Array:
-        """Wrench on the last body that a wrench [n; f] at the tip's origin is, (..., 6 n)."""
+        """Wrench on the last body that a wrench [n; f] at the tip's origin is, (..., 6 r)."""
         given = as_screw("tip_wrench", wrench)
         wrenches = np.zeros(self.T.shape[:-1])
         centre = self.bodies.centres[..., -1, :]
@@ -104,9 +104,10 @@ def natural_orthogonal_complement(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints, with the inertia of all its bodies.
+        With the inertia of all its bodies.
     q, qd : array_like, shape (n,) or (..., n)
-        Joint values and rates (rad or m; per s).
+        Joint values and rates (rad or m; per s).  Where joints follow others, these are the
+        drives', and T is that of all joints times the coupling's matrix.
     base_twist, base_twist_rate : array_like, shape (6,), optional
         Angular velocity of the base and velocity of its origin in its own axes, and the rates of
         these vectors (rad/s, m/s; per s).  Default at rest.
@@ -144,25 +145,46 @@ def natural_orthogonal_complement(
     q, qd = finite_states(chain, q=q, qd=qd)
     t_0, t_0_dot = as_screw("base_twist", base_twist), as_screw("base_twist_rate", base_twist_rate)
     bodies = posed_bodies(chain, q)
-    T = twist_shaping(bodies)
+    T = chain.drive_columns(twist_shaping(bodies))
     T_0 = base_shaping(bodies.centres)
-    twists = (times(T, qd) + T_0 @ t_0).reshape(*q.shape, 6)
+    twists = (times(T, qd) + T_0 @ t_0).reshape(*q.shape[:-1], -1, 6)
     rates = twists[..., 3:] - t_0[3:]
     K, K_0 = constraints(bodies)
+    A = drive_wrenches(bodies)
+    if chain.coupling is not None:
+        driven = _driven_joints(chain)
+        remainder = np.eye(len(driven)) - chain.coupling.matrix @ driven.T
+        rows = remainder[~driven.any(axis=1)] @ transposed(A)
+        K = np.concatenate((K, rows), axis=-2)
+        K_0 = np.concatenate((K_0, -rows @ T_0), axis=-2)
+        A = A @ driven
     T_0_dot = base_shaping(rates) - base_shaping(np.zeros_like(rates))
     return OrthogonalComplement(
         masses=bodies.masses,
         inertias=bodies.inertias,
         T=T,
-        T_dot=twist_shaping_rate(bodies, twists),
+        T_dot=chain.drive_columns(twist_shaping_rate(bodies, twists)),
         rates=qd,
         rotors=reflected_inertias(chain),
         t_0=T_0 @ t_0,
         t_0_dot=T_0_dot @ t_0 + T_0 @ t_0_dot,
-        A=drive_wrenches(bodies),
+        A=A,
         bodies=bodies,
         K=K,
         K_0=K_0,
         T_0=T_0,
         T_0_dot=T_0_dot,
     )
+
+
+def _driven_joints(chain: SerialChain) -> Array:
+    """Return the efforts (m, n) at the joints for unit efforts of the drives.
+
+    A drive acts on the joint of its name; if that is not on the chain, on the joint it moves most.
+    """
+    names = chain.all_joint_names
+    driven = np.zeros((len(names), chain.n))
+    for k, name in enumerate(chain.joint_names):
+        joint, gain = (names.index(name), 1.0) if name in names else chain.driven_joint(k)
+        driven[joint, k] = 1.0 / gain
+    return driven

@@ -34,11 +34,11 @@ class PlanarComplement:
     ----------
     rotors : ndarray, shape (n,)
         Inertias that the drives add to the joints (kg m^2 or kg).
-    T : ndarray, shape (..., 3 n, n)
+    T : ndarray, shape (..., 3 m, n)
         Twist-shaping matrix.
-    T_dot : ndarray, shape (..., 3 n, n)
+    T_dot : ndarray, shape (..., 3 m, n)
         Its rate.
-    M : ndarray, shape (3 n, 3 n) or (..., 3 n, 3 n)
+    M : ndarray, shape (3 m, 3 m) or (..., 3 m, 3 m)
         Extended mass matrix, blocks diag(I_i, m_i, m_i).
     """
 
@@ -68,7 +68,8 @@ def planar_orthogonal_complement(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints, all axes across one plane and all slides along it, with their bodies.
+        Of m joints moved by n drives, all axes across one plane and all slides along it, with their
+        bodies.
     q, qd : array_like, shape (n,) or (..., n)
         Joint values and rates (rad or m; per s).
 
@@ -93,7 +94,7 @@ def planar_orthogonal_complement(
     """
     plane = planar_rows(chain)
     model = natural_orthogonal_complement(chain, q, qd)
-    rows = np.kron(np.eye(chain.n), plane)
+    rows = np.kron(np.eye(len(model.masses)), plane)
     return PlanarComplement(
         rotors=reflected_inertias(chain),
         T=rows @ model.T,

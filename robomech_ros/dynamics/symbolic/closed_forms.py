@@ -228,7 +228,8 @@ def symbolic_model(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        No chain, one without joints, or a gravity that is no vector.
+        No chain, one without joints or with joints that follow others, or a gravity that is no
+        vector.
     """
     check_chain(chain)
     by_name = as_choice("parameters", parameters, ("names", "numbers")) == "names"

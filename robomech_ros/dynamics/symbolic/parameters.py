@@ -141,8 +141,9 @@ def symbolic_parameters(
     Raises
     ------
     BadValueError
-        A chain without joints.
+        A chain without joints, or one on which joints follow others.
     """
+    chain.require_uncoupled()
     table = chain.dh
     if table is None:
         raise BadValueError("chain", chain.name, "a chain with at least one joint")

@@ -1,4 +1,4 @@
-"""Solutions of chains on which joints follow others, among those of an arm without followers."""
+"""Solve chains with mimic joints: their solutions are among those of an arm without."""
 
 import itertools
 import math
@@ -11,13 +11,19 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.inverse.polishing import polish
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
 from robomech_ros._kernels.tolerances import ACCEPTED, SAME_POSTURE
-from robomech_ros.kinematics.inverse.bent_wrist import bent_postures, bent_wrist
 from robomech_ros.kinematics.inverse.closed_form import all_postures
-from robomech_ros.kinematics.inverse.coupled_wrist import coupled_wrist, wrist_postures
-from robomech_ros.kinematics.inverse.families.plain_arms import PlainArm, plain_arm
+from robomech_ros.kinematics.inverse.families.merged_axes import MergedArm, merged_arm
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.iterative_search import IterativeSearch
+from robomech_ros.kinematics.inverse.offset_hollow_wrist import (
+    offset_hollow_wrist,
+    offset_wrist_postures,
+)
 from robomech_ros.kinematics.inverse.request import Request
+from robomech_ros.kinematics.inverse.spherical_hollow_wrist import (
+    spherical_hollow_wrist,
+    spherical_wrist_postures,
+)
 from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.robots.chain import SerialChain
 
@@ -62,7 +68,7 @@ def solve_coupled_joints(
     """
     if request.task != FULL_TASK:
         return None
-    arm = plain_arm(chain)
+    arm = merged_arm(chain)
     inversion = _inversion(chain, arm, request.respect_limits)
     found = _postures(arm, T)
     if inversion is None or found is None:
@@ -78,14 +84,14 @@ def solve_coupled_joints(
     return IterativeSearch(q, best, 0.0, 0.0, 0, False), complete
 
 
-def _postures(arm: PlainArm, T: Array) -> tuple[Array, bool] | None:
+def _postures(arm: MergedArm, T: Array) -> tuple[Array, bool] | None:
     """List the arm's postures (k, p), and tell whether they are all that the chain can take."""
-    wrist = coupled_wrist(arm)
+    wrist = spherical_hollow_wrist(arm)
     if wrist is not None:
-        return wrist_postures(wrist, T)
-    bent = bent_wrist(arm)
-    if bent is not None:
-        return bent_postures(bent, T)
+        return spherical_wrist_postures(wrist, T)
+    offset_wrist = offset_hollow_wrist(arm)
+    if offset_wrist is not None:
+        return offset_wrist_postures(offset_wrist, T)
     family = family_of(arm.chain)
     if not family.lists_all:
         return None
@@ -93,7 +99,7 @@ def _postures(arm: PlainArm, T: Array) -> tuple[Array, bool] | None:
 
 
 @lru_cache(maxsize=64)
-def _inversion(chain: SerialChain, arm: PlainArm, limited: bool) -> _Inversion | None:
+def _inversion(chain: SerialChain, arm: MergedArm, limited: bool) -> _Inversion | None:
     """Choose the joints of the arm that give the drives; None where none do."""
     p, n = arm.rows.shape
     best: tuple[float, list[int], Array] | None = None
@@ -128,7 +134,7 @@ def _inversion(chain: SerialChain, arm: PlainArm, limited: bool) -> _Inversion |
 
 
 def _drive_values(
-    chain: SerialChain, arm: PlainArm, inversion: _Inversion, postures: Array
+    chain: SerialChain, arm: MergedArm, inversion: _Inversion, postures: Array
 ) -> Array:
     """List the drive values (k, n) that may give postures (l, p) of the arm, turns aside."""
     wound = postures[:, None, inversion.joints] + inversion.turns

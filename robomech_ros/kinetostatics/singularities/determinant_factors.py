@@ -63,7 +63,7 @@ def named_parts(chain: SerialChain) -> NamedParts:
     """
     size = arm_size(chain)
     if chain.coupling is not None:
-        # Their factors are those of the determinant of joints that all move by themselves.
+        # The factors belong to joints that move independently.
         return NamedParts((), np.zeros(6, dtype=np.int64), size)
     links = chain.transforms
     turning = tuple(i for i in range(chain.n) if chain.types[i] != PRISMATIC)

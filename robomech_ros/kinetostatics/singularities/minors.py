@@ -124,7 +124,9 @@ def minors_of(chain: SerialChain) -> Minors:
     BadValueError
         No joint, or more than eight.
     """
-    chain.require_uncoupled()
+    chain.require_uncoupled(
+        instead="with mimic joints nearest_singular_posture finds singular postures, without proof"
+    )
     if not 1 <= chain.n <= _MOST_JOINTS:
         named = f"{chain.name} with {chain.n} joints"
         raise BadValueError("chain", named, f"one of 1 to {_MOST_JOINTS} joints")

@@ -60,6 +60,7 @@ def positioning_part(chain: SerialChain) -> PositioningPart:
         There is no such point.
     """
     check_chain(chain)
+    chain.require_uncoupled(instead="with mimic joints reach_map computes what the tip reaches")
     C = chain.transforms
     plane = _plane(chain) if chain.n in (2, 3) else None
     if plane is not None:

@@ -89,6 +89,7 @@ class Limb:
     def __post_init__(self) -> None:
         if not isinstance(self.chain, SerialChain):
             raise BadValueError("chain of the limb", self.chain, "a SerialChain")
+        self.chain.require_uncoupled("chain of the limb", "describe the limb without <mimic>")
         names = listed("actuated", self.actuated, "names of joints")
         for name in names:
             if name not in self.chain.joint_names:

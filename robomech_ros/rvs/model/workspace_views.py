@@ -200,7 +200,9 @@ def why_no_section(chain: SerialChain, error: RobomechError) -> str:
         slides = [
             name for name, kind in zip(chain.joint_names[3:], chain.types[3:], strict=True) if kind
         ]
-        if slides:
+        if chain.coupling is not None:
+            why = "its joints are coupled (mimic)"
+        elif slides:
             why = f"joint '{slides[0]}' slides"
         elif chain.n == 2:
             why = "the two joints move no point in a plane"

@@ -8,7 +8,7 @@ from robomech_ros.kinematics import (
     inverse_kinematics,
     inverse_kinematics_batch,
 )
-from robomech_ros.kinematics.inverse.families.plain_arms import plain_arm
+from robomech_ros.kinematics.inverse.families.merged_axes import merged_arm
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinetostatics import jacobian, joint_rates
 from robomech_ros.robots import load_robot
@@ -33,7 +33,7 @@ def spherical_wrist():
     ids=["palletizer", "finger", "lifter"],
 )
 def test_the_arm_without_followers_takes_the_same_poses(chain, joints):
-    arm = plain_arm(chain)
+    arm = merged_arm(chain)
     assert arm.rows.shape == (joints, chain.n)
     q = np.random.default_rng(0).uniform(-2.0, 2.0, (50, chain.n))
     poses = forward_kinematics(arm.chain, q @ arm.rows.T)

@@ -398,11 +398,11 @@ REFUSED = {
     ),
     "a mimic of nobody": (
         robot(TURN.replace(LIMIT, LIMIT + '<mimic joint="left"/>'), MOUNT),
-        "joint 'turn': <mimic> names joint 'left', expected one that moves: 'turn'",
+        "joint 'turn': <mimic> names joint 'left', which does not exist or does not move",
     ),
     "a mimic of itself": (
         robot(TURN.replace(LIMIT, LIMIT + '<mimic joint="turn"/>'), MOUNT),
-        "<mimic> goes in a circle: 'turn', 'turn'; expected",
+        "<mimic> is circular: 'turn', 'turn'; let one",
     ),
     "a mimic by a word": (
         robot(TURN.replace(LIMIT, LIMIT + '<mimic joint="turn" multiplier="one"/>'), MOUNT),

@@ -1,10 +1,10 @@
-"""Chains on which joints follow others, as arms whose joints all move by themselves.
+"""Reduce a chain with mimic joints to an arm of fewer joints, which move independently.
 
-Turns about parallel axes next to each other add up, and an offset between two of them turns by the
-sum up to there.  Offsets that turn alike are put together; what is left is an arm with a joint for
-each different sum.  The rods of a palletizer, which keep its hand level, vanish so: of turns by q,
--q, r and -r three joints remain, which turn by q, r - q and -r.  Slides along one direction add up
-as well.  Every posture of the chain is one of the arm, whose joint values are ``rows @ q``.
+Turns about neighbouring parallel axes add up, and an offset between two of them turns by the sum
+of the turns before it.  Offsets with equal sums are merged, which leaves an arm with one joint for
+each different sum.  This removes the rods of a palletizer, which keep its hand level: turns by q,
+-q, r and -r leave three joints, which turn by q, r - q and -r.  Slides along one direction add up
+as well.  The arm reaches every posture of the chain, with the joint values ``rows @ q``.
 """
 
 from collections.abc import Iterator
@@ -25,15 +25,15 @@ _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class PlainArm:
-    """An arm of p joints that takes all postures of a chain of n drives, and others.
+class MergedArm:
+    """An arm of p joints that reaches all postures of a chain of n drives, and others.
 
     Parameters
     ----------
     chain : SerialChain
         The arm.
     rows : ndarray, shape (p, n)
-        By which the drives give its joint values.
+        Joint values of the arm for unit values of the drives.
     """
 
     chain: SerialChain
@@ -41,8 +41,8 @@ class PlainArm:
 
 
 @lru_cache(maxsize=64)
-def plain_arm(chain: SerialChain) -> PlainArm:
-    """Return the arm with the fewest joints that a chain is a part of.
+def merged_arm(chain: SerialChain) -> MergedArm:
+    """Return the arm with the fewest joints that reaches all postures of a chain.
 
     Parameters
     ----------
@@ -70,11 +70,11 @@ def plain_arm(chain: SerialChain) -> PlainArm:
             before = np.eye(4)
         before = before @ after @ constants[last + 1]
     links.append(before)
-    return PlainArm(chain_of(np.array(links), kinds), np.array(rows).reshape(-1, chain.n))
+    return MergedArm(chain_of(np.array(links), kinds), np.array(rows).reshape(-1, chain.n))
 
 
 def _runs(constants: Array, types: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
-    """List first and last joint of the turns about parallel axes, and of the slides along them."""
+    """List the first and last joint of each run of parallel turns and of parallel slides."""
     first = 0
     for i in range(1, len(types) + 1):
         parallel = np.hypot(*constants[i][:2, 2]) < _ROUNDING
@@ -109,7 +109,7 @@ def _turns(poses: Array, A: Array, offsets: Array) -> tuple[list[Array], list[Ar
         steps.append(_shift(step))
         rows.append(np.array(key) - before)
         before, step = np.array(key), part
-    # The last frame, at zero, is where the turns by the offsets alone have brought it.
+    # Pose of the last frame at zero: only the offsets of the coupling turn it.
     turned = turn_about_z(angles[-1])
     after = _shift(step + rest - turned @ points[-1]) @ turned @ poses[-1]
     return steps, rows, after

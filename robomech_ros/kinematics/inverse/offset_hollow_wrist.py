@@ -1,11 +1,11 @@
-"""Hollow wrists with offsets: two bends that turn oppositely, symmetrical to each other.
+"""Solve hollow wrists with offsets: two bends that turn oppositely, symmetrical to each other.
 
 Of the four axes of such a wrist, as of paint robots, the two in the middle meet in a point off the
 others.  They turn by q and -q, so that the wrist is its own mirror image between them: the first
 axis and the last always meet, in a point at the distance s(q) from where each is nearest to the
 middle ones, at an angle psi(q); both are functions of cos q alone.
 
-For a given q the pose tells where the point is.  An arm whose first axis is at right angles to two
+The pose and q give the position of the point.  An arm whose first axis is at right angles to two
 parallel ones reaches it in four postures, real or complex, and each leaves one condition: the angle
 between the first axis of the wrist and the last.  The product of the four is a function of cos q
 without branches; its zeros come from its expansion in Chebyshev polynomials.
@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.kinematics.forward import forward_kinematics
-from robomech_ros.kinematics.inverse.coupled_wrist import between_axes, outer_angles
-from robomech_ros.kinematics.inverse.families.plain_arms import PlainArm
+from robomech_ros.kinematics.inverse.families.merged_axes import MergedArm
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
+from robomech_ros.kinematics.inverse.spherical_hollow_wrist import between_axes, outer_angles
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import turn_about_z, unpack_chain
@@ -37,14 +37,14 @@ _NEAR = 1e-3
 _POINTS = 96
 _ROUNDING = 1e-13
 _RESOLVED = 1e-10
-# Zeros that are off the real axis by less may be double ones, and conditions that are missed by
-# less may hold; a polish decides.
+# Zeros closer to the real axis may be double, and conditions with a smaller residual may hold;
+# polishing decides.
 _OFF_AXIS = 1e-3
 _SLACK = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
-class BentWrist:
+class OffsetHollowWrist:
     """An arm of three joints with such a wrist, in the frame of its first joint.
 
     Parameters
@@ -84,9 +84,9 @@ class BentWrist:
 
 
 @lru_cache(maxsize=64)
-def bent_wrist(plain: PlainArm) -> BentWrist | None:
-    """Recognise such an arm; None where it is another."""
-    chain, rows = plain.chain, plain.rows
+def offset_hollow_wrist(merged: MergedArm) -> OffsetHollowWrist | None:
+    """Return the wrist of an arm that ends with one, else None."""
+    chain, rows = merged.chain, merged.rows
     if chain.n != 7 or chain.types.any() or np.abs(rows[4] + rows[5]).max() > 0.0:
         return None
     C, size = unpack_chain(chain.packed), arm_size(chain)
@@ -124,7 +124,7 @@ def bent_wrist(plain: PlainArm) -> BentWrist | None:
     tip = inverse[:3, 3] + last * inverse[:3, 2], inverse[:3, 2]
     front = chain_of(C[:4], [0, 0, 0])
     exact = missed < _EXACT * size
-    return BentWrist(
+    return OffsetHollowWrist(
         front, *arm, tip, C[4:, :3, :3], _expanded(shifts[0]), _expanded(angles[0]), exact
     )
 
@@ -164,7 +164,7 @@ def _expanded(values: Array) -> Array:
 
 
 def _branches(
-    wrist: BentWrist, foot: Array, axis: Array, x: Array
+    wrist: OffsetHollowWrist, foot: Array, axis: Array, x: Array
 ) -> tuple[Complex, Complex, Complex, Complex]:
     """Return four postures of the arm for each cosine x (k,), and the condition that they leave.
 
@@ -198,12 +198,14 @@ def _branches(
     return np.array(turned), np.array(raised), np.array(left), scale * (1.0 + cosine) ** 4
 
 
-def _with_conjugates(wrist: BentWrist) -> tuple[tuple[complex, complex], tuple[complex, complex]]:
+def _with_conjugates(
+    wrist: OffsetHollowWrist,
+) -> tuple[tuple[complex, complex], tuple[complex, complex]]:
     pair = wrist.fore, wrist.fore_axis
     return pair, (pair[0].conjugate(), pair[1].conjugate())
 
 
-def bent_postures(wrist: BentWrist, T: Array) -> tuple[Array, bool]:
+def offset_wrist_postures(wrist: OffsetHollowWrist, T: Array) -> tuple[Array, bool]:
     """List all joint values (k, 7) that give a pose T (4, 4), and tell whether they are all."""
     local = np.linalg.inv(wrist.base) @ T
     foot, axis = local[:3, :3] @ wrist.tip[0] + local[:3, 3], local[:3, :3] @ wrist.tip[1]
@@ -233,7 +235,7 @@ def bent_postures(wrist: BentWrist, T: Array) -> tuple[Array, bool]:
 
 
 def _arm_values(
-    wrist: BentWrist,
+    wrist: OffsetHollowWrist,
     local: Array,
     turned: complex,
     raised: complex,
@@ -254,7 +256,7 @@ def _arm_values(
 
 
 def _whole_postures(
-    wrist: BentWrist, T: Array, arm: Array, angle: float
+    wrist: OffsetHollowWrist, T: Array, arm: Array, angle: float
 ) -> tuple[list[Array], bool]:
     """Add the joints of the wrist, for both signs of the drive, to values (3,) of the arm."""
     front = forward_kinematics(wrist.front, arm)[:3, :3]

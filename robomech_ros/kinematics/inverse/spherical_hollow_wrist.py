@@ -1,4 +1,4 @@
-"""Hollow wrists: four axes through one point, the two in the middle turned by one drive.
+"""Solve hollow wrists whose four axes meet in a point, the two in the middle on one drive.
 
 With three joints in front, the point follows from the pose as that of any spherical wrist.  The
 angle between the first axis of the wrist and the last gives a trigonometric polynomial of the
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.tolerances import SAME_POSTURE
 from robomech_ros.kinematics.forward import forward_kinematics
 from robomech_ros.kinematics.inverse.closed_form import all_postures
-from robomech_ros.kinematics.inverse.families.plain_arms import PlainArm
+from robomech_ros.kinematics.inverse.families.merged_axes import MergedArm
 from robomech_ros.kinematics.inverse.families.selection import Family, family_of
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
 from robomech_ros.kinematics.mobility import arm_size
@@ -41,7 +41,7 @@ _ORIENTATION = turn_about_z(0.7) @ _QUARTER @ turn_about_z(1.9) @ _QUARTER @ tur
 
 
 @dataclass(frozen=True, eq=False)
-class CoupledWrist:
+class SphericalHollowWrist:
     """An arm of three joints with a hollow wrist.
 
     Parameters
@@ -69,10 +69,10 @@ class CoupledWrist:
 
 
 @lru_cache(maxsize=64)
-def coupled_wrist(plain: PlainArm) -> CoupledWrist | None:
-    """Recognise a hollow wrist at the end of an arm; None where there is none."""
-    C, types = unpack_chain(plain.chain.packed), plain.chain.types
-    middle = plain.rows[4:6]
+def spherical_hollow_wrist(merged: MergedArm) -> SphericalHollowWrist | None:
+    """Return the wrist of an arm that ends with one, else None."""
+    C, types = unpack_chain(merged.chain.packed), merged.chain.types
+    middle = merged.rows[4:6]
     if len(types) != 7 or types[3:].any() or np.linalg.matrix_rank(middle) != 1:
         return None
     drives = np.flatnonzero(np.abs(middle).max(axis=0))
@@ -85,7 +85,7 @@ def coupled_wrist(plain: PlainArm) -> CoupledWrist | None:
     height = _height_of_meeting(C[4])
     if height is None:
         return None
-    centre, size = np.array([0.0, 0.0, height, 1.0]), arm_size(plain.chain)
+    centre, size = np.array([0.0, 0.0, height, 1.0]), arm_size(merged.chain)
     for constant in C[4:7]:
         if np.hypot(*centre[:2]) > _MEETS * size:
             return None
@@ -101,7 +101,9 @@ def coupled_wrist(plain: PlainArm) -> CoupledWrist | None:
         return None
     tip = np.linalg.inv(C[7]) @ centre
     front = chain_of(C[:4], types[:3].tolist())
-    return CoupledWrist(arm, family, front, C[4:, :3, :3], tip[:3], (int(gains[0]), int(gains[1])))
+    return SphericalHollowWrist(
+        arm, family, front, C[4:, :3, :3], tip[:3], (int(gains[0]), int(gains[1]))
+    )
 
 
 def _height_of_meeting(constant: Array) -> float | None:
@@ -113,12 +115,12 @@ def _height_of_meeting(constant: Array) -> float | None:
     return float(d[2] - u[2] * (u[0] * d[0] + u[1] * d[1]) / square)
 
 
-def wrist_postures(wrist: CoupledWrist, T: Array) -> tuple[Array, bool]:
+def spherical_wrist_postures(wrist: SphericalHollowWrist, T: Array) -> tuple[Array, bool]:
     """List all joint values (k, 7) that give a pose, and tell whether they are provably all.
 
     Parameters
     ----------
-    wrist : CoupledWrist
+    wrist : SphericalHollowWrist
     T : ndarray, shape (4, 4)
         Of the tip in the base (m).
     """
@@ -139,7 +141,7 @@ def wrist_postures(wrist: CoupledWrist, T: Array) -> tuple[Array, bool]:
     return np.array(postures).reshape(-1, 7), complete
 
 
-def _wrist_angles(wrist: CoupledWrist, W: Array) -> tuple[list[Array], bool]:
+def _wrist_angles(wrist: SphericalHollowWrist, W: Array) -> tuple[list[Array], bool]:
     """List the angles (4,) of a wrist in an orientation (3, 3), and whether they are all."""
     found, regular = [], True
     roots = _drive_angles(wrist, float(W[2, 2]))
@@ -178,7 +180,7 @@ def outer_angles(W: Array, V: Array) -> tuple[float, float, bool]:
     return first, last, True
 
 
-def _drive_angles(wrist: CoupledWrist, cosine: float) -> list[float] | None:
+def _drive_angles(wrist: SphericalHollowWrist, cosine: float) -> list[float] | None:
     """List the angles at which first and last axis have a cosine between them; None for all."""
     degree = sum(map(abs, wrist.gains))
     count = 2 * degree + 1
