@@ -7,9 +7,13 @@ import numpy as np
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
-from robomech_ros.robots import Body, load_robot
+from robomech_ros.robots import Body, load_description, load_robot
 
 DATA = Path(__file__).parent / "data" / "coupled"
+INERTIA = (
+    '<inertial><mass value="2"/><origin xyz="0.05 0 0.03"/>'
+    '<inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+)
 
 
 def coupled(name):
@@ -25,6 +29,14 @@ def with_bodies(chain, seed=0):
         for _ in chain.all_joint_names
     )
     return replace(chain, bodies=bodies)
+
+
+def palletizer_with_bodies():
+    """The URDF of the palletizer with bodies of 2 kg, and drives that hold them."""
+    text = (DATA / "palletizer.urdf").read_text(encoding="utf-8")
+    for link in load_description(text).links[1:]:
+        text = text.replace(f'<link name="{link}"/>', f'<link name="{link}">{INERTIA}')
+    return text.replace('effort="10"', 'effort="60"')
 
 
 def lifter():

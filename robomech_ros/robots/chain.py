@@ -232,7 +232,7 @@ class SerialChain(Printed):
         return efforts if self.coupling is None else efforts @ self.coupling.matrix
 
     def drive_columns(self, columns: Array) -> Array:
-        """Turn columns (..., k, m) for the rates of all joints into those (..., k, n) for drives."""
+        """Turn columns (..., k, m) for rates of all joints into those (..., k, n) for drives."""
         return columns if self.coupling is None else columns @ self.coupling.matrix
 
     def drive_matrix(self, matrix: Array) -> Array:

@@ -18,6 +18,7 @@ from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Place
 
 ORDER = 15
+NO_TABLE = "No table: joints of this arm follow others (mimic)."
 
 
 class DHTableLayer:
@@ -55,6 +56,9 @@ class DHTableLayer:
         )
         with folder:
             self._rows = folder.text()
+            if self._place.chain.coupling is not None:
+                self._rows.content = NO_TABLE
+                return folder
             hint = "Joint, parameter and number, as in: 2 a 0.5; a number typed above does it, too"
             folder.listen(client.gui.add_text(CHANGE, "", hint=hint), self._change)
             folder.button("Reset robot", self._reset, "Back to the robot that the page began with")
@@ -66,9 +70,9 @@ class DHTableLayer:
         self._closed = True
 
     def _write(self) -> None:
-        if self._folder is None or self._folder.removed:
-            return
         chain = self._place.chain
+        if self._folder is None or self._folder.removed or chain.coupling is not None:
+            return
         table, units = table_of(chain), self._place.units
         self._degrees = units.degrees
         document = yaml_of(chain, table)

@@ -201,7 +201,7 @@ def why_no_section(chain: SerialChain, error: RobomechError) -> str:
             name for name, kind in zip(chain.joint_names[3:], chain.types[3:], strict=True) if kind
         ]
         if chain.coupling is not None:
-            why = "its joints are coupled (mimic)"
+            why = "joints of this arm follow others (mimic)"
         elif slides:
             why = f"joint '{slides[0]}' slides"
         elif chain.n == 2:

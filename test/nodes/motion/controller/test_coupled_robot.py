@@ -24,24 +24,17 @@ from robomech_ros.nodes.common.pose_messages import stamped_pose
 from robomech_ros.nodes.dynamics.node import DynamicsNode
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
-from robomech_ros.robots import load_description, load_robot
-from test.coupled_robots import DATA
+from robomech_ros.robots import load_robot
+from test.coupled_robots import palletizer_with_bodies
 
 DRIVES = ["turn", "rear", "fore", "spin"]
 FOLLOWERS = ["rear_back", "level"]
-INERTIA = (
-    '<inertial><mass value="2"/><origin xyz="0.05 0 0.03"/>'
-    '<inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0" ixz="0" iyz="0"/></inertial></link>'
-)
 START, GOAL = [0.2, 0.4, 0.5, 0.3], [-0.3, 0.9, 0.8, -0.6]
 
 
 @pytest.fixture
 def text():
-    given = (DATA / "palletizer.urdf").read_text(encoding="utf-8")
-    for link in load_description(given).links[1:]:
-        given = given.replace(f'<link name="{link}"/>', f'<link name="{link}">{INERTIA}')
-    return given
+    return palletizer_with_bodies()
 
 
 def test_kinematics_and_dynamics_in_drives(graph, text):
