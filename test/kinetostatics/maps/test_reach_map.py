@@ -25,6 +25,7 @@ from robomech_ros.kinetostatics import (
 from robomech_ros.numerics.memory import available_memory
 from robomech_ros.robots import load_robot
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw
+from test.coupled_robots import coupled
 
 PUMA = load_robot("puma560")
 # Box, shape and orientations, in each of which some poses are reached and some are not.
@@ -224,3 +225,39 @@ def test_the_same_arm_under_another_name_is_another_robot(tmp_path):
     reach_map(PUMA, **GOOD, file=file)
     with pytest.raises(ValueError, match="it is of robot 'puma560'.*, not 'copy'"):
         load_reach_map(file, replace(PUMA, name="copy"))
+
+
+def palletizer_postures(x, y, z, yaw):
+    """Postures of the palletizer inside its limits, by the law of cosines in its plane."""
+    count = 0
+    for away, turn in ((np.hypot(x, y), np.arctan2(y, x)), (-np.hypot(x, y), np.arctan2(-y, -x))):
+        # From the shoulder to the wrist; the hand stays level.
+        u, w = away - 0.06, z - 0.14 + 0.05
+        cosine = (u**2 + w**2 - 0.135**2 - 0.147**2) / (2.0 * 0.135 * 0.147)
+        for spin in yaw - turn + 2.0 * np.pi * np.arange(-2, 3):
+            for bend in (-np.arccos(cosine), np.arccos(cosine)) if abs(cosine) < 1.0 else ():
+                low = np.arctan2(w, u) - np.arctan2(
+                    0.147 * np.sin(bend), 0.135 + 0.147 * np.cos(bend)
+                )
+                rear, fore = np.remainder(np.pi / 2 - low + 1.0, 2 * np.pi) - 1.0, -low - bend
+                fore = np.remainder(fore + np.pi, 2 * np.pi) - np.pi
+                inside = 0.0 <= rear <= 1.4 and -0.2 <= fore <= 1.4
+                count += inside and abs(turn) <= 2.2 and abs(spin) <= 3.0
+    return count
+
+
+def test_a_map_of_a_palletizer_counts_the_postures_of_its_drives():
+    chain, angles = coupled("palletizer"), np.array([0.3, 2.0])
+    c, s = np.cos(angles), np.sin(angles)
+    turned = np.tile(np.eye(3), (2, 1, 1))
+    turned[:, 0, 0], turned[:, 0, 1], turned[:, 1, 0], turned[:, 1, 1] = c, -s, s, c
+    made = reach_map(
+        chain, (-0.3, -0.3, 0.0), (0.3, 0.3, 0.3), shape=(6, 6, 6), orientations=turned, workers=1
+    )
+    expected = np.array([
+        [palletizer_postures(*point, yaw) for yaw in angles]
+        for point in made.grid.points(np.arange(made.grid.cells))
+    ])  # fmt: skip
+    assert np.count_nonzero(expected) > 50
+    np.testing.assert_array_equal(made.reached.ravel(), np.count_nonzero(expected, axis=1))
+    np.testing.assert_array_equal(made.solutions.ravel(), expected.sum(axis=1))
