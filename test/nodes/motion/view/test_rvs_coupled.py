@@ -22,12 +22,18 @@ START, REAR = [0.2, 0.4, 0.5, 0.3], 1
 
 
 @pytest.fixture
-def shown(graph, drive, browse):
+def shown(graph, drive, browse, tmp_path):
     """The palletizer, simulated with its dynamics, its planner and publisher, and a page."""
     text = palletizer_with_bodies()
     robot = drive(robot_description=text, simulation="dynamic", initial_positions=START)
-    for node in (TrajectoryPlannerNode, TrajectoryPublisherNode):
-        graph.start(node, robot_description=text)
+    limits = tmp_path / "joint_limits.yaml"
+    rate = (
+        "has_acceleration_limits: true, max_acceleration: 8.0, has_jerk_limits: true, max_jerk: 80"
+    )
+    rows = "".join(f"  {name}: {{{rate}}}\n" for name in robot.names)
+    limits.write_text(f"joint_limits:\n{rows}", encoding="utf-8")
+    graph.start(TrajectoryPlannerNode, robot_description=text, joint_limits=str(limits))
+    graph.start(TrajectoryPublisherNode, robot_description=text)
     browser = browse(graph.start(RvsNode, robot_description=text, port=0))
     motions = browser.node._robot._motions
     wait_until(lambda: motions._planner.service_is_ready() and motions._executor.service_is_ready())
@@ -48,8 +54,8 @@ def test_the_slider_of_a_drive_moves_its_follower_and_the_robot_goes_there(shown
     drawn = [joint.name for joint in seen.moving]
     _, turns = seen.joint_poses(arm.positions_of(goal))
     for follower, drive in (("rear_back", 1), ("level", 2)):
-        angle = 2.0 * np.arctan2(turns[drawn.index(follower)][2], turns[drawn.index(follower)][0])
-        assert angle == pytest.approx(-goal[drive], abs=1e-9)
+        _, y, _, w = turns[drawn.index(follower)]
+        assert 2.0 * np.arctan2(y, w) == pytest.approx(-goal[drive], abs=1e-9)
     browser.click("Plan")
     wait_until(lambda: browser.page._plan.motion is not None)
     np.testing.assert_allclose(browser.page._plan.motion.q[-1], goal, atol=1e-9)
