@@ -101,11 +101,12 @@ def drive_limits(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Map
         gain = follower.multiplier
         if joint is leader or gain == 0.0:
             continue
-        lower, upper = _common_range(limits, joint, gain, follower.offset)
-        if lower >= upper and gain < 0.0:
-            # Many grippers turn some fingers the other way, with limits as if they did not.
-            mirrored = _common_range(limits, joint, -gain, follower.offset)
-            lower, upper = mirrored if mirrored[0] < mirrored[1] else (lower, upper)
+        ends = _drive_range(joint, gain, follower.offset)
+        # Many grippers turn some fingers the other way, with limits as if they did not.
+        mirrored = _drive_range(joint, abs(gain), follower.offset)
+        if not _overlap(limits, ends) > 0.0 and _overlap(limits, mirrored) > 0.0:
+            ends = mirrored
+        lower, upper = max(limits["lower"], ends[0]), min(limits["upper"], ends[1])
         if lower > upper:
             place = f"joint '{joint.name}'"
             why = (
@@ -121,12 +122,14 @@ def drive_limits(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Map
     return limits
 
 
-def _common_range(
-    limits: Mapping[str, float], joint: Joint, gain: float, offset: float
-) -> tuple[float, float]:
-    """Return the range of a drive in which a follower keeps its limits, too."""
-    ends = sorted((end - offset) / gain for end in (joint.lower, joint.upper))
-    return max(limits["lower"], ends[0]), min(limits["upper"], ends[1])
+def _drive_range(joint: Joint, gain: float, offset: float) -> list[float]:
+    """Return the two ends of the range of a drive in which a follower keeps its limits."""
+    return sorted((end - offset) / gain for end in (joint.lower, joint.upper))
+
+
+def _overlap(limits: Mapping[str, float], ends: list[float]) -> float:
+    """Return how long the part of a range is that lies inside limits; negative if there is none."""
+    return min(limits["upper"], ends[1]) - max(limits["lower"], ends[0])
 
 
 def joined_drive(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Drive:
