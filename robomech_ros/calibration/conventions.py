@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.calibration.free_directions import FAR, rms_distance
 from robomech_ros.calibration.initial_guess import (
@@ -14,8 +13,7 @@ from robomech_ros.calibration.initial_guess import (
 )
 from robomech_ros.calibration.maximum_likelihood import Fit
 from robomech_ros.errors import ContradictionError
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Larger residuals (rad, and the same fraction of the distances) are no noise of a sensor.
 _SUSPICIOUS = 0.02

@@ -31,8 +31,7 @@ from robomech_ros.calibration.samples import checked_samples, distinct_samples
 from robomech_ros.errors import BadValueError, ContradictionError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag
 from robomech_ros.spatial.poses import as_pose, assembled, inverse_pose
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 MOUNTS = ("eye-in-hand", "eye-to-hand")
 

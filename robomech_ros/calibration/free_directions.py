@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.calibration import starting
 from robomech_ros._kernels.compiling.jit import direct
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _common_turns = direct(starting.common_turns)
 

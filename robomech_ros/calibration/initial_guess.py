@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.calibration import starting
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.calibration.free_directions import FreeDirections, find_free_directions
 from robomech_ros.spatial.transformations.matching import rotations_between, top_vectors
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _make_rotations = direct(starting.make_rotations)
 _positions = direct(starting.linear_positions)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.calibration import refinement
 from robomech_ros._kernels.compiling.jit import direct
@@ -21,8 +20,7 @@ from robomech_ros.calibration.initial_guess import (
     solve_about_axis,
     squared_residuals,
 )
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 _refine = direct(refinement.refine)
 _distances = direct(refinement.distances)
@@ -154,12 +152,12 @@ class Fit:
             self.noise[1] = least
             self.step(self.at, self.noise, known=True)
 
-    def _within(self, limit: float, residuals: Array) -> NDArray[np.bool_]:
+    def _within(self, limit: float, residuals: Array) -> BoolArray:
         """Return which residuals are below an angle (rad) and that fraction of the distances."""
         scale = 1.0 + (rms_distance(self.A) ** 2 + rms_distance(self.S) ** 2) / 3.0
         return np.asarray((residuals[0] < limit**2) & (residuals[1] < limit**2 * scale))
 
-    def _exclude(self, outliers: NDArray[np.bool_]) -> bool:
+    def _exclude(self, outliers: BoolArray) -> bool:
         """Exclude outliers unless they are half of the samples; return whether they changed."""
         if 2 * outliers.sum() >= len(outliers):
             return False

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.calibration import refinement
 from robomech_ros._kernels.compiling.jit import direct
@@ -15,8 +15,7 @@ from robomech_ros.calibration.result import HandEyeResult, sensor_covariance
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.poses import as_pose, inverse_pose
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _information = direct(refinement.information_of)
 

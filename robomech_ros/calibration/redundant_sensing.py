@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.spatial.rotations.quaternions import quaternion_from_matrix
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _LEAST_SENSORS = 2
 # Cosine of half an angle, near half turns, below which noise turns an axis round.

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import ContradictionError, WrongSizeError
 from robomech_ros.spatial.poses import as_pose, assembled
 from robomech_ros.spatial.transformations.redundant_sensing import frames_between, single_match
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Positions that miss by more than this part of the distances contradict each other, unless it is so
 # little (m) that it may be noise.

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.printing import Printed
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 
 @dataclass(frozen=True)
@@ -73,7 +71,7 @@ class HandEyeResult(Printed):
     target: Array
     covariance: Array
     residuals: Array
-    inlier: NDArray[np.bool_]
+    inlier: BoolArray
     weak_directions: Array
     free_directions: Array
     noise: HandEyeNoise

@@ -7,8 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.poses import as_pose
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _LEAST_SAMPLES = 3
 # Positions farther away (m) are a mistake.

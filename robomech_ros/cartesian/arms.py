@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import Limits, SerialArm
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def serial_arm(chain: SerialChain, task_mask: Sequence[bool] | None = None) -> SerialArm:

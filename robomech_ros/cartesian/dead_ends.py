@@ -1,13 +1,12 @@
 """Ends of joint paths at a singular posture: which part of the arm it is, and where to stop."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.cartesian.followers import Follower
 from robomech_ros.trajectory import JointPath, Limits, PathCut, PathTracking, PathTrackingStatus
 from robomech_ros.trajectory.paths.path_cuts import PLACES
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 # Below this speed along the path (m/s) the way to a dead end is pointless: it takes minutes for
 # less than a tenth of a millimetre.  Of an arm that is slow everywhere, this part of its fastest.
 SLOWEST, _PART_OF_FASTEST = 0.01, 0.05

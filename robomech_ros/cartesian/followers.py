@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.cartesian.arms import serial_arm
 from robomech_ros.cartesian.singular_parts import ever_faster, singular_part
@@ -20,8 +19,7 @@ from robomech_ros.spatial.arrays import held_rows
 from robomech_ros.trajectory import JointPath, Limits, SerialArm
 from robomech_ros.trajectory.paths.arms import Tracked
 from robomech_ros.trajectory.paths.partial_poses import partial_rank
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 class Follower(Protocol):

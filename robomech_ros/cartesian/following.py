@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.cartesian.dead_ends import dead_end
 from robomech_ros.cartesian.followers import ChainFollower, Follower, as_follower
@@ -28,8 +28,8 @@ from robomech_ros.trajectory import (
     PosePath,
     track_path,
 )
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 # Places among which the nearest one to a waypoint is looked for.
 _PLACES = 5000
 # A waypoint is reached from this part of the path before it on.

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, UnknownJointError
 from robomech_ros.kinematics.joint_values import check_chain
@@ -13,8 +12,7 @@ from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import JointPath, SpeedLimit
 from robomech_ros.trajectory.paths.curve_arguments import as_number, as_positive
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def link_speed_limit(

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.cartesian.arguments import above_zero
 from robomech_ros.cartesian.followers import Follower
@@ -17,8 +16,8 @@ from robomech_ros.robots import SerialChain
 from robomech_ros.spatial.arrays import listed
 from robomech_ros.trajectory import JointPath, PathCut, PathTrackingStatus
 from robomech_ros.trajectory.paths.path_cuts import PLACES, last_good_place
+from robomech_ros.typing import Array, BoolArray
 
-Array = NDArray[np.float64]
 # Finds where a joint path must end, and why; None where nowhere.
 PathCheck = Callable[[JointPath], PathCut | None]
 # Points between which a relative jump is looked for, at least: of fewer the mean says nothing.
@@ -70,9 +69,9 @@ def singular_cut(robot: Follower, joints: JointPath, bounds: PathBounds) -> Path
     if not math.isfinite(bounds.condition):
         return None
 
-    def over(q: Array) -> NDArray[np.bool_]:
+    def over(q: Array) -> BoolArray:
         singular = robot.singular_values(q)
-        above: NDArray[np.bool_] = singular[:, 0] > bounds.condition * singular[:, -1]
+        above: BoolArray = singular[:, 0] > bounds.condition * singular[:, -1]
         return above
 
     s = last_good_place(joints, over)

@@ -5,13 +5,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.cartesian.arguments import above_zero, whole_number
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory import Limits, SampledPlan, discretise, verify
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 # A little finer than wanted: the fastest part may lie between two points.
 _FINER = 0.95
 

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.mobility import arm_size
@@ -12,8 +11,8 @@ from robomech_ros.kinetostatics.singularities.determinant_factors import named_p
 from robomech_ros.kinetostatics.singularities.report import posture_report
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import JointPath
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 # A part of an arm whose factor of the determinant is below this is named as nearly singular.
 _NEARLY = 0.1
 # How far before the end of a path the arm is looked at for the way that its wrist goes, as its

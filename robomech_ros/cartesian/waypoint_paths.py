@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, held_rows, real_array
@@ -17,8 +17,8 @@ from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vecto
 from robomech_ros.spatial.screws.pose_conversions import pose_error
 from robomech_ros.trajectory import PosePath, arc_path, spline_path, straight_path
 from robomech_ros.trajectory.paths.partial_poses import least_turn
+from robomech_ros.typing import Array, IntArray
 
-Array = NDArray[np.float64]
 PathKind = Literal["straight", "spline", "arc"]
 # Poses nearer to the one before than this (rad, m) are the same waypoint.
 _SAME = 1e-9
@@ -103,7 +103,7 @@ def _checked(what: str, poses: ArrayLike, dimensions: int) -> Array:
     return np.asarray(poses, dtype=np.float64)
 
 
-def _with_held_turns(start: Array, waypoints: Array, rows: NDArray[np.int64]) -> Array:
+def _with_held_turns(start: Array, waypoints: Array, rows: IntArray) -> Array:
     """Turn each waypoint no farther from the one before than what is held needs."""
     if len(rows) not in (3, 5) or not np.isin((3, 4, 5), rows).all():
         return waypoints
@@ -128,7 +128,7 @@ def _waypoint(k: int) -> str:
     return f"waypoints[{k - 1}]" if k else "the start"
 
 
-def _in_waypoints(error: BadValueError, kept: NDArray[np.int64], kind: str) -> BadValueError:
+def _in_waypoints(error: BadValueError, kept: IntArray, kind: str) -> BadValueError:
     """Name waypoints instead of poses of a path."""
     what = re.sub(r"poses\[(\d+)\]", lambda k: _waypoint(int(kept[int(k[1])])), error.what)
     expected = error.expected

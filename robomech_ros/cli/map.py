@@ -9,8 +9,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -33,8 +31,7 @@ from robomech_ros.kinetostatics import (
 from robomech_ros.robots import SerialChain, load_description
 from robomech_ros.robots.documents.numbers_in_text import integer, number
 from robomech_ros.spatial import matrix_from_quaternion
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _POINTS = 21
 _ORIENTATIONS = 64

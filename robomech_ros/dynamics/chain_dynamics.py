@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.dynamics.forward import forward_dynamics_one
@@ -24,8 +24,7 @@ from robomech_ros.kinematics.posture_samples import sample_postures
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 _forward_one = direct(forward_dynamics_one)
 
@@ -81,7 +80,7 @@ class ChainDynamics:
         return self.chain.joint_names
 
     @property
-    def drives_at(self) -> NDArray[np.int64]:
+    def drives_at(self) -> IntArray:
         """Where the drives are among the joints: everywhere."""
         return np.arange(self.chain.n)
 

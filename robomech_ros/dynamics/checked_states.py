@@ -5,14 +5,14 @@ from functools import wraps
 from typing import ParamSpec
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.joint_values import as_states, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 P = ParamSpec("P")
 
 # Products of a few numbers up to this do not overflow.

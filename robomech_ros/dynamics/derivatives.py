@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.dynamics import derivatives as kernels
@@ -19,8 +19,7 @@ from robomech_ros.dynamics.model import (
 )
 from robomech_ros.kinematics.joint_values import as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _derivatives_one = direct(kernels.inverse_derivatives_one)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.dynamics import mass as kernels
 from robomech_ros.dynamics.forward import forward_dynamics
@@ -20,8 +20,7 @@ from robomech_ros.dynamics.model import (
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def kinetic_energy(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:

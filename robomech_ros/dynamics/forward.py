@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.dynamics import forward as kernels
@@ -16,8 +16,7 @@ from robomech_ros.dynamics.model import (
 from robomech_ros.kinematics.joint_values import as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 METHODS = ("articulated-body", "cholesky")
 

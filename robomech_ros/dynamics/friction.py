@@ -5,14 +5,13 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.chain.serial import NOT_FINITE
 from robomech_ros.dynamics.model import raise_outcome
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @lru_cache(maxsize=256)

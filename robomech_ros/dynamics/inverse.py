@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.dynamics import inverse as kernels
@@ -15,8 +15,7 @@ from robomech_ros.dynamics.model import (
 )
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _inverse_one = direct(kernels.inverse_dynamics_one)
 _gravity_one = direct(kernels.gravity_torque_one)

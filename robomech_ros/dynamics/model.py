@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.chain.serial import NOT_FINITE
 from robomech_ros._kernels.dynamics.layout import (
@@ -21,8 +21,7 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array, real_number
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 GRAVITY = (0.0, 0.0, -9.81)
 

@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.systems import DynamicSystem, dynamic_system
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)

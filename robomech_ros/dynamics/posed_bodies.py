@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +30,7 @@ class PosedBodies:
         Origin of the tip (m).
     """
 
-    revolute: NDArray[np.bool_]
+    revolute: BoolArray
     axes: Array
     origins: Array
     centres: Array

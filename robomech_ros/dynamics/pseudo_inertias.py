@@ -12,14 +12,13 @@ identification, IEEE Robotics and Automation Letters 3, 2018.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots.bodies import Body
 from robomech_ros.spatial.arrays import as_finite, real_number
 from robomech_ros.spatial.screws.bodies import inertia_of_point_mass
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 # Products of parameters up to this do not overflow.
 _LARGEST = 1e30
@@ -74,7 +73,7 @@ def parameters_from_pseudo_inertia(J: ArrayLike) -> Array:
     return parameters
 
 
-def is_consistent(parameters: ArrayLike) -> NDArray[np.bool_]:
+def is_consistent(parameters: ArrayLike) -> BoolArray:
     """Say which parameters (..., 10) a body of positive volume can have: shape (...).
 
     Raises
@@ -84,7 +83,7 @@ def is_consistent(parameters: ArrayLike) -> NDArray[np.bool_]:
     """
     J = pseudo_inertia(parameters)
     least = np.linalg.eigvalsh(J)[..., 0]
-    answer: NDArray[np.bool_] = np.asarray(least > 0.0)
+    answer: BoolArray = np.asarray(least > 0.0)
     return answer
 
 

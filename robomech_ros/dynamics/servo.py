@@ -6,15 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.dynamics import controlled_chain as kernels
 from robomech_ros.dynamics.friction import friction_model
 from robomech_ros.dynamics.model import dynamic_model, surroundings
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)

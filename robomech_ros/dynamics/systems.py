@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.chain_dynamics import ChainDynamics
 from robomech_ros.dynamics.servo import CompiledServo, ServoLaw
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.typing import Array, IntArray
 
-Array = NDArray[np.float64]
 # From q (n,), rates and efforts (m,) to accelerations (m,), written to the last: not 0 for none.
 CompiledForward = Callable[[Array, Array, Array, Array], int]
 
@@ -47,7 +46,7 @@ class DynamicSystem(Protocol):
         ...
 
     @property
-    def drives_at(self) -> NDArray[np.int64]:
+    def drives_at(self) -> IntArray:
         """Where these are among the joints, shape (m,)."""
         ...
 

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array, BoolArray
 
 # Where a joint has no acceleration limit, it is taken to reach its largest speed in this time (s),
 # and this speed (rad/s, m/s) where it has no limit of speed either.
@@ -26,12 +25,12 @@ class State:
         rad or m, and per s and s^2.
     """
 
-    position: FloatArray
-    velocity: FloatArray
-    acceleration: FloatArray
+    position: Array
+    velocity: Array
+    acceleration: Array
 
 
-def at_rest(position: FloatArray) -> State:
+def at_rest(position: Array) -> State:
     """Give the state of joints that stand somewhere (rad or m)."""
     still = np.zeros(len(position))
     return State(np.array(position, dtype=np.float64), still, still)
@@ -49,7 +48,7 @@ class JointKinds:
         ``"rad"`` or ``"m"``, for messages; empty where that is not known.
     """
 
-    continuous: npt.NDArray[np.bool_]
+    continuous: BoolArray
     units: Sequence[str]
 
 
@@ -66,7 +65,7 @@ class Joints:
     """
 
     limits: Limits
-    continuous: npt.NDArray[np.bool_]
+    continuous: BoolArray
 
     @classmethod
     def of(cls, chain: JointLimits) -> "Joints":
@@ -81,7 +80,7 @@ class Joints:
         return self.limits.joint_names
 
     @cached_property
-    def acceleration(self) -> FloatArray:
+    def acceleration(self) -> Array:
         """Acceleration limits; estimated from the velocity limit where there is none."""
         speed = np.where(np.isfinite(self.limits.velocity), self.limits.velocity, USUAL_SPEED)
         given = self.limits.acceleration

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 DEFAULT = 0.0
 NONE = -1.0
@@ -31,22 +31,22 @@ class Tolerances:
         Largest acceleration at the end, rad/s^2 or m/s^2; None = any.
     """
 
-    path: FloatArray
-    goal: FloatArray
-    velocity: FloatArray
+    path: Array
+    goal: Array
+    velocity: Array
     goal_time: float
-    path_velocity: FloatArray | None = None
-    path_acceleration: FloatArray | None = None
-    goal_acceleration: FloatArray | None = None
+    path_velocity: Array | None = None
+    path_acceleration: Array | None = None
+    goal_acceleration: Array | None = None
 
 
 def override_tolerances(
-    default: FloatArray,
+    default: Array,
     asked: Sequence[float],
     order: Sequence[int],
     names: Sequence[str],
     what: str,
-) -> FloatArray:
+) -> Array:
     """Replace defaults by the tolerances that a goal brings along.
 
     Parameters

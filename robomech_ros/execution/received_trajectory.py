@@ -9,8 +9,8 @@ import numpy as np
 
 from robomech_ros.errors import BadValueError, NonFiniteError, UnknownJointError, WrongSizeError
 from robomech_ros.execution.refusals import JointMismatchError, TrajectoryRefusedError
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
+from robomech_ros.typing import Array
 
 # A velocity up to this (rad/s, m/s) in the last point is zero with rounding.
 REST = 1e-6
@@ -140,7 +140,7 @@ def joint_order(
     return [place.get(name, MISSING) for name in joint_names]
 
 
-def _times(given: Sequence[float], max_duration: float) -> FloatArray:
+def _times(given: Sequence[float], max_duration: float) -> Array:
     times = np.array(given, dtype=np.float64)
     if not np.isfinite(times).all():
         raise NonFiniteError("time_from_start", times)
@@ -159,7 +159,7 @@ def _times(given: Sequence[float], max_duration: float) -> FloatArray:
 
 def _rows(
     points: Sequence[Any], field: str, names: Sequence[str], *, required: bool = False
-) -> FloatArray:
+) -> Array:
     """Read one field of all points, shape (m, n); rows of NaN where it is empty."""
     n = len(names)
     given = [getattr(point, field) for point in points]
@@ -193,7 +193,7 @@ def _refuse_effort(points: Sequence[ReceivedPoint]) -> None:
             raise WrongSizeError(f"points[{index}].effort", len(point.effort), expected)
 
 
-def _require_rest(last: FloatArray, names: Sequence[str]) -> None:
+def _require_rest(last: Array, names: Sequence[str]) -> None:
     moving = np.abs(last) > REST
     if moving.any():
         joint = int(np.nanargmax(np.abs(last)))

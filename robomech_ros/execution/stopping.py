@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray, Sample
+from robomech_ros.trajectory.sample import Sample
+from robomech_ros.typing import Array
 
 # The pace never falls from 1 to 0 in less than this (s): a stop within one control cycle would
 # be a step of velocity.
@@ -16,7 +17,7 @@ _STEP = 0.0025
 _MAX_STEPS = 400
 
 
-def pace_drop(sample: Sample, pace: float, limit: FloatArray) -> float:
+def pace_drop(sample: Sample, pace: float, limit: Array) -> float:
     r"""Give how fast the pace along a curve may fall.
 
     The joints follow :math:`q(s(t))` with the pace :math:`\dot s = p \le 1`, so that their
@@ -48,7 +49,7 @@ def pace_drop(sample: Sample, pace: float, limit: FloatArray) -> float:
 
 
 def slowed_down(
-    curve: PiecewisePolynomial, time: float, pace: float, span: float, limit: FloatArray
+    curve: PiecewisePolynomial, time: float, pace: float, span: float, limit: Array
 ) -> tuple[float, float, float]:
     """Let time pass while the pace falls as fast as it may (midpoint rule).
 

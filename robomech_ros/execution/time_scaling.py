@@ -10,7 +10,8 @@ import numpy as np
 
 from robomech_ros.execution.stopping import pace_drop
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray, Sample
+from robomech_ros.trajectory.sample import Sample
+from robomech_ros.typing import Array
 
 # The pace never rises from 0 to 1 in less than this, s.
 SHORTEST_START = 0.02
@@ -33,10 +34,10 @@ class TimeScaling:
     """
 
     begin: float
-    times: FloatArray
-    places: FloatArray
-    paces: FloatArray
-    rates: FloatArray
+    times: Array
+    places: Array
+    paces: Array
+    rates: Array
 
     @property
     def pace(self) -> float:
@@ -77,7 +78,7 @@ def pace_change(
     place: float,
     pace: float,
     target: float,
-    limit: FloatArray,
+    limit: Array,
 ) -> TimeScaling:
     """Change the pace as fast as the acceleration limits allow.
 
@@ -119,7 +120,7 @@ def paced_step(
     pace: float,
     target: float,
     span: float,
-    limit: FloatArray,
+    limit: Array,
 ) -> tuple[float, float, float]:
     """Let time pass while the pace goes to its target as fast as it may.
 
@@ -152,7 +153,7 @@ def paced_step(
 
 
 def _rate(
-    curve: PiecewisePolynomial, place: float, pace: float, target: float, limit: FloatArray
+    curve: PiecewisePolynomial, place: float, pace: float, target: float, limit: Array
 ) -> float:
     """Give how fast the pace changes (1/s), judged in the middle of the next step."""
     sample = curve.sample(place + 0.5 * pace * _STEP)
@@ -161,7 +162,7 @@ def _rate(
     return _pace_rise(sample, pace, limit)
 
 
-def _pace_rise(sample: Sample, pace: float, limit: FloatArray) -> float:
+def _pace_rise(sample: Sample, pace: float, limit: Array) -> float:
     """Give how fast the pace may rise (1/s), as `pace_drop` how fast it may fall."""
     speed = np.abs(sample.velocity)
     spare = limit - np.sign(sample.velocity) * sample.acceleration * pace * pace

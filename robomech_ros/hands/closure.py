@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.hands.closing import CLOSED, closed
 from robomech_ros.hands.contacts import Contact, as_contacts, rows_of
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def is_force_closed(contacts: Sequence[Contact]) -> bool:

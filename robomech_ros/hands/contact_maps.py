@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, span
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Singular values below this share of the largest are rounding.
 _RANK = 1e-10

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.hands.closing import wrench_cones
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_number
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 MODELS = ("frictionless", "point", "soft")
 # Below this a normal is none.

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from robomech_ros.hands.conic_solver import conic_solver
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 # Of loads of size 1.
 _PRECISION = 1e-9
@@ -94,7 +93,7 @@ class ForceProgram:
         return solver.solve()
 
 
-def force_program(used: NDArray[np.bool_], d: int, largest: bool) -> ForceProgram:
+def force_program(used: BoolArray, d: int, largest: bool) -> ForceProgram:
     """Give the program of contacts with given components.
 
     Parameters
@@ -159,9 +158,7 @@ def _kept(library: ModuleType, flags: bytes, d: int, largest: bool) -> ForceProg
     )
 
 
-def separating_program(
-    cones: Array, used: NDArray[np.bool_], needed: Array, apart: float
-) -> Array | None:
+def separating_program(cones: Array, used: BoolArray, needed: Array, apart: float) -> Array | None:
     """Find the direction that is farthest along a wrench, of those that no contact is along.
 
     Parameters

@@ -11,12 +11,9 @@ from collections.abc import Iterator
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.hands.force_program import force_program, separating_program
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from robomech_ros.typing import Array, BoolArray
 
 # What may be left of loads of size 1 after one correction, and how far forces may be outside their
 # cones, of the greatest of them.
@@ -113,14 +110,14 @@ def _unit(vector: Array) -> Array:
     return vector / size if size > 0.0 else vector
 
 
-def _of_contacts(x: Array, used: Flags) -> Array:
+def _of_contacts(x: Array, used: BoolArray) -> Array:
     """Give normal forces and bounded components, 0 where a contact has none, shape (k, 4)."""
     found = np.zeros(used.shape)
     found[used] = x
     return found
 
 
-def _worst(x: Array, used: Flags) -> Array:
+def _worst(x: Array, used: BoolArray) -> Array:
     """Give the normal of the face that the force farthest outside its cone is outside of."""
     found = _of_contacts(x, used)
     i = int(np.argmax(_bounded(found) - found[:, 0]))
@@ -136,7 +133,7 @@ def _bounded(found: Array) -> Array:
 
 
 def _moved_inside(
-    x: Array, W: Array, needed: Array, inverse: Array, used: Flags
+    x: Array, W: Array, needed: Array, inverse: Array, used: BoolArray
 ) -> tuple[Array, float]:
     """Project forces on those that balance, and if need be on those inside the cones, in turn.
 
@@ -162,7 +159,7 @@ def _moved_inside(
     return balanced, outside
 
 
-def _proofs(proof: Array | None, cones: Array, used: Flags, needed: Array) -> Iterator[Array]:
+def _proofs(proof: Array | None, cones: Array, used: BoolArray, needed: Array) -> Iterator[Array]:
     """Give directions that may separate, the cheapest first."""
     if proof is not None:
         yield proof

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.hands.contacts import (
@@ -21,10 +21,10 @@ from robomech_ros.hands.contacts import (
 )
 from robomech_ros.hands.force_search import ForceStatus, search
 from robomech_ros.spatial.arrays import as_choice, as_finite
+from robomech_ros.typing import Array
 
 __all__ = ["SMALLEST", "ContactForces", "ForceStatus", "contact_forces"]
 
-Array = NDArray[np.float64]
 
 SMALLEST = ("largest", "total")
 _MOST_LOAD = 1e12

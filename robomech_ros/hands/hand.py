@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import yaml
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import (
     BadValueError,
@@ -37,8 +37,7 @@ from robomech_ros.robots.documents.yaml_rows import read_text
 from robomech_ros.robots.kinds import checked_document, names_of, source_of
 from robomech_ros.robots.robot_yaml import description_from_yaml
 from robomech_ros.spatial.arrays import as_finite, listed
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _MOST_FINGERS = 20
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.hands.contact_maps import grasp_matrix, null_space
@@ -15,8 +15,7 @@ from robomech_ros.hands.hand import Hand, fingers_of, hand_posture
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import bias_acceleration, jacobian, point_jacobian
 from robomech_ros.spatial.arrays import as_finite
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Squares of more have no digits left.
 _FASTEST = 1e9

@@ -6,7 +6,7 @@ import heapq
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
@@ -15,8 +15,7 @@ from robomech_ros.hands.hand import Hand, finger_numbers, fingers_of
 from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
 from robomech_ros.spatial.arrays import as_finite, as_flag, listed, real_number
 from robomech_ros.spatial.poses import as_pose
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _POSITION = (True, True, True, False, False, False)
 # More whole postures than anyone looks at.

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.hands.growing import CLOSE, grow
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
@@ -15,8 +15,7 @@ from robomech_ros.hands.closure import is_force_closed
 from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, cones_of, rows_of
 from robomech_ros.printing import Printed
 from robomech_ros.spatial.arrays import real_number
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Of lengths (m) and tolerances.
 SHORTEST = 1e-9

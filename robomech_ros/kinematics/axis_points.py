@@ -2,12 +2,8 @@
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robomech_ros.kinematics.tolerances import ARM_RANK
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def common_point(link: Array, following: Array) -> tuple[float, float, float] | None:

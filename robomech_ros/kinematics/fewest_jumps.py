@@ -3,15 +3,12 @@
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.cheapest_moves import cheapest_moves
 from robomech_ros._kernels.tolerances import AT_LIMIT
 from robomech_ros.kinematics.joint_jumps import find_jumps, shortest_moves
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from robomech_ros.typing import Array, IntArray
 
 
 def fewest_jumps(
@@ -29,7 +26,7 @@ def fewest_jumps(
     cost = np.zeros(len(solutions[0]))
     if origin is not None:
         cost, _ = _continued(chain, np.zeros(1), origin[None], solutions[0], largest)
-    came: list[Integers] = []
+    came: list[IntArray] = []
     for before, after in pairwise(solutions[:reached]):
         cost, predecessors = _continued(chain, cost, before, after, largest)
         came.append(predecessors)
@@ -46,7 +43,7 @@ def fewest_jumps(
 
 def _continued(
     chain: SerialChain, cost: Array, before: Array, after: Array, largest: Array
-) -> tuple[Array, Integers]:
+) -> tuple[Array, IntArray]:
     """Go on to the solutions of the next pose: what the best ways cost, and their predecessors."""
     total = np.empty(len(after))
     came = np.empty(len(after), dtype=np.int64)

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.chain.serial import forward, forward_one
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import listed
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def forward_kinematics(chain: SerialChain, q: ArrayLike) -> Array:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def tip_poses(chain: SerialChain, q: ArrayLike) -> Array:

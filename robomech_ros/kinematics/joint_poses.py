@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.robots import Joint
 from robomech_ros.spatial.plain_poses import plain_pose
+from robomech_ros.typing import Array
 
 
 class JointPoses:
@@ -50,7 +50,7 @@ class JointPoses:
         turns = [np.array([turn for _, turn in one]).reshape(-1, 4) for one in split]
         return places, [turns[0], turns[2]]
 
-    def at(self, positions: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def at(self, positions: Array) -> tuple[Array, Array]:
         """Give places (k, 3) in m and quaternions xyzw (k, 4), at positions (k,) in rad or m."""
         angle = np.where(self._turns, positions, 0.0)[:, None]
         first, second, third = self._place

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.chain.serial import jacobian
 from robomech_ros.robots.chain import SerialChain
@@ -11,8 +10,6 @@ from robomech_ros.robots.chain_layout import PRISMATIC
 
 # Least ratio of singular values, at the best of some postures, of an arm with six of freedom.
 ARM_MOBILITY = 1e-7
-
-Array = NDArray[np.float64]
 
 
 def arm_size(chain: SerialChain) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.fewest_jumps import fewest_jumps
@@ -19,6 +19,7 @@ from robomech_ros.kinematics.joint_jumps import Jump, find_jumps
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.typing import Array
 
 # Largest move of a joint (rad, m) between two poses that is no jump: paths are sampled finer.
 TRACK_JUMP = 0.5
@@ -28,8 +29,6 @@ TRACK_JUMP_SLIDE = 0.1
 TRACK_PARAMETERS = 64
 TRACK_HALVINGS = 6
 TRACK_SWEEPS = 8
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

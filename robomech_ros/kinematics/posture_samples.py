@@ -1,12 +1,10 @@
 """Postures spread evenly over all that an arm can take, and how far it reaches in them."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 
 def low_discrepancy_strides(n: int) -> Array:
@@ -50,7 +48,7 @@ def sample_postures(chain: SerialChain, count: int) -> Array:
     return spread_values(chain.types, chain.lower, chain.upper, count)
 
 
-def spread_values(types: NDArray[np.int64], lower: Array, upper: Array, count: int) -> Array:
+def spread_values(types: IntArray, lower: Array, upper: Array, count: int) -> Array:
     """Spread values evenly over what joints can take, the one in the middle first.
 
     Joints that can turn around are spread over a whole turn, slides with an open end over 2 m at

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.chain import jacobian_rates
 from robomech_ros._kernels.compiling.jit import direct
@@ -18,8 +18,7 @@ from robomech_ros.kinetostatics.rates import joint_rates
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.screws.accelerations import point_acceleration
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _rate = direct(jacobian_rates.jacobian_rate)
 _rate_one = direct(jacobian_rates.jacobian_rate_one)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.kinetostatics import indices as kernels
 from robomech_ros.errors import BadValueError
@@ -15,8 +14,7 @@ from robomech_ros.kinetostatics.conditioning import CharacteristicLength, charac
 from robomech_ros.kinetostatics.indices import as_length, condition_number
 from robomech_ros.kinetostatics.task_parts import TaskPart, task_part
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Powers of the Schatten norms that lead from the Frobenius norm to the 2-norm.
 _POWERS = tuple(2.0 * 4.0**k for k in range(8))

@@ -7,7 +7,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.kinetostatics import indices as kernels
 from robomech_ros.errors import BadValueError
@@ -18,8 +17,7 @@ from robomech_ros.kinetostatics.task_parts import PARTS, TaskPart, task_part
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import as_choice
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Powers of the Schatten norms that lead from the Frobenius norm to the 2-norm.
 _POWERS = tuple(2.0 * 4.0**k for k in range(1, 12))

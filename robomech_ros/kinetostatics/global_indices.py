@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.kinetostatics import indices as kernels
 from robomech_ros.errors import BadValueError, MissingLimitsError
@@ -16,8 +15,7 @@ from robomech_ros.kinetostatics.task_parts import PARTS
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import as_choice, as_flag
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Independent shifts of the points, from which the standard error comes; their seed; and how many
 # postures are evaluated at once.

@@ -6,7 +6,7 @@ import functools
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.kinetostatics import indices as kernels
@@ -15,8 +15,7 @@ from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise
 from robomech_ros.kinetostatics.task_parts import PARTS, task_part
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice, real_number
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 # Columns of the kernels that hold a condition number.
 NORMS = {"2": kernels.CONDITION, "frobenius": kernels.SCHATTEN}
@@ -32,7 +31,7 @@ class _Task(NamedTuple):
 
     packed: Array
     weights: Array
-    rows: NDArray[np.int64]
+    rows: IntArray
     power: float = 2.0
 
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.chain import serial
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def jacobian(chain: SerialChain, q: ArrayLike) -> Array:

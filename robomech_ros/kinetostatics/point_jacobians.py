@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.chain import jacobian_points as kernels
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
@@ -13,8 +13,7 @@ from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial import as_rotation
 from robomech_ros.spatial.arrays import as_finite
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # The origin of the tip, the default point.
 TIP = (0.0, 0.0, 0.0)

@@ -6,7 +6,7 @@ import functools
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import check_chain
@@ -16,8 +16,7 @@ from robomech_ros.kinetostatics.point_jacobians import TIP, point_jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import held_rows
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 # More of the base's x axis than this along the normal, and the y axis gives the directions instead.
 _UPRIGHT = 0.9
@@ -176,7 +175,7 @@ def _planar_rows(chain: SerialChain) -> Array:
     return rows
 
 
-def _normal(chain: SerialChain, directions: Array, slides: NDArray[np.bool_]) -> Array:
+def _normal(chain: SerialChain, directions: Array, slides: BoolArray) -> Array:
     """Give the axis of the first joint that turns, else what is across two slides."""
     turning = np.flatnonzero(~slides)
     if len(turning):

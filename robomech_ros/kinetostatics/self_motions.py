@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import BadValueError
@@ -19,6 +19,7 @@ from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial import axial_vector
 from robomech_ros.spatial.arrays import real_number
+from robomech_ros.typing import Array
 
 CONDITIONS = 6
 # Steps along the way (rad or m), how many at most in each direction, and after how many the
@@ -31,8 +32,6 @@ CORRECTIONS = 6
 EXACT = 1e-10
 # Halvings with which a limit is located: 1e-7 of a step.
 HALVINGS = 24
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import BadValueError, WrongSizeError
@@ -12,8 +12,7 @@ from robomech_ros.kinetostatics.indices import as_length
 from robomech_ros.kinetostatics.point_jacobians import TIP, point_jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _POSE = 6
 

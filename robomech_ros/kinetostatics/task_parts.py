@@ -5,15 +5,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.chain.serial import jacobian
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 # Rows of the Jacobian that a part of the task means.
 PARTS = {"pose": np.arange(6), "orientation": np.arange(3), "position": np.arange(3, 6)}
@@ -34,7 +32,7 @@ class TaskPart(NamedTuple):
     """
 
     packed: Array
-    rows: NDArray[np.int64]
+    rows: IntArray
 
 
 @functools.lru_cache(maxsize=64)

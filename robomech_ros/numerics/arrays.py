@@ -3,11 +3,10 @@
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _FLOAT64 = np.dtype(np.float64)
 

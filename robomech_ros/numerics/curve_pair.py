@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array
 from robomech_ros.numerics.grid_crossings import STEP, Equations, GridProblem, slopes_at
 from robomech_ros.numerics.two_unknowns import ANGLES, bivariate, refine_root
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Cells of the grid on which curves are followed, and points of that on which the others are sized.
 _CELLS, _COARSE = 240, 25

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array, real_number
+from robomech_ros.typing import Array, BoolArray
 
-Array = NDArray[np.float64]
 Equations = Callable[[Array, Array], ArrayLike]
 
 # Parts of the width: the step of central differences, and what two ends of one root differ by,
@@ -52,7 +52,7 @@ def zero_curves(x: Array, y: Array, values: Array) -> tuple[Array, ...]:
     return tuple(np.asarray(line, float) for line in lines)
 
 
-def shared_cells(first: Array, second: Array, *, wrap: bool) -> NDArray[np.bool_]:
+def shared_cells(first: Array, second: Array, *, wrap: bool) -> BoolArray:
     """Tell which cells of a grid, or their neighbours, two curves may both run through.
 
     Parameters

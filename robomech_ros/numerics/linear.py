@@ -8,12 +8,11 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., appendix B.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # A pivot below this (of the longest column) is rounding: the columns depend on each other.
 _RANK = 1e-13

@@ -11,13 +11,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array, real_number
 from robomech_ros.numerics.linear import least_squares
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 Function = Callable[[Array], ArrayLike]
 
 # Halvings of a step that does not lessen the error before the iteration gives up.

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array, real_number
@@ -22,8 +22,7 @@ from robomech_ros.numerics.grid_crossings import (
     slopes_at,
 )
 from robomech_ros.numerics.nonlinear import Iteration, newton_gauss
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 # A turn of both unknowns.
 ANGLES = ((-np.pi, np.pi), (-np.pi, np.pi))
@@ -52,7 +51,7 @@ class Bivariate:
 
     curves: tuple[tuple[Array, ...], ...]
     crossings: Array
-    is_root: NDArray[np.bool_]
+    is_root: BoolArray
     roots: Array
     residuals: Array
     angles: Array

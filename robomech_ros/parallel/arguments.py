@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, real_array, real_number
 from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.poses import as_pose
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # How far a pose may be from one that the platform can take at all (rad, m): rounding of files.
 _OFF = 1e-6

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.parallel import ends as ends_of_paths
@@ -15,9 +14,7 @@ from robomech_ros.parallel.result import DirectKinematicsResult
 from robomech_ros.parallel.singular_ends import SingularEnds, least_squares, singular_ends
 from robomech_ros.parallel.start_system import StartSystem
 from robomech_ros.parallel.study import quadrics_between
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from robomech_ros.typing import Array, ComplexArray, IntArray
 
 _track = direct(legs.track_lengths)
 _pair = direct(ends_of_paths.pair)
@@ -66,8 +63,8 @@ def assembly_modes(
 def _verdict(
     scaled: ScaledPlatform,
     lengths: Array,
-    x: Complex,
-    multiplicity: NDArray[np.int64],
+    x: ComplexArray,
+    multiplicity: IntArray,
     singular: SingularEnds,
     doubts: list[str],
 ) -> tuple[Code, str]:
@@ -89,7 +86,7 @@ def _tried_again(
     scaled: ScaledPlatform,
     start: StartSystem,
     squares: Array,
-    state: tuple[Complex, NDArray[np.int64], NDArray[np.int64]],
+    state: tuple[ComplexArray, IntArray, IntArray],
 ) -> SingularEnds:
     """Follow paths without a partner once more, in P^7; what still has none, look at it."""
     x, ends, partner = state
@@ -109,7 +106,7 @@ def _tried_again(
     return found
 
 
-def _how_near(scaled: ScaledPlatform, lengths: Array, x: Complex) -> str:
+def _how_near(scaled: ScaledPlatform, lengths: Array, x: ComplexArray) -> str:
     """Say how near a real pose comes to the lengths, by least squares from complex ones."""
     norms = np.sqrt((x[:, :4] * x[:, :4]).sum(axis=1))
     x = x[np.abs(norms) > 0.0] / norms[np.abs(norms) > 0.0, None]

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.parallel import delta as kernels
 from robomech_ros.errors import BadValueError
@@ -19,8 +19,7 @@ from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.mechanism.parts import Parts
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
 from robomech_ros.parallel.seeds import nearest_first
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _FAMILY = "delta"
 # Angles of all arms among which the one to begin with is found.

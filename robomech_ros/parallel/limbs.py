@@ -8,13 +8,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.arguments import actuated
 from robomech_ros.parallel.result import LimbPostures
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Rounding of a cosine at the end of a limb's reach, and of a length that vanishes (of the size).
 _ROUNDING = 1e-14

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.parallel.planar import planar_modes
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
@@ -28,8 +28,7 @@ from robomech_ros.parallel.platform_geometry import checked_points, checked_stro
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
 from robomech_ros.parallel.seeds import modes_found, nearest_first
 from robomech_ros.spatial.arrays import real_array
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 class _Planar:

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.outcomes import Code
 from robomech_ros.printing import Printed
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 _NOTHING = np.empty(0)
 _NOTHING.setflags(write=False)
@@ -40,7 +38,7 @@ class DirectKinematicsResult(Printed):
     """
 
     poses: Array
-    multiplicity: NDArray[np.int64]
+    multiplicity: IntArray
     complete: bool
     family: str
     status: Code

@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.parallel.mechanism.limb import Limb
 from robomech_ros.parallel.mechanism.model import Mechanism
@@ -19,8 +18,7 @@ from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, joint_transform
 from robomech_ros.spatial.poses import rigid_inverse
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # How far from each other axes pass that meet (m, of the size), and the least sine between them.
 _MEET, _ACROSS = 1e-9, 1e-6

@@ -5,15 +5,15 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.result import DirectKinematicsResult
 from robomech_ros.spatial.rotations.axis_angle import rotation_vector_from_matrix
+from robomech_ros.typing import Array, IntArray
 
 
 def nearest_first(
-    found: DirectKinematicsResult, seed: NDArray[np.float64], size: float
+    found: DirectKinematicsResult, seed: Array, size: float
 ) -> DirectKinematicsResult:
     """Order poses by distance from a seed (4, 4), angles multiplied by the size (m)."""
     order = nearest_order(found.poses, seed, size)
@@ -25,9 +25,7 @@ def nearest_first(
     )
 
 
-def nearest_order(
-    poses: NDArray[np.float64], seed: NDArray[np.float64], size: float
-) -> NDArray[np.int64]:
+def nearest_order(poses: Array, seed: Array, size: float) -> IntArray:
     """Sort poses (k, 4, 4) by distance from a seed (4, 4), angles multiplied by the size (m)."""
     turns = rotation_vector_from_matrix(seed[:3, :3].T @ poses[:, :3, :3])
     angles = np.linalg.norm(turns.reshape(-1, 3), axis=1)
@@ -36,9 +34,9 @@ def nearest_order(
 
 
 def modes_found(
-    poses: NDArray[np.float64],
-    multiplicity: NDArray[np.int64],
-    errors: NDArray[np.float64],
+    poses: Array,
+    multiplicity: IntArray,
+    errors: Array,
     count: int,
     family: str,
 ) -> DirectKinematicsResult:

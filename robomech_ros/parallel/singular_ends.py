@@ -5,13 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.parallel.newton import move, read_parameters, rows_at
 from robomech_ros.parallel.study import still_finite
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from robomech_ros.typing import Array, ComplexArray
 
 # Ends of paths that meet are apart by the root of what was left of t, 1e-8, times a slope.
 _MEETING = 0.02
@@ -58,17 +55,17 @@ class SingularEnds:
         self.movable.append(movable)
 
 
-def _aligned(x: Complex, y: Complex) -> Complex:
+def _aligned(x: ComplexArray, y: ComplexArray) -> ComplexArray:
     """Give y times the number of unit length that brings it nearest to x."""
     inner = np.vdot(y, x)
     return y * (inner / abs(inner)) if abs(inner) > 0.0 else y
 
 
-def _apart(x: Complex, y: Complex) -> float:
+def _apart(x: ComplexArray, y: ComplexArray) -> float:
     return float(np.linalg.norm(x - _aligned(x, y)))
 
 
-def _clusters(x: Complex) -> list[list[int]]:
+def _clusters(x: ComplexArray) -> list[list[int]]:
     """Gather ends that are near to each other."""
     left, found = list(range(len(x))), []
     while left:
@@ -199,14 +196,14 @@ def _can_move(a: Array, b: Array, squares: Array, pose: Array) -> bool:
     return True
 
 
-def _real_pose(x: Complex) -> Array:
+def _real_pose(x: ComplexArray) -> Array:
     norm = np.sqrt((x[:4] * x[:4]).sum())
     pose = np.empty(12)
     read_parameters(np.ascontiguousarray((x / norm).real), pose)
     return pose
 
 
-def singular_ends(a: Array, b: Array, squares: Array, x: Complex) -> SingularEnds:
+def singular_ends(a: Array, b: Array, squares: Array, x: ComplexArray) -> SingularEnds:
     """Explain ends x (m, 8), of unit length, of paths that have come nearly to their ends."""
     found = SingularEnds()
     x = x[still_finite(x)]

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.parallel.spherical import spherical_modes
 from robomech_ros.errors import BadValueError
@@ -27,8 +27,7 @@ from robomech_ros.parallel.seeds import modes_found, nearest_first
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Least sine of the angles of an arc: a limb with less would not turn its platform.
 _LEAST_ARC = 1e-6

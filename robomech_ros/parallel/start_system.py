@@ -12,8 +12,7 @@ from robomech_ros._kernels.parallel.legs import track_lengths
 from robomech_ros._kernels.parallel.projective import REGULAR, track
 from robomech_ros.parallel.generic_platform import LEGS, POSES
 from robomech_ros.parallel.study import quadrics_of_platform, still_finite
-
-Complex = NDArray[np.complex128]
+from robomech_ros.typing import ComplexArray
 
 # Two ends nearer than this (of unit length) are one: paths have been confused.
 _ONE = 1e-7
@@ -42,13 +41,13 @@ class StartSystem:
         Why poses may be missing; empty where two draws agree on their number.
     """
 
-    squares: Complex
-    poses: Complex
+    squares: ComplexArray
+    poses: ComplexArray
     doubt: str
 
 
 @lru_cache(maxsize=1)
-def _generic() -> tuple[Complex, Complex]:
+def _generic() -> tuple[ComplexArray, ComplexArray]:
     """Give quadrics and the forty poses of the generic platform, exact."""
     quadrics = quadrics_of_platform(LEGS[:, :3], LEGS[:, 3:6], LEGS[:, 6])
     poses, ends, times = POSES.copy(), np.zeros(40, np.int64), np.zeros(40)
@@ -56,7 +55,7 @@ def _generic() -> tuple[Complex, Complex]:
     return quadrics, poses
 
 
-def unlike(poses: Complex) -> bool:
+def unlike(poses: ComplexArray) -> bool:
     """Say whether points (n, 8) of unit length are all different as points of P^7."""
     inner = poses @ poses.conj().T
     apart = poses[:, None, :] - inner[:, :, None] * poses[None, :, :]
@@ -107,7 +106,7 @@ def _shortest_paths(
     n = len(start.poses)
     ends, times = np.empty(n, np.int64), np.empty(n)
 
-    def followed(origin: StartSystem, squares: Complex) -> tuple[Complex, int]:
+    def followed(origin: StartSystem, squares: ComplexArray) -> tuple[ComplexArray, int]:
         x = origin.poses.copy()
         steps = track_lengths(a, b, origin.squares, squares, x, ends, times)
         return x, steps

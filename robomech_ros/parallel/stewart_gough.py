@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.parallel import following, newton
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
@@ -32,8 +32,7 @@ from robomech_ros.parallel.result import DirectKinematicsResult, FollowedPose
 from robomech_ros.parallel.seeds import nearest_first
 from robomech_ros.parallel.start_system import StartSystem, start_system
 from robomech_ros.spatial.arrays import as_finite
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Squared lengths that are typical where no strokes are given, of the size of the platform.
 _TYPICAL = 2.0

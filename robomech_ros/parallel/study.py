@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.parallel.quadrics import FORMS, STUDY
+from robomech_ros.typing import BoolArray, ComplexArray
 
 # Smallest e . e, of |x|^2, of a pose without a regular end that is not on its way to infinity.
 _AT_INFINITY = 1e-5
@@ -13,7 +14,7 @@ _AT_INFINITY = 1e-5
 
 def quadrics_of_platform(
     base_points: NDArray, platform_points: NDArray, squares: NDArray
-) -> NDArray[np.complex128]:
+) -> ComplexArray:
     """Give the seven quadrics (7, 30) of a platform, those of the legs orthonormal.
 
     Parameters
@@ -28,7 +29,7 @@ def quadrics_of_platform(
 
 def quadrics_between(
     base_points: NDArray, platform_points: NDArray, first: NDArray, last: NDArray
-) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+) -> tuple[ComplexArray, ComplexArray]:
     """Give the quadrics for two sets of squared lengths, the last ones orthonormal.
 
     All between them, on a line, are those of the same platform for lengths on a line.
@@ -48,11 +49,11 @@ def _forms(base_points: NDArray, platform_points: NDArray, squares: NDArray) -> 
     return np.concatenate(rows, axis=1).astype(np.complex128)
 
 
-def _quadrics(rows: NDArray) -> NDArray[np.complex128]:
+def _quadrics(rows: NDArray) -> ComplexArray:
     return np.ascontiguousarray(np.concatenate((rows @ FORMS, STUDY[None])))
 
 
-def still_finite(x: NDArray[np.complex128]) -> NDArray[np.bool_]:
+def still_finite(x: ComplexArray) -> BoolArray:
     """Say of which parameters (n, 8), of unit length, the pose is not about to go to infinity."""
     e = x[:, :4]
     return np.asarray(np.abs((e * e).sum(axis=1)) > _AT_INFINITY)

@@ -5,12 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.plotting.pictures import new_figure
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 _WIDTH, _HEIGHT = 11.0, 6.6
 # Radius of the ellipse of 95 % of two normal numbers, in deviations.
@@ -26,7 +24,7 @@ def plot_calibration(
     covariances: Array,
     *,
     residuals: Array,
-    inlier: NDArray[np.bool_],
+    inlier: BoolArray,
     title: str = "",
 ) -> Path:
     """Write a picture of how a calibration gets better with every sample.
@@ -101,7 +99,7 @@ def _draw_progress(
     ax.legend(frameon=False, fontsize=8)
 
 
-def _draw_residuals(ax: Any, residuals: Array, inlier: NDArray[np.bool_]) -> None:
+def _draw_residuals(ax: Any, residuals: Array, inlier: BoolArray) -> None:
     """Draw by how much each sample misses the result."""
     numbers = np.arange(len(residuals))
     for column, marker, label in ((1, "o", "position (m)"), (0, "^", "rotation (rad)")):

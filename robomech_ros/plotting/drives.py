@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.plotting.pictures import new_figure
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _WIDTH, _HEIGHT, _REST = 5.2, 4.6, 0.6
 # Headings that are drawn on a way, and their length in its size.

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.plotting.pictures import new_figure
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Width of a picture, and height of one diagram and of the rest, in inches.
 _WIDTH, _HEIGHT, _REST = 10.0, 2.45, 0.65

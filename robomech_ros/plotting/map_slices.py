@@ -4,15 +4,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics import ReachMap
 from robomech_ros.numerics.arrays import real_number
 from robomech_ros.plotting.pictures import new_figure
 from robomech_ros.spatial.arrays import as_choice
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # What can be drawn, and the words beside the scale.
 QUANTITIES = {

@@ -9,15 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.plotting.pictures import new_figure
 from robomech_ros.robots import PRISMATIC, SerialChain
 from robomech_ros.spatial import matrix_from_axis_angle
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _MOST = 64
 _DPI = 120

@@ -3,13 +3,9 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.plotting.pictures import new_figure
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _WIDTH, _HEIGHT = 12.0, 5.4
 _WAY, _PLANNED, _BOUND = "black", "0.55", "tab:red"

@@ -4,12 +4,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics import Workspace
 from robomech_ros.plotting.pictures import new_figure
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Points of the grid on which postures are counted for the colours, per metre of the larger side.
 _GRID = 220

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import (
@@ -18,6 +17,7 @@ from robomech_ros.errors import (
 from robomech_ros.robots.chain_layout import PRISMATIC, joint_transform, unpack_chain
 from robomech_ros.spatial.arrays import listed, real_array
 from robomech_ros.spatial.screws.bodies import inertia_of_point_mass
+from robomech_ros.typing import Array
 
 # Largest mass (kg) and moment of inertia (kg m^2) of a body.
 LARGEST_INERTIA = 1e12
@@ -25,7 +25,6 @@ LARGEST_INERTIA = 1e12
 # miss what a body can have.
 INERTIA_ROUNDING = 2e-3
 
-Array = NDArray[np.float64]
 
 # Shape and largest magnitude of the numbers.
 _FIELDS: dict[str, tuple[tuple[int, ...], float]] = {

@@ -28,8 +28,8 @@ from robomech_ros.robots.entry_checks import bare_link, check_name, check_names,
 from robomech_ros.robots.limit_arrays import KEYS, LARGEST_ANGLE, check_limits, position_limits
 from robomech_ros.robots.mimic import Coupling
 from robomech_ros.robots.regular_posture import regular_posture
+from robomech_ros.typing import Array, BoolArray, IntArray
 
-Array = NDArray[np.float64]
 LimitKind = Literal["position", "velocity", "acceleration", "jerk", "effort"]
 
 
@@ -103,7 +103,7 @@ class SerialChain(Printed):
     base: str
     tip: str
     joint_names: tuple[str, ...]
-    types: NDArray[np.int64]
+    types: IntArray
     packed: Array
     lower: Array
     upper: Array
@@ -289,18 +289,18 @@ class SerialChain(Printed):
             raise BadValueError(what, named, f"one whose joints move independently; {instead}")
 
     @cached_property
-    def turns(self) -> NDArray[np.bool_]:
+    def turns(self) -> BoolArray:
         """Joints whose value may change by a whole turn without effect, shape (n,)."""
         kinds = self.types if self.coupling is None else self.packed[: self.n, -1]
-        result: NDArray[np.bool_] = kinds == TURN
+        result: BoolArray = kinds == TURN
         result.setflags(write=False)
         return result
 
     @cached_property
-    def continuous(self) -> NDArray[np.bool_]:
+    def continuous(self) -> BoolArray:
         """Which joints turn without any limit of position, shape (n,)."""
         unlimited = np.isneginf(self.lower) & np.isposinf(self.upper)
-        result: NDArray[np.bool_] = self.turns & unlimited
+        result: BoolArray = self.turns & unlimited
         result.setflags(write=False)
         return result
 

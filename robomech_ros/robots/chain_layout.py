@@ -3,9 +3,8 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 REVOLUTE = 0
 PRISMATIC = 1
@@ -31,7 +30,7 @@ def joint_transform(slides: bool, q: float) -> Array:
     return T
 
 
-def pack_chain(transforms: Array, types: NDArray[np.int64]) -> Array:
+def pack_chain(transforms: Array, types: IntArray) -> Array:
     """Lay out constant transforms and joint types as the kernels read them.
 
     Parameters

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import (
     BadValueError,
@@ -27,8 +26,7 @@ from robomech_ros.robots.joint import Joint, turn_of_z
 from robomech_ros.robots.limit_arrays import KEYS
 from robomech_ros.robots.link_tree import LinkTree
 from robomech_ros.robots.mimic import Coupling, Follower, drive_limits, followers, joined_drive
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -322,7 +320,7 @@ class RobotDescription(Printed):
                     waiting.append(attached)
 
 
-def _types(joints: list[Joint]) -> NDArray[np.int64]:
+def _types(joints: list[Joint]) -> IntArray:
     kinds = [PRISMATIC if joint.type == "prismatic" else REVOLUTE for joint in joints]
     return np.array(kinds, dtype=np.int64)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
@@ -20,8 +20,7 @@ from robomech_ros.robots.entry_checks import check_name, checked_entries
 from robomech_ros.robots.limit_arrays import LARGEST_ANGLE, limit_arrays
 from robomech_ros.spatial import as_pose
 from robomech_ros.spatial.arrays import listed, real_array
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 _TYPE_NAMES = {"r": REVOLUTE, "p": PRISMATIC, "revolute": REVOLUTE, "prismatic": PRISMATIC}
 
@@ -226,7 +225,7 @@ def _pose(what: str, value: ArrayLike | None) -> Array:
     return as_pose(pose, what=what)
 
 
-def _joint_types(types: str | Sequence[str | int] | None, n: int) -> NDArray[np.int64]:
+def _joint_types(types: str | Sequence[str | int] | None, n: int) -> IntArray:
     if types is None:
         return np.zeros(n, dtype=np.int64)
     expected = "R (revolute) or P (prismatic) for each joint, as in 'RRP' or ['R', 'R', 'P']"

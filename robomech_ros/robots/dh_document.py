@@ -5,17 +5,14 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
 import yaml
-from numpy.typing import NDArray
 
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.limit_arrays import LARGEST_ANGLE
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def dh_document(chain: SerialChain, table: DHTable, source: str) -> str:

@@ -6,19 +6,17 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.2.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.spatial.poses import rigid_inverse
+from robomech_ros.typing import Array, IntArray
 
 # Below this sine two axes count as parallel: the foot of their common normal would lie so far
 # away (distance / sine) that rounding spoils more digits than the neglected angle does.
 PARALLEL_SINE = 1e-8
 # Axes that pass each other by less than this (m) meet: it is rounding for an arm of metre size.
 INTERSECTING = 1e-12
-
-Array = NDArray[np.float64]
 
 
 def recover_dh(packed: Array) -> DHTable:
@@ -38,9 +36,7 @@ def recover_dh(packed: Array) -> DHTable:
     return table_of_axes(*_axes_at_zero(packed), types)
 
 
-def table_of_axes(
-    axes: Array, origins: Array, tip: Array | None, types: NDArray[np.int64]
-) -> DHTable:
+def table_of_axes(axes: Array, origins: Array, tip: Array | None, types: IntArray) -> DHTable:
     """Make the table of joint axes; without a pose of the tip it ends in the frame of the last.
 
     Parameters

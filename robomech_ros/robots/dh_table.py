@@ -16,11 +16,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.printing import MOST_LINES, Printed
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 _WIDTHS = (12, 12, 14, 14)
 # A turn (rad), with room for rounding.
@@ -65,7 +63,7 @@ class DHTable(Printed):
     theta: Array
     base: Array
     tool: Array
-    types: NDArray[np.int64]
+    types: IntArray
 
     def __post_init__(self) -> None:
         for name in ("a", "b", "alpha", "theta", "base", "tool", "types"):

@@ -6,12 +6,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.robots.chain_layout import joint_transform
 from robomech_ros.robots.drives import Drive
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 MOVING = ("revolute", "continuous", "prismatic")
 

@@ -4,16 +4,16 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
+from robomech_ros.typing import Array
 
 # Largest angle (rad) of a description, since doubles beyond it no longer hold a solution to 1e-9
 # with room; limits of joints beyond it (rad or m) are what exporters write for none, as in 1e16.
 LARGEST_ANGLE = 1e5
 
-Array = NDArray[np.float64]
 
 KEYS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 _RATES = KEYS[2:]

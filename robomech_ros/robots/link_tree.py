@@ -5,13 +5,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.joint import MOVING, Joint
 from robomech_ros.spatial import inverse_pose
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Names of the frame at which tools are mounted, in order of preference (ROS-Industrial).
 TIP_NAMES = ("tool0", "flange")

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.chain.layout import ANGLE, COUPLING_WIDTH, SLIDE, TURN
 from robomech_ros.errors import RobotDescriptionError
@@ -12,8 +11,7 @@ from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE
 from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.limit_arrays import KEYS
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 _MOST_NAMES = 20
 
@@ -56,8 +54,8 @@ class Coupling:
     """
 
     joint_names: tuple[str, ...]
-    types: NDArray[np.int64]
-    drive: NDArray[np.int64]
+    types: IntArray
+    drive: IntArray
     gain: Array
     offset: Array
 
@@ -74,7 +72,7 @@ class Coupling:
         gain, offset = self.gain[:count], self.offset[:count]
         return Coupling(self.joint_names[:count], types, drive, gain, offset)
 
-    def columns(self, types: NDArray[np.int64]) -> Array:
+    def columns(self, types: IntArray) -> Array:
         """Return its columns (m + 1, 4) in a packed chain, for drives of these types (n,)."""
         rows = np.zeros((len(self.drive) + 1, COUPLING_WIDTH))
         rows[:-1, 0], rows[:-1, 1], rows[:-1, 2] = self.drive, self.gain, self.offset

@@ -11,11 +11,9 @@ Roberts, M., The unreasonable effectiveness of quasirandom sequences, 2018: the 
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.robots.chain_layout import REVOLUTE
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray, IntArray
 
 _SAMPLES = 512
 # The part of the range of each joint in which postures are looked for.
@@ -36,7 +34,7 @@ _WIDTH = 13
 
 def regular_posture(
     packed: Array,
-    types: NDArray[np.int64],
+    types: IntArray,
     lower: Array,
     upper: Array,
     joint_values: Callable[[Array], Array] = lambda q: q,
@@ -76,7 +74,7 @@ def regular_posture(
     return inside
 
 
-def _windows(slides: NDArray[np.bool_], lower: Array, upper: Array) -> tuple[Array, Array]:
+def _windows(slides: BoolArray, lower: Array, upper: Array) -> tuple[Array, Array]:
     """Find the middles and halves of the ranges, of one turn at most where joints turn."""
     with np.errstate(invalid="ignore"):
         middle = np.where(np.isfinite(upper - lower), 0.5 * (lower + upper), 0.0)
@@ -111,7 +109,7 @@ def _standing(packed: Array, values: Array) -> Array:
     return np.where(lowest < -_LOW * reach, _BELOW, 1.0)
 
 
-def _conditioning(packed: Array, types: NDArray[np.int64], q: Array) -> Array:
+def _conditioning(packed: Array, types: IntArray, q: Array) -> Array:
     """Compare the least singular values with the largest.
 
     Lengths are divided by the mean distance of the axes from the tip.

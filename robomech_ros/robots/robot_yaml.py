@@ -33,7 +33,6 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import RobomechError, RobotDescriptionError, shown
 from robomech_ros.robots.chain import SerialChain
@@ -52,8 +51,6 @@ from robomech_ros.robots.documents.yaml_rows import (
     read_unit,
 )
 from robomech_ros.robots.joint import Joint
-
-Array = NDArray[np.float64]
 
 # Limits (rad) beyond four turns are mostly degrees; wrists turn twice either way.
 _WIDEST = 8.0 * math.pi

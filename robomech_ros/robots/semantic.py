@@ -9,11 +9,11 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, RobotDescriptionError
 from robomech_ros.printing import Printed
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.typing import Array
 
 # The posture that every robot has, whatever its description says.
 HOME = "home"
@@ -148,7 +148,7 @@ class SemanticDescription(Printed):
             raise RobotDescriptionError(place, self.unusable[group, name])
         return dict(states[name])
 
-    def posture(self, chain: SerialChain, name: str) -> NDArray[np.float64]:
+    def posture(self, chain: SerialChain, name: str) -> Array:
         """Find a named posture of a chain.
 
         It is a state of the group that has the chain's joints, and where that has none of the
@@ -185,7 +185,7 @@ class SemanticDescription(Printed):
             expected = f"positions of {', '.join(missing)}, too"
             raise BadValueError(what, state, expected)
         q = np.array([state[joint] for joint in chain.joint_names])
-        inside: NDArray[np.float64] = np.clip(q, chain.lower, chain.upper)
+        inside: Array = np.clip(q, chain.lower, chain.upper)
         return inside
 
     def gives(self, chain: SerialChain, name: str) -> bool:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Below this turn (rad) series replace quotients: what they leave out is below rounding.
 _SMALL = 1e-2

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, real_number
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Rates, twists, poses and times beyond this (SI) are no motion of a robot; angles have no digits.
 _LARGEST = 1e9

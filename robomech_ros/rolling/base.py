@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.arcs import moved
@@ -27,8 +27,7 @@ from robomech_ros.rolling.steering import (
     steering_for,
 )
 from robomech_ros.rolling.wheels import Wheel
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 class RollingBase:

@@ -6,14 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.arguments import above_zero, one_vector
 from robomech_ros.spatial.arrays import real_number
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Masses (kg) and inertias (kg m^2) beyond this are none of a robot.
 _HEAVIEST = 1e9

@@ -10,12 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, ContradictionError, UndeterminedError, WrongSizeError
 from robomech_ros.rolling.wheels import Wheel
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Singular values below this part of the robot's size are rounding of its geometry.
 _RANK = 1e-9

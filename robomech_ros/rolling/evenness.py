@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.base import RollingBase
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # A condition number this near to 1 is that of an isotropic base.
 _ISOTROPIC = 1e-9

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.rolling import limiting as kernels
 from robomech_ros.errors import BadValueError, LimitExceededError, WrongSizeError
@@ -16,8 +16,7 @@ from robomech_ros.rolling.constraints import direction_rows
 from robomech_ros.rolling.limits import AXES, MotionLimits
 from robomech_ros.rolling.steering import forward_row
 from robomech_ros.spatial.arrays import real_number
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # A limit that leaves more than this part of a command does not shorten it.
 _WHOLE = 1.0 - 1e-12

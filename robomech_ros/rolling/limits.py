@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 AXES = ("angular.z", "linear.x", "linear.y")
 _OF = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.complement.constrained_bodies import ConstrainedBodies
 from robomech_ros.errors import BadValueError, WrongSizeError
@@ -14,8 +14,7 @@ from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.bodies import PlatformBody, WheelBody
 from robomech_ros.rolling.steering import free_twists, require_feasible
 from robomech_ros.rolling.twist_shaping import shaped_twists
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # A torque beyond its limit by no more than this part of it is at the limit.
 _WHOLE = 1.0 - 1e-12

@@ -6,15 +6,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.arcs import moved, slope_by_pose
 from robomech_ros.rolling.arguments import duration, one_vector
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.spatial.arrays import real_number
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Places and weights of Gauss over [0, 1]: exact for the growth of the covariance on a straight way.
 _PLACES = 0.5 + np.array([-0.5, 0.0, 0.5]) * math.sqrt(0.6)

@@ -6,15 +6,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.arguments import duration as checked_duration
 from robomech_ros.rolling.arguments import one_vector
 from robomech_ros.rolling.moving import RollingDynamics
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 # From the time (s), the twist (3,) and the brackets' angles (c,) to torques (k,) (N m).
 Torques = Callable[[float, Array, Array], ArrayLike]
 

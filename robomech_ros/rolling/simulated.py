@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.arcs import moved
 from robomech_ros.rolling.library import RollingRobot
 from robomech_ros.rolling.limiter import BaseMotion
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # How fast the speed control of the motors takes differences away (1/s).
 _GAIN = 20.0

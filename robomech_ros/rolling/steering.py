@@ -6,12 +6,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, LimitExceededError
 from robomech_ros.rolling.wheels import Wheel
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # A pivot that moves slower than this part of the base has no direction.
 _STILL = 1e-12

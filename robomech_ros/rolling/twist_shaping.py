@@ -9,13 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.rolling.bodies import PlatformBody, WheelBody
 from robomech_ros.rolling.constraints import direction_rows
 from robomech_ros.rolling.wheels import Wheel
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Masses, inertias (r, 3, 3), twist-shaping matrix (6 r, m) and its rate.
 Shaped = tuple[Array, Array, Array, Array]

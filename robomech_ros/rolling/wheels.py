@@ -6,14 +6,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.rolling.arguments import above_zero, angle, length
 from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag, real_array, real_number
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 KINDS = ("fixed", "steered", "caster", "omni")
 # Roller axes this near to right angles with the rolling direction would not drive (cosine).

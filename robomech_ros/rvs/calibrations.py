@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.calibration import HandEyeResult
 from robomech_ros.errors import BadValueError, WrongSizeError
@@ -19,11 +19,10 @@ from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.opening import require_viser
 from robomech_ros.rvs.serving.address import HOST, PORT
 from robomech_ros.spatial import as_pose
+from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from robomech_ros.rvs.page.page import RobotPage
-
-Array = NDArray[np.float64]
 
 
 def view_calibration(

@@ -7,18 +7,17 @@ from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory import PiecewisePolynomial, interpolant
+from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from robomech_ros.parallel import Mechanism
-
-Array = NDArray[np.float64]
 
 
 class NamedPosture(NamedTuple):

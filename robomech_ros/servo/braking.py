@@ -6,11 +6,10 @@ It takes whole periods, in which all joints brake evenly and together.
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.servo.limits import RATE_ROUNDING, ServoLimits
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 Numbers = list[float]
 
 # What a number of periods may be over a whole one by rounding.

@@ -4,13 +4,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.servo.look_ahead import cubics_inside
 from robomech_ros.servo.limits import RATE_ROUNDING, ServoLimits
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _cubics_inside = direct(cubics_inside)
 

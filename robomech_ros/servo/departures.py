@@ -12,12 +12,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.servo.poses import moved_pose
 from robomech_ros.servo.resolution import SINGULAR, TwistResolver
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # How far beside a singular posture a way begins (rad or m).
 _BESIDE = 3e-4

@@ -2,14 +2,9 @@
 
 from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.motion import Advance
 from robomech_ros.servo.stream import JOINING_TIMES, Stream
-
-Array = NDArray[np.float64]
 
 # A twist must have been held for so many periods before joints that move get onto its way.
 _HELD = 5

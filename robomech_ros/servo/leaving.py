@@ -3,13 +3,11 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.servo.departures import Start, departures
 from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.resolution import TwistResolver
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # A way leads out if a joint moves by this much on it (rad or m).
 _AWAY = 0.015

@@ -4,13 +4,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import MissingLimitsError
 from robomech_ros.execution.joints import Joints
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # A stream stays this far inside its bounds, over rounding: rad or m, and a part of the rates.
 POSITION_ROUNDING = 1e-9

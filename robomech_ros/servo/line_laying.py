@@ -12,13 +12,11 @@ import math
 from collections.abc import Callable, Generator, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.servo.departures import Start
 from robomech_ros.servo.poses import moved_pose
 from robomech_ros.servo.resolution import Heading, TwistResolver
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # The most by which a joint moves from node to node (rad or m), far from and near a singularity.
 _STEP, _SHORT_STEP = 0.04, 0.01

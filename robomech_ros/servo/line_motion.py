@@ -12,14 +12,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.servo.cubics import CubicCheck, end_of_cubic
 from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.motion import Advance, Samples
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Parts of the acceleration limits with which the motion begins and brakes; the bends of the way
 # need the rest.

@@ -7,13 +7,11 @@ not laid in this period is in the next ones.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.servo.look_ahead import postures_on_way
 from robomech_ros.servo.line_laying import LineLaying
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _postures_on_way = direct(postures_on_way)
 _ONE = np.ones(1)

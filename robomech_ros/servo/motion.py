@@ -14,12 +14,11 @@ acceleration changes at a limited rate.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.servo.braking import StopPlan
 from robomech_ros.servo.limits import RATE_ROUNDING, ServoLimits
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 # Vectors of some numbers: Python's arithmetic is faster on them than numpy's.
 Numbers = list[float]
 

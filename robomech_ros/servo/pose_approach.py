@@ -3,13 +3,11 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.servo.commands import PoseCommand, TwistCommand
 from robomech_ros.servo.resolution import TwistResolver
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Nearer than this (m or rad) the tip is there.
 _THERE = 1e-6

@@ -3,9 +3,8 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def moved_pose(pose: Array, motion: Array) -> Array:

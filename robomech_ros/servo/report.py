@@ -4,13 +4,11 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.motion import Advance
 from robomech_ros.servo.resolution import Resolution
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Changes of velocity that take longer than this many periods are worth a word.
 _NEARLY_ONE = 1.0 - 1e-6

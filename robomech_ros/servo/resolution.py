@@ -30,8 +30,7 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.servo.poses import small_motion
 from robomech_ros.spatial.arrays import held_rows
 from robomech_ros.trajectory.paths.partial_poses import least_turn
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _jacobian_one = direct(jacobian_one)
 _rate_one = direct(jacobian_rate_one)

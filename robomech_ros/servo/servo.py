@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
@@ -18,8 +17,7 @@ from robomech_ros.servo.resolution import Resolution, TwistResolver
 from robomech_ros.servo.stream import Stream
 from robomech_ros.servo.twist_following import TwistFollowing
 from robomech_ros.spatial.arrays import all_finite, as_finite
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True)

@@ -4,15 +4,13 @@ import math
 from collections import deque
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.servo.cubics import end_of_cubic
 from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.line_motion import Deviation, LineMotion
 from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.motion import Advance, Motion, Samples
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # In what time joints that move get onto the way for a twist (s), and no less than this part of the
 # time of the mean.

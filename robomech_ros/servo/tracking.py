@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 # Fewer commands, or a way shorter than this (rad or m), say nothing of a lag.
 _FEW, _CLEAR = 5, 0.01
@@ -26,7 +25,7 @@ class TrackedJoints(Protocol):
         """``"rad"`` or ``"m"``."""
 
     @property
-    def continuous(self) -> NDArray[np.bool_]:
+    def continuous(self) -> BoolArray:
         """Which turn without limits."""
 
 

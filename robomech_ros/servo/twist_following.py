@@ -1,7 +1,6 @@
 """Following twists: along the line of one that is held, and onto and out of such lines."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.servo.commands import TwistCommand
 from robomech_ros.servo.departures import Start
@@ -15,8 +14,7 @@ from robomech_ros.servo.motion import Advance
 from robomech_ros.servo.report import ServoReport, motion_report
 from robomech_ros.servo.resolution import Resolution, TwistResolver
 from robomech_ros.servo.stream import Stream
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Twists whose directions differ by less than this are the same.
 _SAME = 1e-9

@@ -5,10 +5,11 @@ from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array, real_number
+from robomech_ros.typing import Array, IntArray
 
 __all__ = [
     "all_finite",
@@ -22,7 +23,6 @@ __all__ = [
     "real_number",
 ]
 
-Array = NDArray[np.float64]
 
 # So many numbers are looked at faster one by one.
 _FEW = 16
@@ -99,7 +99,7 @@ def as_choice(what: str, value: object, known: Sequence[str]) -> str:
     raise BadValueError(what, value, "one of " + ", ".join(known))
 
 
-def held_rows(what: str, mask: object) -> NDArray[np.int64]:
+def held_rows(what: str, mask: object) -> IntArray:
     """Return the rows of a twist, angular first, that a task mask (x, y, z, rx, ry, rz) holds."""
     given = listed(what, mask, "six of True or False: x, y, z, rx, ry, rz")
     if len(given) != 6:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.rows import finite_result
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def cross_product_matrix(a: ArrayLike) -> Array:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import ORTHOGONAL, ROTATION_ERROR
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def rotation_error(matrix: ArrayLike) -> Array:

@@ -2,14 +2,13 @@
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
+from robomech_ros.typing import Array
 
 Three = tuple[float, float, float]
 Four = tuple[float, float, float, float]
 
 
-def plain_pose(T: NDArray[np.float64]) -> tuple[Three, Four]:
+def plain_pose(T: Array) -> tuple[Three, Four]:
     """Split a homogeneous transform, shape (4, 4), into a place (m) and a quaternion xyzw.
 
     Of the two quaternions the one with w >= 0 is given, and with w = 0 the one whose first number

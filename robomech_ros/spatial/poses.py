@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import ROTATION_ERROR
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.rows import common_shape
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def as_pose(pose: ArrayLike, tolerance: float = ROTATION_ERROR, what: str = "pose") -> Array:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import all_finite, as_finite, real_array
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def as_rows(

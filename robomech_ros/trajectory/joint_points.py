@@ -11,12 +11,12 @@ import numpy.typing as npt
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_flag, listed, real_array
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array, BoolArray, IntArray
 
 
 def joint_points(
     points: npt.ArrayLike, joints: int | None = None, most: int | None = None
-) -> FloatArray:
+) -> Array:
     """Give at least two points as an array of its own that cannot be written to.
 
     Parameters
@@ -50,9 +50,7 @@ def joint_points(
     return places
 
 
-def nearest_turns(
-    points: npt.ArrayLike, continuous: npt.ArrayLike
-) -> tuple[FloatArray, npt.NDArray[np.int64]]:
+def nearest_turns(points: npt.ArrayLike, continuous: npt.ArrayLike) -> tuple[Array, IntArray]:
     """Return points whose continuous joints take the short way from each to the next.
 
     Parameters
@@ -91,7 +89,7 @@ def nearest_turns(
     return places + math.tau * turns, turns.astype(np.int64)
 
 
-def _refuse(places: FloatArray, good: npt.NDArray[np.bool_]) -> NoReturn:
+def _refuse(places: Array, good: BoolArray) -> NoReturn:
     """Name the first of the points (m, n) that is not finite, or else the first too large."""
     for row in np.flatnonzero(~np.isfinite(places).all(axis=1)).tolist():
         raise NonFiniteError(f"points[{row}]", places[row])
@@ -100,7 +98,7 @@ def _refuse(places: FloatArray, good: npt.NDArray[np.bool_]) -> NoReturn:
     raise BadValueError(f"points[{row}]", places[row].tolist(), expected)
 
 
-def joint_values(what: str, values: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+def joint_values(what: str, values: npt.ArrayLike, shape: tuple[int, ...]) -> Array:
     """Copy one number for each joint, shape (n,), without a look at their size."""
     array = real_array(what, values).copy()
     if array.shape != shape:
@@ -108,7 +106,7 @@ def joint_values(what: str, values: npt.ArrayLike, shape: tuple[int, ...]) -> Fl
     return array
 
 
-def check_numbers(what: str, values: FloatArray) -> None:
+def check_numbers(what: str, values: Array) -> None:
     """Refuse numbers (n,) that are not finite, or too large."""
     if not np.isfinite(values).all():
         raise NonFiniteError(what, values)

@@ -19,8 +19,8 @@ from robomech_ros.errors import (
     WrongSizeError,
 )
 from robomech_ros.spatial.arrays import listed, real_array
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
+from robomech_ros.typing import Array, BoolArray
 
 Rate = Literal["velocity", "acceleration", "jerk"]
 RATES: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
@@ -95,11 +95,11 @@ class Limits:
     """
 
     joint_names: tuple[str, ...]
-    velocity: FloatArray = None  # type: ignore[assignment]
-    acceleration: FloatArray = None  # type: ignore[assignment]
-    jerk: FloatArray = None  # type: ignore[assignment]
-    lower: FloatArray = None  # type: ignore[assignment]
-    upper: FloatArray = None  # type: ignore[assignment]
+    velocity: Array = None  # type: ignore[assignment]
+    acceleration: Array = None  # type: ignore[assignment]
+    jerk: Array = None  # type: ignore[assignment]
+    lower: Array = None  # type: ignore[assignment]
+    upper: Array = None  # type: ignore[assignment]
     units: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -133,7 +133,7 @@ class Limits:
         unit = self.units[joint]
         return unit + _PER[order] if unit else ""
 
-    def _array(self, name: str, missing: float) -> FloatArray:
+    def _array(self, name: str, missing: float) -> Array:
         given = getattr(self, name)
         n = len(self.joint_names)
         values = self._numbers(name, given, missing)
@@ -143,7 +143,7 @@ class Limits:
         values.setflags(write=False)
         return values
 
-    def _numbers(self, name: str, given: Any, missing: float) -> FloatArray:
+    def _numbers(self, name: str, given: Any, missing: float) -> Array:
         """Give numbers as float64, None among them as ``missing``."""
         if given is None:
             return np.array(missing)
@@ -151,9 +151,7 @@ class Limits:
             given = [missing if entry is None else entry for entry in given]
         return real_array(f"{name} limits", given)
 
-    def _refuse(
-        self, what: str, bad: npt.NDArray[np.bool_], values: FloatArray, expected: str
-    ) -> None:
+    def _refuse(self, what: str, bad: BoolArray, values: Array, expected: str) -> None:
         if bad.any():
             k = int(np.flatnonzero(bad)[0])
             name = self.joint_names[k]
@@ -181,9 +179,9 @@ class Limits:
     def scaled(
         self,
         *,
-        velocity: FloatArray | float = 1.0,
-        acceleration: FloatArray | float = 1.0,
-        jerk: FloatArray | float = 1.0,
+        velocity: Array | float = 1.0,
+        acceleration: Array | float = 1.0,
+        jerk: Array | float = 1.0,
     ) -> Limits:
         """Multiply the limits by factors, one for all joints or one for each."""
         return replace(
@@ -230,34 +228,34 @@ class Limits:
         return self.scaled(velocity=1.0 - MARGIN, acceleration=1.0 - MARGIN, jerk=1.0 - JERK_MARGIN)
 
     @cached_property
-    def ranges(self) -> FloatArray:
+    def ranges(self) -> Array:
         """Lowest and highest positions, (2, n) in rad or m; finite where a joint has no limit."""
         largest = LARGEST_LENGTH
         return np.stack([self.lower.clip(-largest, None), self.upper.clip(None, largest)])
 
     @cached_property
-    def continuous(self) -> npt.NDArray[np.bool_]:
+    def continuous(self) -> BoolArray:
         """Which joints turn without limits of position, shape (n,)."""
         turning = np.array([unit == "rad" for unit in self.units], dtype=np.bool_)
         return turning & np.isinf(self.lower) & np.isinf(self.upper)
 
     @cached_property
-    def rates(self) -> FloatArray:
+    def rates(self) -> Array:
         """Limits of velocity, acceleration and jerk, (3, n)."""
         return np.stack([self.velocity, self.acceleration, self.jerk])
 
     @cached_property
-    def scales(self) -> FloatArray:
+    def scales(self) -> Array:
         """Limits of velocity, acceleration and jerk, (3, n); 1 where there is none."""
         return np.where(np.isfinite(self.rates), self.rates, 1.0)
 
     @cached_property
-    def inverses(self) -> FloatArray:
+    def inverses(self) -> Array:
         """One over the limits of velocity, acceleration and jerk, (3, n)."""
-        inverses: FloatArray = 1.0 / self.rates
+        inverses: Array = 1.0 / self.rates
         return inverses
 
-    def check_start(self, position: FloatArray) -> None:
+    def check_start(self, position: Array) -> None:
         """Raise `SeedOutsideLimitsError` where a start (n,) in rad or m is outside the limits."""
         k = self._outside(position)
         if k is not None:
@@ -270,7 +268,7 @@ class Limits:
                 unit=self.units[k],
             )
 
-    def check_goal(self, position: FloatArray, what: str = "goal position") -> None:
+    def check_goal(self, position: Array, what: str = "goal position") -> None:
         """Raise `LimitExceededError` where a goal (n,) in rad or m is outside the limits."""
         k = self._outside(position)
         if k is not None:
@@ -278,7 +276,7 @@ class Limits:
             name, unit = self.joint_names[k], self.units[k]
             raise LimitExceededError(what, name, float(position[k]), float(limit), unit)
 
-    def _outside(self, position: FloatArray) -> int | None:
+    def _outside(self, position: Array) -> int | None:
         """Index of the joint that is farthest outside the position limits, if any."""
         excess = np.maximum(self.lower - position, position - self.upper)
         k = int(np.argmax(excess)) if len(excess) else 0

@@ -9,8 +9,7 @@ import numpy.typing as npt
 
 from robomech_ros.errors import NonFiniteError
 from robomech_ros.spatial.arrays import real_array
-
-FloatArray = npt.NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 
 class Sample(NamedTuple):
@@ -23,10 +22,10 @@ class Sample(NamedTuple):
         row for each instant where an array of instants was asked for.
     """
 
-    position: FloatArray
-    velocity: FloatArray
-    acceleration: FloatArray
-    jerk: FloatArray
+    position: Array
+    velocity: Array
+    acceleration: Array
+    jerk: Array
 
 
 class Trajectory(Protocol):
@@ -40,7 +39,7 @@ class Trajectory(Protocol):
         """Sample at time t (s), a scalar or an array of shape (m,)."""
 
 
-def checked_times(t: npt.ArrayLike) -> FloatArray:
+def checked_times(t: npt.ArrayLike) -> Array:
     """Turn instants into a float array of dimension 0 or 1; refuse NaN and infinity."""
     times = real_array("time", t)
     if times.ndim > 1:
@@ -50,7 +49,7 @@ def checked_times(t: npt.ArrayLike) -> FloatArray:
     return times
 
 
-def held_outside(sample: Sample, outside: npt.NDArray[np.bool_]) -> Sample:
+def held_outside(sample: Sample, outside: BoolArray) -> Sample:
     """Put the instants outside a trajectory at rest at the position of its nearest end."""
     if not outside.any():
         return sample

@@ -13,7 +13,8 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import real_number
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray, Trajectory
+from robomech_ros.trajectory.sample import Trajectory
+from robomech_ros.typing import Array
 
 _NANOSECONDS = 1e9
 # Samples nearer to each other (s) could become one when they are rounded to whole nanoseconds.
@@ -42,10 +43,10 @@ class Waypoints:
         rad or m over s and s^2; None (or a row of NaN) where not given.
     """
 
-    times: FloatArray
-    positions: FloatArray
-    velocities: FloatArray | None = None
-    accelerations: FloatArray | None = None
+    times: Array
+    positions: Array
+    velocities: Array | None = None
+    accelerations: Array | None = None
 
     @cached_property
     def curve(self) -> PiecewisePolynomial:
@@ -128,7 +129,7 @@ def discretise(
     return Waypoints(times, sample.position, sample.velocity, sample.acceleration)
 
 
-def position_rounding(positions: FloatArray) -> float:
+def position_rounding(positions: Array) -> float:
     """Bound what the rounding of positions (m, n) does to the quintic through samples h apart.
 
     It multiplies errors of position by 60 / h^3 in its jerk, and by 60 / h^2 or less in its
@@ -138,7 +139,7 @@ def position_rounding(positions: FloatArray) -> float:
     return 60.0 * float(np.finfo(np.float64).eps) * reach
 
 
-def _distinct_breaks(curve: PiecewisePolynomial, jerk_error: float) -> FloatArray:
+def _distinct_breaks(curve: PiecewisePolynomial, jerk_error: float) -> Array:
     """List the breaks, a middle one for those that nearly coincide; the two ends for sure."""
     nearest = float(np.cbrt(position_rounding(curve.coefficients[0]) / jerk_error))
     nearest = max(nearest, _NEAREST)

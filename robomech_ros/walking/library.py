@@ -31,7 +31,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.parallel.mechanism.limb import Axis, chain_of_axes
@@ -45,9 +44,8 @@ from robomech_ros.robots.documents.yaml_rows import (
 )
 from robomech_ros.robots.kinds import checked_document, names_of, source_of
 from robomech_ros.spatial.poses import assembled
+from robomech_ros.typing import Array
 from robomech_ros.walking.robot import LeggedRobot
-
-Array = NDArray[np.float64]
 
 _LEAST_AXIS = 1e-6
 

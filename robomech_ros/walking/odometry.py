@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from robomech_ros.errors import BadValueError, WrongSizeError
@@ -11,9 +11,8 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.spatial import as_pose
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import assembled
+from robomech_ros.typing import Array, BoolArray
 from robomech_ros.walking.robot import LeggedRobot
-
-Array = NDArray[np.float64]
 
 # Feet that tell all of a motion, and feet that tell it but for turns about the line between them.
 _ENOUGH, _FEWEST = 3, 2
@@ -103,7 +102,7 @@ def leg_odometry(
     return trunk, slip
 
 
-def _flags(contacts: ArrayLike) -> NDArray[np.bool_]:
+def _flags(contacts: ArrayLike) -> BoolArray:
     try:
         stands = np.asarray(contacts)
     except ValueError:

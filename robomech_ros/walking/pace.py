@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.walking import stepping
 from robomech_ros._kernels.walking.stepping import Pattern, Seen, State, Step
 from robomech_ros.errors import BadValueError
+from robomech_ros.typing import Array
 from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.stride import GRAVITY, Stride
 from robomech_ros.walking.support import stability_margin
-
-Array = NDArray[np.float64]
 
 # Part of the limits of speed that joints use at the longest stride.
 SPEED_PART = 0.6

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _KNEES = {"forward": 1.0, "back": -1.0}
 # Part of the length below which one is zero.

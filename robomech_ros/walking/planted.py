@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
@@ -15,8 +14,7 @@ from robomech_ros.parallel import Limb, Mechanism
 from robomech_ros.parallel.mechanism.limb import Axis, chain_of_axes
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Part of the greatest pivot below which one is zero.
 _ZERO = 1e-9

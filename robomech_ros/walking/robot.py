@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.walking.stepping import MOST_LEGS
 from robomech_ros.errors import BadValueError, SeedOutsideLimitsError, WrongSizeError
@@ -19,10 +19,9 @@ from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.robots.bodies import combined
 from robomech_ros.spatial.arrays import as_choice, as_finite, listed
 from robomech_ros.spatial.poses import inverse_pose
+from robomech_ros.typing import Array, BoolArray
 from robomech_ros.walking.described import tree_of_legs
 from robomech_ros.walking.planted import contact_rows, planted_mechanism
-
-Array = NDArray[np.float64]
 
 _JOINTS = 3
 # Part of the greatest singular value below which one is zero.
@@ -134,7 +133,7 @@ class LeggedRobot:
         return tuple(unit for leg in self.legs for unit in leg.units)
 
     @property
-    def continuous(self) -> NDArray[np.bool_]:
+    def continuous(self) -> BoolArray:
         """Which joints turn without limits, shape (3 k,)."""
         return np.concatenate([leg.continuous for leg in self.legs])
 

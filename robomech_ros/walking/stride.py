@@ -6,18 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.walking.legs import follow_feet
 from robomech_ros._kernels.walking.stepping import Pattern
 from robomech_ros.errors import BadValueError
 from robomech_ros.outcomes import Code
 from robomech_ros.spatial import matrix_from_euler_angles
+from robomech_ros.typing import Array
 from robomech_ros.walking.gaits import Gait
 from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.support import stability_margin
-
-Array = NDArray[np.float64]
 
 STATIC_BOUND, TROT_BOUND = 0.01, -0.04
 # Part of what the margin leaves that feet use; the rest is left to poses of the trunk.

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +35,7 @@ class WalkUpdate:
 
     q: Array
     rates: Array
-    contacts: NDArray[np.bool_]
+    contacts: BoolArray
     feet: Array
     base: Array
     trunk: Array

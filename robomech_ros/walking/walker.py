@@ -6,7 +6,7 @@ import math
 from copy import copy
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.walking import stepping
@@ -15,14 +15,13 @@ from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeErro
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.outcomes import Code
 from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
+from robomech_ros.typing import Array
 from robomech_ros.walking.gaits import GAITS
 from robomech_ros.walking.pace import SPEED_PART, fastest_twist, suitable_cycle, sway_cycle
 from robomech_ros.walking.pose_way import PoseWay
 from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.stride import PoseAnswer, Stride, stride_of
 from robomech_ros.walking.update import WalkUpdate
-
-Array = NDArray[np.float64]
 
 _ADVANCE, _POSSIBLE = direct(stepping.advance), direct(stepping.possible_part)
 _SUSTAINED = direct(stepping.sustained_part)

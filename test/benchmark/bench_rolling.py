@@ -11,7 +11,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from table import Row
 from timing import Work, interleave
 
@@ -25,11 +24,10 @@ from robomech_ros.rolling import (
     two_wheeled,
 )
 from robomech_ros.rolling.arcs import moved
+from robomech_ros.typing import Array
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "rolling"))
 from limiter_oracle import limited
-
-Array = NDArray[np.float64]
 
 PERIOD, STREAM = 0.01, 2000
 RATE_LIMITER = "control_toolbox"

@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING, Any
 from xml.etree.ElementTree import Element, SubElement, tostring
 
 import numpy as np
-from numpy.typing import NDArray
 from peers import constant_transforms, eaik_robot
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.spatial import quaternion_from_matrix, roll_pitch_yaw_from_matrix
+from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from robomech_ros.robots import SerialChain
 
-Array = NDArray[np.float64]
 
 # So tight that what they return is within the residual that counts as a solution.
 LM_TOLERANCE = 1e-13

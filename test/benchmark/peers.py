@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio
-from numpy.typing import NDArray
+
+from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from eaik.IK_Homogeneous import HomogeneousRobot
 
     from robomech_ros.robots import SerialChain
-
-Array = NDArray[np.float64]
 
 
 def constant_transforms(chain: SerialChain) -> Array:

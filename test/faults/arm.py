@@ -8,7 +8,6 @@ import numpy as np
 from callers import ByAction, ByExecute, ByRequests, ByServo, ByTopic
 from control_msgs.action import FollowJointTrajectory, GripperCommand
 from control_msgs.msg import GripperCommand as GripperCommandMessage
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from session import Session, Work
 from trajectory_msgs.msg import JointTrajectory
@@ -26,10 +25,10 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.pose_messages import stamped_pose
 from robomech_ros.outcomes import name_of
 from robomech_ros.robots import SerialChain
+from robomech_ros.typing import Array
 
 __all__ = ["Arm"]
 
-Array = NDArray[np.float64]
 
 _CONTROLLER = "joint_trajectory_controller"
 _GRIPPER = "gripper_controller/gripper_cmd"

@@ -8,17 +8,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
 from robomech_ros.nodes.middleware.polled_subscription import Unattended
+from robomech_ros.typing import Array, IntArray
 
 __all__ = ["TOLERANCE", "Jump", "Limits", "Ratios", "Samples"]
 
-Array = NDArray[np.float64]
 
 # How far differences may be beyond a limit: stamps follow the setting of the system's clock, by up
 # to 0.1 % of the time.
@@ -47,7 +46,7 @@ class Jump:
     before: int
     by: float
 
-    def step(self, stamps: NDArray[np.int64]) -> int:
+    def step(self, stamps: IntArray) -> int:
         """Find the step of stamps (ns) in which it is: on, over what was not, or back."""
         later = stamps > self.before
         steps = later[1:] & ~later[:-1] if self.by > 0.0 else np.diff(stamps) < 0

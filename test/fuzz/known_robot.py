@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.hands import load_hand
 from robomech_ros.kinematics import forward_kinematics
@@ -15,11 +14,11 @@ from robomech_ros.robots import SerialChain, load_robot
 from robomech_ros.robots.kinds import kind_of
 from robomech_ros.rolling import WheelJoints, rolling_robot
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw
+from robomech_ros.typing import Array
 from robomech_ros.walking import GAITS, load_legged
 
 __all__ = ["KnownRobot", "PublishedJoints", "known_arm", "known_robot"]
 
-Array = NDArray[np.float64]
 
 # How far poses are from the middle of where a platform or a trunk goes (m and rad).
 _NEAR = 0.05

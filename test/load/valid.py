@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -17,10 +16,10 @@ from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix, stamped_pose
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose, pose_exponential
+from robomech_ros.typing import Array
 
 __all__ = ["ValidMaker"]
 
-Array = NDArray[np.float64]
 
 # How far from home postures are, rad or m, and how far a moving tip goes, m.
 _NEAR, _STEP = 0.3, 0.02

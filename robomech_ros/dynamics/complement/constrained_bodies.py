@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.checked_states import as_vector, finite_result
 from robomech_ros.dynamics.complement.stacking import (
@@ -32,8 +32,7 @@ from robomech_ros.dynamics.complement.stacking import (
 )
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _OPTIONAL = ("rotors", "N", "N_dot", "t_0", "t_0_dot", "A")
 

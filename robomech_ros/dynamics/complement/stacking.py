@@ -6,11 +6,9 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.5.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.spatial.screws.bodies import angular_velocity_dyad, inertia_dyad
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def extended_mass(masses: Array, inertias: Array) -> Array:

@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.dynamics.formulations.plain_recursions import (
     PlainLink,
@@ -24,8 +23,7 @@ from robomech_ros.dynamics.formulations.plain_recursions import (
 )
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_choice
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 ALGORITHMS = (
     "inverse: newton-euler",

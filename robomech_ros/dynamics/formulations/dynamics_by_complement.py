@@ -8,7 +8,7 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.5 and 7
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.checked_states import finite_result, finite_states
 from robomech_ros.dynamics.complement.stacking import mass_roots, solve, transposed
@@ -19,8 +19,7 @@ from robomech_ros.dynamics.formulations.orthogonal_complement import (
 from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.dynamics.posed_bodies import reflected_inertias
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @finite_result

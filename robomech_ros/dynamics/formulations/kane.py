@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.checked_states import as_screw, as_vector, finite_result, finite_states
 from robomech_ros.dynamics.complement.stacking import solve, times
@@ -23,8 +23,7 @@ from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.dynamics.posed_bodies import body_moments, link_transforms, reflected_inertias
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.checked_states import as_screw, as_vector, finite_result, finite_states
 from robomech_ros.dynamics.complement.stacking import solve, times
@@ -27,8 +27,7 @@ from robomech_ros.dynamics.pseudo_inertias import pseudo_inertia
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
 from robomech_ros.spatial.cross_product import cross_product_matrix
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @finite_result

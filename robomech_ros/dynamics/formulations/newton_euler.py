@@ -10,14 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.checked_states import as_screw, as_vector, finite_states
 from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.dynamics.posed_bodies import PosedBodies, posed_bodies, reflected_inertias
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)

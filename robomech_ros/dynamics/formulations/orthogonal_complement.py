@@ -16,7 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.checked_states import as_screw, finite_states
 from robomech_ros.dynamics.complement.constrained_bodies import ConstrainedBodies
@@ -31,8 +31,7 @@ from robomech_ros.dynamics.formulations.stacked_matrices import (
 from robomech_ros.dynamics.posed_bodies import PosedBodies, posed_bodies, reflected_inertias
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.screws.transfers import transfer_wrench
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

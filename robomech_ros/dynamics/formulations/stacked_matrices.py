@@ -6,13 +6,11 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.5.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.dynamics.posed_bodies import PosedBodies
 from robomech_ros.spatial.cross_product import cross_product_matrix
 from robomech_ros.spatial.screws.transfers import twist_transfer_matrix
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def twist_shaping(bodies: PosedBodies) -> Array:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.dynamics.identification.consistent_parameters import consistent_least_squares
 from robomech_ros.dynamics.identification.fit import Identification, known_parameters
@@ -13,8 +12,7 @@ from robomech_ros.dynamics.pseudo_inertias import bodies_from_parameters
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.drives import Drive
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # How much a consistent body is drawn to the one known before, where 1 is a standard error or so.
 _PULL = 1e-6

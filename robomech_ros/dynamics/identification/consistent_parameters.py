@@ -21,12 +21,10 @@ Y. Nesterov and A. Nemirovskii, Interior-Point Polynomial Algorithms in Convex P
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.dynamics.pseudo_inertias import parameters_from_pseudo_inertia, pseudo_inertia
 from robomech_ros.numerics import least_squares
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # From one gamma to the next, and Newton steps for all of them together.
 _LESS, _MOST_STEPS = 0.2, 500

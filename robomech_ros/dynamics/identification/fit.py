@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.checked_states import as_vector, finite_states
 from robomech_ros.dynamics.identification.regressor import (
@@ -32,8 +32,7 @@ from robomech_ros.dynamics.pseudo_inertias import is_consistent
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.numerics import least_squares, minimum_norm
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 # Singular values below this of the largest: the motion does not show all parameters.
 _RANK = 1e-9
@@ -101,7 +100,7 @@ class Identification:
         return found.reshape(-1, 10)
 
     @cached_property
-    def consistent(self) -> NDArray[np.bool_]:
+    def consistent(self) -> BoolArray:
         """Which of the bodies of :attr:`parameters` are possible, shape (n,)."""
         return is_consistent(self.parameters)
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.dynamics import controlled_chain as kernels
 from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
@@ -17,8 +17,7 @@ from robomech_ros.dynamics.systems import DynamicSystem, dynamic_system
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 CONTROLS = ("computed-torque", "pd-gravity")
 
@@ -49,7 +48,7 @@ class ControlledMotion:
     q: Array
     qd: Array
     effort: Array
-    saturated: NDArray[np.bool_]
+    saturated: BoolArray
     reason: str
     singular: bool = False
 

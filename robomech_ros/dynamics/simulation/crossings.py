@@ -6,13 +6,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.dynamics.systems import DynamicSystem
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import real_number
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 Event = Callable[[float, Array, Array], float]
 Crossing = Callable[[Array], float]
 

@@ -4,13 +4,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.systems import CompiledForward, DynamicSystem, LostPostureError
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.spatial.arrays import real_array
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 Torque = Callable[[float, Array, Array], ArrayLike]
 
 # Squares and quotients of what is larger overflow in the solvers.

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from robomech_ros.dynamics.systems import DynamicSystem
 from robomech_ros.errors import BadValueError
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Postures from which the inertias come that fixed gains suit, fewer for arms of many joints, whose
 # mass matrices have no more entries than that together.

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
 from robomech_ros.dynamics.simulation.crossings import (
@@ -19,8 +18,7 @@ from robomech_ros.dynamics.simulation.equations_of_motion import EquationsOfMoti
 from robomech_ros.dynamics.simulation.midpoint import MidpointSolver
 from robomech_ros.dynamics.simulation.record import Record
 from robomech_ros.errors import BadValueError
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 FINISHED = "finished"
 MOST_STEPS = 200_000

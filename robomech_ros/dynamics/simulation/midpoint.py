@@ -1,12 +1,10 @@
 """The implicit midpoint rule for a system, in values and momenta of its drives: symplectic."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.dynamics.simulation.equations_of_motion import EquationsOfMotion
 from robomech_ros.errors import RobomechError
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _ITERATIONS = 100
 # Change (of values and momenta, relative to their size) at which an iteration has arrived.

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import sympy
-from numpy.typing import NDArray
 
 from robomech_ros.dynamics.posed_bodies import link_transforms
 from robomech_ros.dynamics.symbolic.terms import Angle, Poly, TermRing
@@ -15,8 +14,7 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.drives import Drive
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Below this (rad, m, kg m, or of the greatest moment) a parameter is rounding, and 0.
 _NOTHING = 1e-9

@@ -8,7 +8,7 @@ from robomech_ros.execution.client.pace_control import PaceControl
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.execution.verdict import Verdict
 from robomech_ros.outcomes import Code
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 # A robot that still moves this long after it should stand was stopped too late, s.
 _UNHEARD = 0.1
@@ -45,7 +45,7 @@ class ActiveDelivery:
         delivery: Delivery,
         gateway: Gateway,
         settings: DispatchSettings,
-        positions: FloatArray,
+        positions: Array,
         pace: float,
         now: float,
     ) -> None:

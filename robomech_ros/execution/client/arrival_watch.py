@@ -8,7 +8,7 @@ from robomech_ros.execution.client.position_check import off_goal
 from robomech_ros.execution.client.progress import Progress
 from robomech_ros.execution.verdict import Verdict
 from robomech_ros.outcomes import Code
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 # How long the joint states may take to confirm what the controller says, and to come at all, s.
 CONFIRMATION = 1.0
@@ -47,7 +47,7 @@ class ArrivalWatch:
         delivery: Delivery,
         gateway: Gateway,
         settings: DispatchSettings,
-        positions: FloatArray,
+        positions: Array,
     ) -> None:
         self.elapsed = self.late = 0.0
         self.off = ""
@@ -76,7 +76,7 @@ class ArrivalWatch:
         if positions is not None:
             self._watch_from(positions)
 
-    def _watch_from(self, positions: FloatArray) -> None:
+    def _watch_from(self, positions: Array) -> None:
         """Watch the delivery from where the robot is now (n,), rad or m."""
         delivery, gateway = self._delivery, self._gateway
         self._progress = Progress(delivery, positions, gateway.heard(delivery.names))

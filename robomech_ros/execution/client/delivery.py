@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
+from robomech_ros.typing import Array
 
 
 class Transport(Enum):
@@ -90,15 +90,15 @@ class Delivery:
     _listeners: list[Callable[[DeliveryReport], None]] = field(default_factory=list)
 
     @property
-    def start(self) -> FloatArray | None:
+    def start(self) -> Array | None:
         """Where it begins, rad or m; None if it is to be reached from wherever the robot is."""
-        first: FloatArray = self.waypoints.positions[0]
+        first: Array = self.waypoints.positions[0]
         return first if self.waypoints.times[0] <= 0.0 else None
 
     @property
-    def goal(self) -> FloatArray:
+    def goal(self) -> Array:
         """Where it ends, rad or m, shape (n,)."""
-        last: FloatArray = self.waypoints.positions[-1]
+        last: Array = self.waypoints.positions[-1]
         return last
 
     @property

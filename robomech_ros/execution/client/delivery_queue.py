@@ -10,7 +10,7 @@ from robomech_ros.execution.client.gateway import Gateway
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.execution.verdict import Verdict
 from robomech_ros.outcomes import Code
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 
 class QueueFullError(TrajectoryRefusedError):
@@ -26,7 +26,7 @@ class Ready:
     """A delivery that can be sent, and where the robot is (n,), rad or m."""
 
     delivery: Delivery
-    positions: FloatArray
+    positions: Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ from robomech_ros.execution.client.delivery import Delivery
 from robomech_ros.execution.client.position_check import apart
 from robomech_ros.execution.joints import JointKinds
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 # A loop is looked at in so many places; a way out of less than this (rad, m) counts for none.
 _PLACES = 200
@@ -34,7 +34,7 @@ class Excursion:
         self,
         delivery: Delivery,
         curve: PiecewisePolynomial,
-        position: FloatArray,
+        position: Array,
         kinds: JointKinds,
     ) -> None:
         self._names, self._kinds, self._start = delivery.names, kinds, position
@@ -43,7 +43,7 @@ class Excursion:
         self._back = apart(delivery.goal, position, kinds.continuous)
         self._seen = np.zeros(len(position))
 
-    def look(self, position: FloatArray) -> None:
+    def look(self, position: Array) -> None:
         """Note where the robot is, rad or m."""
         away = apart(position, self._start, self._kinds.continuous)
         self._seen = np.maximum(self._seen, away)

@@ -5,7 +5,7 @@ from typing import Protocol
 
 from robomech_ros.execution.client.delivery import Delivery, Transport
 from robomech_ros.execution.joints import JointKinds
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 
 class Gateway(Protocol):
@@ -34,7 +34,7 @@ class Gateway(Protocol):
     def runs_before(self, delivery: Delivery) -> bool:
         """Say whether the controller still executes what was sent before of this delivery."""
 
-    def positions(self, names: Sequence[str]) -> FloatArray | None:
+    def positions(self, names: Sequence[str]) -> Array | None:
         """Give the present positions, rad or m; None if not known."""
 
     def heard(self, names: Sequence[str]) -> int:
@@ -43,5 +43,5 @@ class Gateway(Protocol):
     def kinds(self, names: Sequence[str]) -> JointKinds:
         """Say which joints turn without limits, and in which units they are."""
 
-    def acceleration(self, names: Sequence[str]) -> FloatArray | None:
+    def acceleration(self, names: Sequence[str]) -> Array | None:
         """Give the acceleration limits, rad/s^2 or m/s^2; None if the robot is not known."""

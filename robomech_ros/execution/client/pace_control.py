@@ -10,8 +10,8 @@ from robomech_ros.execution.client.progress import curve_from
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.execution.time_scaling import TimeScaling, constant_pace, pace_change
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
+from robomech_ros.typing import Array
 
 # What changes the pace takes over this long after it is sent (s), for it to arrive in time.  The
 # pace stays for a while after that (s), in which the controller moves to the first point
@@ -48,7 +48,7 @@ class PaceControl:
     """
 
     def __init__(
-        self, delivery: Delivery, position: FloatArray, pace: float, longest: float = np.inf
+        self, delivery: Delivery, position: Array, pace: float, longest: float = np.inf
     ) -> None:
         self._delivery = delivery
         self._longest = longest
@@ -72,7 +72,7 @@ class PaceControl:
         """Note that what has not begun begins at another time (s)."""
         self._scaling = replace(self._scaling, begin=begin)
 
-    def change(self, now: float, target: float, limit: FloatArray | None) -> bool:
+    def change(self, now: float, target: float, limit: Array | None) -> bool:
         """Make the rest of the delivery go at another pace, by other waypoints to be sent now.
 
         Parameters
@@ -99,7 +99,7 @@ class PaceControl:
         self._lead, self._tries = LEAD, 1
         return self._change(now, target, limit, self._longest)
 
-    def change_again(self, now: float, limit: FloatArray | None) -> bool:
+    def change_again(self, now: float, limit: Array | None) -> bool:
         """Make the change of pace anew that the controller did not take, since it came too late.
 
         Parameters are those of `change`; returns whether there is something to send.  Where there
@@ -112,7 +112,7 @@ class PaceControl:
         self._lead, self._tries = 2.0 * self._lead, self._tries + 1
         return self._change(now, target, limit, np.inf)
 
-    def _change(self, now: float, target: float, limit: FloatArray | None, longest: float) -> bool:
+    def _change(self, now: float, target: float, limit: Array | None, longest: float) -> bool:
         delivery, scaling, curve = self._delivery, self._scaling, self._curve
         if now < scaling.begin and not delivery.paced_on_way:
             wait = scaling.begin - now
@@ -140,9 +140,9 @@ def _too_long(pace: float, lasts: float, longest: float) -> str:
     return f"at speed {pace:g} the trajectory would last {lasts:.6g} s, {most}"
 
 
-def _usual_limit(curve: PiecewisePolynomial) -> FloatArray:
+def _usual_limit(curve: PiecewisePolynomial) -> Array:
     """Guess acceleration limits (n,) from what a trajectory asks of the joints."""
     sample = curve.sample(np.linspace(curve.breaks[0], curve.breaks[-1], _SAMPLES))
-    peak: FloatArray = np.abs(sample.acceleration).max(axis=0)
-    braking: FloatArray = np.abs(sample.velocity).max(axis=0) / _TIME_TO_STOP
+    peak: Array = np.abs(sample.acceleration).max(axis=0)
+    braking: Array = np.abs(sample.velocity).max(axis=0) / _TIME_TO_STOP
     return np.where(peak > braking, peak, braking)

@@ -3,12 +3,11 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.execution.time_scaling import TimeScaling
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
+from robomech_ros.typing import Array, BoolArray
 
 # Time between points while the pace changes, and what points are apart at least, s.
 _PERIOD = 0.02
@@ -73,14 +72,14 @@ def paced_waypoints(
 
 def _point(
     curve: PiecewisePolynomial, scaling: TimeScaling, time: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+) -> tuple[Array, Array, Array]:
     place, pace, rate = scaling.after(time)
     sample = curve.sample(min(place, curve.breaks[-1]))
     acceleration = sample.acceleration * pace * pace + sample.velocity * rate
     return sample.position, sample.velocity * pace, acceleration
 
 
-def _chosen(waypoints: Waypoints, which: npt.NDArray[np.bool_]) -> Waypoints:
+def _chosen(waypoints: Waypoints, which: BoolArray) -> Waypoints:
     velocities, accelerations = waypoints.velocities, waypoints.accelerations
     return Waypoints(
         waypoints.times[which],
@@ -90,7 +89,7 @@ def _chosen(waypoints: Waypoints, which: npt.NDArray[np.bool_]) -> Waypoints:
     )
 
 
-def _joined(times: FloatArray, rows: list[FloatArray], later: Waypoints | None) -> Waypoints:
+def _joined(times: Array, rows: list[Array], later: Waypoints | None) -> Waypoints:
     """Put waypoints behind others; rows of NaN stand for what they lack."""
     if later is None:
         return Waypoints(times, *rows)

@@ -1,18 +1,17 @@
 """The robot's position, compared with where a trajectory begins and ends."""
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.execution.client.delivery import Delivery
 from robomech_ros.execution.joints import JointKinds
 from robomech_ros.execution.refusals import start_mismatch
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array, BoolArray
 
 # A robot whose joints move by less than this (rad, m) between two looks stands.
 STILL = 1e-3
 
 
-def apart(first: FloatArray, second: FloatArray, continuous: npt.NDArray[np.bool_]) -> FloatArray:
+def apart(first: Array, second: Array, continuous: BoolArray) -> Array:
     """Give the distance of joint positions, without whole turns of continuous joints.
 
     Parameters
@@ -29,13 +28,11 @@ def apart(first: FloatArray, second: FloatArray, continuous: npt.NDArray[np.bool
     """
     difference = np.asarray(first - second)
     turned = difference - np.round(difference / (2.0 * np.pi)) * (2.0 * np.pi)
-    distance: FloatArray = np.abs(np.where(continuous, turned, difference))
+    distance: Array = np.abs(np.where(continuous, turned, difference))
     return distance
 
 
-def off_start(
-    delivery: Delivery, positions: FloatArray, kinds: JointKinds, tolerance: float
-) -> str:
+def off_start(delivery: Delivery, positions: Array, kinds: JointKinds, tolerance: float) -> str:
     """Say how a robot is off the start of a delivery.
 
     Parameters
@@ -67,7 +64,7 @@ def off_start(
 
 def off_goal(
     delivery: Delivery,
-    positions: FloatArray,
+    positions: Array,
     kinds: JointKinds,
     tolerance: float,
     moved: bool = False,

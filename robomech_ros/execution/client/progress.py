@@ -5,8 +5,8 @@ import numpy as np
 from robomech_ros.execution.client.delivery import Delivery
 from robomech_ros.execution.client.position_check import STILL
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
+from robomech_ros.typing import Array
 
 # A trajectory that leads farther than this (rad, m) from where it was should be seen to move.
 NOTICEABLE = 10.0 * STILL
@@ -36,7 +36,7 @@ class Progress:
         Whether it was at the same place then.
     """
 
-    def __init__(self, delivery: Delivery, position: FloatArray, heard: int) -> None:
+    def __init__(self, delivery: Delivery, position: Array, heard: int) -> None:
         self.moved = self.stands = self.compared = False
         self.curve = curve_from(delivery.waypoints, position)
         self._delay, self._lasts, self._over = max(delivery.delay, 0.0), delivery.lasts, False
@@ -56,7 +56,7 @@ class Progress:
         """How long the robot is known to stand although the trajectory should have moved it, s."""
         return 0.0 if self._overdue_since is None else self._heard_at - self._overdue_since
 
-    def look(self, now: float, position: FloatArray | None, heard: int) -> None:
+    def look(self, now: float, position: Array | None, heard: int) -> None:
         """Note the present positions.
 
         Parameters
@@ -82,19 +82,19 @@ class Progress:
         elif self._overdue_since is None and _leads(self._left_at, expected):
             self._overdue_since = now
 
-    def _expected(self, now: float) -> FloatArray:
+    def _expected(self, now: float) -> Array:
         """Where the trajectory is by now, rad or m."""
         time = now - self._sent_at - self._delay
         last = float(self.curve.breaks[-1])
         return self.curve.sample(min(max(time, 0.0), last)).position
 
 
-def _leads(before: FloatArray, after: FloatArray) -> bool:
+def _leads(before: Array, after: Array) -> bool:
     """Whether a way from one position to another (n,) is one to be noticed."""
     return bool(np.max(np.abs(after - before)) > NOTICEABLE)
 
 
-def curve_from(waypoints: Waypoints, position: FloatArray) -> PiecewisePolynomial:
+def curve_from(waypoints: Waypoints, position: Array) -> PiecewisePolynomial:
     """Make the curve through waypoints, from a position (rad or m) where they begin later."""
     if waypoints.times[0] <= 0.0:
         return waypoints.curve

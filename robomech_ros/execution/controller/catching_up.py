@@ -28,8 +28,8 @@ from robomech_ros.execution.joints import Joints, State
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.plans.verification import first_violation
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
+from robomech_ros.typing import Array
 
 # No robot follows a trajectory that is farther behind its stamps, s.
 LONGEST_LAG = 0.5
@@ -92,7 +92,7 @@ class Belt:
     curve: PiecewisePolynomial
     lag: float = 0.0
     merged: float = 0.0
-    ahead: FloatArray = field(default_factory=lambda: np.zeros(6))
+    ahead: Array = field(default_factory=lambda: np.zeros(6))
 
     def since(self, time: float) -> "Belt":
         """Give the same on a clock that begins later by a time (s)."""
@@ -105,7 +105,7 @@ class Belt:
         return self.lag <= 0.0 and self.merged <= 0.0
 
     @property
-    def place(self) -> FloatArray:
+    def place(self) -> Array:
         """Where on the curve the robot is at time 0 (s), its pace, and the rate of that (1/s)."""
         if self.merged <= 0.0:
             return np.array([0.0, 1.0, 0.0])
@@ -220,7 +220,7 @@ class _Search:
     """Looks for ways onto belts."""
 
     def __init__(
-        self, coming: PiecewisePolynomial, present: State, joints: Joints, cruise: FloatArray
+        self, coming: PiecewisePolynomial, present: State, joints: Joints, cruise: Array
     ) -> None:
         self._present, self._joints, self._cruise = present, joints, cruise
         limits = joints.limits
@@ -252,18 +252,18 @@ class _Search:
             if going_on is not None:
                 yield going_on
 
-    def _places(self, curve: PiecewisePolynomial, before: Belt | None) -> Iterator[FloatArray]:
+    def _places(self, curve: PiecewisePolynomial, before: Belt | None) -> Iterator[Array]:
         """Give places on a curve where the robot may be (s), with paces and their rates."""
         if before is not None and self._off(curve, before.place) <= _NEAR:
             yield before.place
         yield self._nearest(curve)
         yield np.array([0.0, 1.0, 0.0])
 
-    def _off(self, curve: PiecewisePolynomial, place: FloatArray) -> float:
+    def _off(self, curve: PiecewisePolynomial, place: Array) -> float:
         """Give how far the robot is from a place on a curve (rad or m)."""
         return float(np.max(np.abs(self._present.position - curve.sample(place[0]).position)))
 
-    def _nearest(self, curve: PiecewisePolynomial) -> FloatArray:
+    def _nearest(self, curve: PiecewisePolynomial) -> Array:
         """Find where on a curve the robot is."""
         here, unit = self._present, 1.0 / self._joints.acceleration
         places = np.arange(max(curve.breaks[0], -2.0 * LONGEST_LAG), LONGEST_LAG, _STEP)
@@ -287,7 +287,7 @@ class _Search:
         self,
         curve: PiecewisePolynomial,
         lag: float,
-        place: FloatArray,
+        place: Array,
         delay: float,
         time: float,
     ) -> tuple[PiecewisePolynomial, Belt] | None:
@@ -326,7 +326,7 @@ class _Search:
         return violation is not None
 
     def _fitting(
-        self, curve: PiecewisePolynomial, lag: float, place: FloatArray
+        self, curve: PiecewisePolynomial, lag: float, place: Array
     ) -> list[tuple[float, float]]:
         """Give delays and times of fading (s) that keep limits at samples, the best ones first."""
         delays = np.concatenate((_NEARER[-lag <= _NEARER], _LAGS - lag))
@@ -360,8 +360,8 @@ class _Search:
         return found[:_VERIFIED] + found[_VERIFIED :: max(len(found) // _VERIFIED, 1)]
 
 
-def _faded(ahead: FloatArray, time: float) -> FloatArray:
+def _faded(ahead: Array, time: float) -> Array:
     """Give the quintic that begins with a place, a pace and a rate and has faded out in a time."""
     powers = time ** np.arange(3.0)
-    faded: FloatArray = (ahead * powers) @ _QUINTICS / time ** np.arange(6.0)
+    faded: Array = (ahead * powers) @ _QUINTICS / time ** np.arange(6.0)
     return faded

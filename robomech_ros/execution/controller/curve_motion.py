@@ -9,7 +9,7 @@ from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
 from robomech_ros.execution.joints import State, at_rest
 from robomech_ros.execution.stopping import slowed_down
 from robomech_ros.execution.time_scaling import paced_step
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 
 class CurveMotion:
@@ -32,7 +32,7 @@ class CurveMotion:
         The pace to be reached, 0 to 1; it may be set at any time.
     """
 
-    def __init__(self, simulated_joints: SimulatedJoints, acceleration: FloatArray) -> None:
+    def __init__(self, simulated_joints: SimulatedJoints, acceleration: Array) -> None:
         self._joints = simulated_joints
         self._acceleration = acceleration
         self.pace = self.scale = 1.0
@@ -79,7 +79,7 @@ class CurveMotion:
         """Let the joints follow what is desired for `span` (s)."""
         self.actual = self._joints.follow(self.desired, span)
 
-    def settle(self, position: FloatArray) -> None:
+    def settle(self, position: Array) -> None:
         """Want the joints at rest at a position (rad or m) that they have reached."""
         self.desired = at_rest(position)
         self.hold(0.0)
@@ -88,6 +88,6 @@ class CurveMotion:
         """Have the joints stand where they are."""
         self.desired, self.actual = at_rest(self._joints.position), self._joints.stand()
 
-    def put(self, position: FloatArray, shown: FloatArray | None = None) -> None:
+    def put(self, position: Array, shown: Array | None = None) -> None:
         """Have the joints stand somewhere else (rad or m), at once; see `SimulatedJoints.put`."""
         self.desired, self.actual = at_rest(position), self._joints.put(position, shown)

@@ -7,7 +7,7 @@ import numpy as np
 
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 # A piece shorter than this (s) is not kept: the next one begins where it does.
 _SHORTEST = 2e-3
@@ -20,14 +20,14 @@ _LIKE_TIME = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
 
 
 @cache
-def _binomials(order: int) -> tuple[FloatArray, FloatArray]:
+def _binomials(order: int) -> tuple[Array, Array]:
     """Give the binomial coefficients of row k and column i, and the differences i - k."""
     powers = np.maximum(np.arange(order) - np.arange(order)[:, None], 0.0)
     rows = [[float(math.comb(i, k)) for i in range(order)] for k in range(order)]
     return np.array(rows), powers
 
 
-def rebased(coefficients: FloatArray, by: float | FloatArray) -> FloatArray:
+def rebased(coefficients: Array, by: float | Array) -> Array:
     """Rewrite polynomials (order + 1, n) in powers of the time since `by` (s).
 
     Of m times the result is (m, order + 1, n).
@@ -53,7 +53,7 @@ def part_from(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:
     return PiecewisePolynomial(np.append(0.0, breaks[first + 1 :]), coefficients)
 
 
-def paced(curve: PiecewisePolynomial, ahead: FloatArray, time: float) -> PiecewisePolynomial | None:
+def paced(curve: PiecewisePolynomial, ahead: Array, time: float) -> PiecewisePolynomial | None:
     """Give the part of a curve from 0 on, at another pace for a time (s).
 
     The place on the curve is the time plus the polynomial `ahead` (lowest power first) of it, both
@@ -94,7 +94,7 @@ def paced(curve: PiecewisePolynomial, ahead: FloatArray, time: float) -> Piecewi
 
 
 def _with_accelerations(
-    cubics: PiecewisePolynomial, begin: FloatArray, end: FloatArray
+    cubics: PiecewisePolynomial, begin: Array, end: Array
 ) -> PiecewisePolynomial:
     """Give the quintics with the ends of s cubics, and accelerations (s, n) at both of them."""
     spans, (position, velocity, half, sixth) = cubics.spans[:, None], cubics.coefficients
@@ -142,24 +142,24 @@ def prolonged_back(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomi
     )
 
 
-def _of_order(part: FloatArray, parts: list[FloatArray]) -> FloatArray:
+def _of_order(part: Array, parts: list[Array]) -> Array:
     """Write polynomials with as many coefficients as the one that has most."""
     filled = np.zeros((max(map(len, parts)), *part.shape[1:]))
     filled[: len(part)] = part
     return filled
 
 
-def peak_accelerations(curve: PiecewisePolynomial) -> FloatArray:
+def peak_accelerations(curve: PiecewisePolynomial) -> Array:
     """Give the largest accelerations (n,) of a curve's joints, by quintics at the most."""
     return _peaks(curve, 2)
 
 
-def peak_jerks(curve: PiecewisePolynomial) -> FloatArray:
+def peak_jerks(curve: PiecewisePolynomial) -> Array:
     """Give the largest jerks (n,) of a curve's joints, by quintics at the most."""
     return _peaks(curve, 3)
 
 
-def jerks_over(curve: PiecewisePolynomial, span: float) -> FloatArray:
+def jerks_over(curve: PiecewisePolynomial, span: float) -> Array:
     """Give the largest changes (n,) of the accelerations in a time (s) with a break, by that time.
 
     What changes at a break counts, which the derivative of a curve does not show.
@@ -174,11 +174,11 @@ def jerks_over(curve: PiecewisePolynomial, span: float) -> FloatArray:
     before = curve.sample(np.maximum(breaks - span, curve.breaks[0])).acceleration
     after = curve.sample(np.minimum(breaks + span, curve.breaks[-1])).acceleration
     changes = np.abs((begins - before, after - ends, begins - ends)).max(axis=(0, 1))
-    jerks: FloatArray = changes / span
+    jerks: Array = changes / span
     return jerks
 
 
-def highest_accelerations(curve: PiecewisePolynomial) -> tuple[FloatArray, FloatArray]:
+def highest_accelerations(curve: PiecewisePolynomial) -> tuple[Array, Array]:
     """Find when on each piece of a curve, a quintic at the most, each joint first accelerates most.
 
     Returns
@@ -195,15 +195,15 @@ def highest_accelerations(curve: PiecewisePolynomial) -> tuple[FloatArray, Float
     return value, curve.breaks[:-1, None] + time
 
 
-def _peaks(curve: PiecewisePolynomial, rate: int) -> FloatArray:
+def _peaks(curve: PiecewisePolynomial, rate: int) -> Array:
     """Give the largest magnitudes of a rate, which is a cubic at the most."""
     if len(curve.breaks) < 2:
         return np.zeros(curve.joints)
-    peaks: FloatArray = np.abs(_extremes(curve, rate)[0]).max(axis=(0, 1))
+    peaks: Array = np.abs(_extremes(curve, rate)[0]).max(axis=(0, 1))
     return peaks
 
 
-def _extremes(curve: PiecewisePolynomial, rate: int) -> tuple[FloatArray, FloatArray]:
+def _extremes(curve: PiecewisePolynomial, rate: int) -> tuple[Array, Array]:
     """Give a rate at both ends of every piece and where it turns, and those times, (k, s, n)."""
     spans = np.diff(curve.breaks)[:, None]
     given = curve.derivative(rate)

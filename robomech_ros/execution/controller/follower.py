@@ -21,8 +21,8 @@ from robomech_ros.execution.controller.way_onto import Way, way_onto
 from robomech_ros.execution.joints import Joints, State
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.outcomes import Code
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
+from robomech_ros.typing import Array
 
 # After this time (s) another attempt is made to get onto a trajectory.
 _AGAIN = 0.01
@@ -231,7 +231,7 @@ class Follower:
         self.motion.stand()
         self._end(End.ABORTED, code, text)
 
-    def reset(self, position: FloatArray, text: str) -> None:
+    def reset(self, position: Array, text: str) -> None:
         """Put the joints somewhere else (rad or m), at once."""
         self.halt(Code.PREEMPTED, text)
         self.motion.put(position)

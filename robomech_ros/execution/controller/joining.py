@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.execution.controller.curve_parts import peak_accelerations, peak_jerks
@@ -20,8 +19,8 @@ from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.plans.verification import first_violation
 from robomech_ros.trajectory.plans.violations import Violation
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
+from robomech_ros.typing import Array, BoolArray
 
 # A moving joint may be off the start by the way it covers in this time (s): the client has seen
 # the joint states some time ago.
@@ -140,9 +139,7 @@ def join_in_steps(
     return PiecewisePolynomial(np.append(times, times[-1] + _INSTANT), commanded[None])
 
 
-def _turned(
-    waypoints: Waypoints, present: State, joints: Joints, start_tolerance: float
-) -> FloatArray:
+def _turned(waypoints: Waypoints, present: State, joints: Joints, start_tolerance: float) -> Array:
     """Take whole turns off the positions, and require a first point at time 0 to be near."""
     positions = without_turns(waypoints.positions, present, joints)
     if waypoints.times[0] <= 0.0:
@@ -150,7 +147,7 @@ def _turned(
     return positions
 
 
-def without_turns(positions: FloatArray, present: State, joints: Joints) -> FloatArray:
+def without_turns(positions: Array, present: State, joints: Joints) -> Array:
     """Move continuous joints by the whole turns that bring the first point near the present."""
     turns = np.round((present.position - positions[0]) / math.tau)
     return positions + np.where(joints.continuous, turns * math.tau, 0.0)
@@ -166,7 +163,7 @@ def completed(waypoints: Waypoints, present: State) -> Waypoints:
     return Waypoints(waypoints.times, positions, *rates)
 
 
-def _stilled(rate: FloatArray | None, missing: npt.NDArray[np.bool_]) -> FloatArray | None:
+def _stilled(rate: Array | None, missing: BoolArray) -> Array | None:
     """Fill the columns of missing joints with 0 in those rows that have numbers at all."""
     if rate is None:
         return None
@@ -204,7 +201,7 @@ def _part(waypoints: Waypoints, part: slice, late: float = 0.0) -> Waypoints:
     )
 
 
-def _require_near(start: FloatArray, present: State, joints: Joints, tolerance: float) -> None:
+def _require_near(start: Array, present: State, joints: Joints, tolerance: float) -> None:
     allowed = tolerance + LATENCY * np.abs(present.velocity)
     excess = np.abs(start - present.position) - allowed
     worst = int(np.argmax(excess))
@@ -218,7 +215,7 @@ def _require_near(start: FloatArray, present: State, joints: Joints, tolerance: 
         )
 
 
-def approached(waypoints: Waypoints, positions: FloatArray, present: State) -> PiecewisePolynomial:
+def approached(waypoints: Waypoints, positions: Array, present: State) -> PiecewisePolynomial:
     """Put the present state before the first point."""
     velocities, accelerations = waypoints.velocities, waypoints.accelerations
     return interpolant(
@@ -231,7 +228,7 @@ def approached(waypoints: Waypoints, positions: FloatArray, present: State) -> P
 
 def _smoothed(
     curve: PiecewisePolynomial,
-    offset: tuple[FloatArray, FloatArray, FloatArray],
+    offset: tuple[Array, Array, Array],
     joints: Joints,
     first: float,
 ) -> PiecewisePolynomial:
@@ -270,7 +267,7 @@ def _smoothed(
 
 
 def _candidates(
-    curve: PiecewisePolynomial, offset: tuple[FloatArray, FloatArray, FloatArray], time: float
+    curve: PiecewisePolynomial, offset: tuple[Array, Array, Array], time: float
 ) -> Iterator[PiecewisePolynomial]:
     """Smooth out the offset in several times, then before the trajectory begins if it can wait."""
     for stretch in _STRETCHES:
@@ -283,7 +280,7 @@ def _candidates(
             yield with_fading(delayed(curve, stretch * time), waiting, stretch * time)
 
 
-def _accelerations(curve: PiecewisePolynomial, push: FloatArray, joints: Joints) -> FloatArray:
+def _accelerations(curve: PiecewisePolynomial, push: Array, joints: Joints) -> Array:
     """Give what each joint may accelerate (n,): its limit, or what is planned or there already."""
     here = np.abs(curve.sample(0.0).acceleration + push)
     return np.maximum(joints.acceleration, np.maximum(peak_accelerations(curve), here))

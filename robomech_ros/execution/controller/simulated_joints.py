@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.execution.joints import State, at_rest
 from robomech_ros.trajectory.limits import Limits
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array, BoolArray
 
 # What sums of cycles may be off, s.
 _ROUNDING = 1e-9
@@ -42,8 +41,8 @@ class Faults:
         Of the noise, and of which commands get lost.
     """
 
-    stuck: npt.NDArray[np.bool_]
-    offset: FloatArray
+    stuck: BoolArray
+    offset: Array
     delay: float = 0.0
     dropped: float = 0.0
     noise: float = 0.0
@@ -71,15 +70,15 @@ class DrivenMotion:
     """
 
     state: State
-    effort: FloatArray
-    at_limit: FloatArray
+    effort: Array
+    at_limit: Array
 
 
 class Plant(Protocol):
     """Joints that have mass, with the controller of their drives."""
 
     def drive(
-        self, before: State, command: State, span: float, held: npt.NDArray[np.bool_] | None
+        self, before: State, command: State, span: float, held: BoolArray | None
     ) -> DrivenMotion:
         """Let time pass in which the command goes over from one to another.
 
@@ -98,7 +97,7 @@ class Plant(Protocol):
             The motion diverged; the joints stand at the last finite state.
         """
 
-    def put(self, position: FloatArray) -> DrivenMotion:
+    def put(self, position: Array) -> DrivenMotion:
         """Have the joints stand somewhere (rad or m), at once."""
 
 
@@ -131,7 +130,7 @@ class SimulatedJoints:
 
     def __init__(
         self,
-        position: FloatArray,
+        position: Array,
         lag: float = 0.0,
         plant: Plant | None = None,
         limits: Limits | None = None,
@@ -150,7 +149,7 @@ class SimulatedJoints:
         self._shown, self._astray, self._late = self._state.position, False, False
 
     @property
-    def position(self) -> FloatArray:
+    def position(self) -> Array:
         """Where the joints really are, rad or m, shape (n,)."""
         return self._state.position
 
@@ -189,7 +188,7 @@ class SimulatedJoints:
         self._late = _apart(desired.position, self._state.position)
         return self._sensed(span)
 
-    def put(self, position: FloatArray, shown: FloatArray | None = None) -> State:
+    def put(self, position: Array, shown: Array | None = None) -> State:
         """Have the joints stand somewhere (rad or m), at once.
 
         Returns what the sensors show: this, or by default where the joints are.
@@ -277,5 +276,5 @@ class SimulatedJoints:
         return State(shown, state.velocity, state.acceleration)
 
 
-def _apart(one: FloatArray, other: FloatArray) -> bool:
+def _apart(one: Array, other: Array) -> bool:
     return bool(np.max(np.abs(one - other)) > _SAME)

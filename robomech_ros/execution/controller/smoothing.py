@@ -6,7 +6,7 @@ from robomech_ros.execution.controller.curve_parts import rebased
 from robomech_ros.execution.joints import Joints
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 # Shortest time in which a step at the start is smoothed out, s.
 SHORTEST_BLEND = 0.05
@@ -21,7 +21,7 @@ _PEAK_OF_POSITION, _PEAK_OF_VELOCITY = 5.7736, 3.941
 _JERKS, _ROOTS = np.array([60.0, 36.0, 9.0]), np.array([1.0 / 3.0, 0.5, 1.0])
 
 
-def fading_time(step: FloatArray, kick: FloatArray, push: FloatArray, joints: Joints) -> float:
+def fading_time(step: Array, kick: Array, push: Array, joints: Joints) -> float:
     """Give the time in which the smoothing needs half the limits of the worst joint.
 
     An offset in acceleration counts for the jerk alone.
@@ -35,7 +35,7 @@ def fading_time(step: FloatArray, kick: FloatArray, push: FloatArray, joints: Jo
 
 
 def with_fading(
-    curve: PiecewisePolynomial, offset: tuple[FloatArray, FloatArray, FloatArray], time: float
+    curve: PiecewisePolynomial, offset: tuple[Array, Array, Array], time: float
 ) -> PiecewisePolynomial:
     """Add a quintic that begins with an offset and has faded out after `time` (s).
 
@@ -62,7 +62,7 @@ def delayed(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:
     return PiecewisePolynomial(breaks, coefficients)
 
 
-def braking_time(velocity: FloatArray, joints: Joints) -> float:
+def braking_time(velocity: Array, joints: Joints) -> float:
     """Give the time (s) in which all joints brake together; NaN (no velocity given) is at rest."""
     speed = np.nan_to_num(np.abs(velocity))
     if np.max(speed) <= REST:
@@ -71,7 +71,7 @@ def braking_time(velocity: FloatArray, joints: Joints) -> float:
 
 
 def with_braking(
-    curve: PiecewisePolynomial, velocity: FloatArray, joints: Joints
+    curve: PiecewisePolynomial, velocity: Array, joints: Joints
 ) -> PiecewisePolynomial:
     """Add a segment in which the velocity at the end (n,), rad/s or m/s, falls to 0 linearly."""
     time = braking_time(velocity, joints)

@@ -5,11 +5,11 @@ from collections.abc import Callable
 import numpy as np
 
 from robomech_ros.trajectory.limits import Limits
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import LIMIT_SLACK, POSITION_SLACK
+from robomech_ros.typing import Array
 
 # From positions of joints (n,) to how far each is inside its limits, rad or m.
-Margin = Callable[[FloatArray], FloatArray]
+Margin = Callable[[Array], Array]
 
 # Rounding of positions (rad or m), and the shortest time between two states (s).
 _ROUNDING, _SHORTEST = 1e-9, 1e-9
@@ -42,16 +42,16 @@ class StateCheck:
         self._margin = margin or self._distance_to_limits
         self._fastest = limits.velocity * (1.0 + faster)
 
-    def restart(self, position: FloatArray, time: float) -> None:
+    def restart(self, position: Array, time: float) -> None:
         """Accept a position (n,) at a time (s), to which the joints were put."""
         self._least = np.minimum(self._margin(position), 0.0) - self._beyond
         self.keep(position, time)
 
-    def keep(self, position: FloatArray, time: float) -> None:
+    def keep(self, position: Array, time: float) -> None:
         """Note that a position (n,) is published at a time (s)."""
         self._position, self._time = position, time
 
-    def fault(self, position: FloatArray, time: float) -> str:
+    def fault(self, position: Array, time: float) -> str:
         """Return what is wrong with a position (n,) at a time (s); empty if it may be published."""
         spare = self._margin(position) - self._least
         # Comparisons with NaN are false.
@@ -73,5 +73,5 @@ class StateCheck:
         parts = f"joint '{self.limits.joint_names[joint]}'", what, unit, limit
         return " ".join(part for part in parts if part)
 
-    def _distance_to_limits(self, position: FloatArray) -> FloatArray:
+    def _distance_to_limits(self, position: Array) -> Array:
         return np.minimum(position - self.limits.lower, self.limits.upper - position)

@@ -6,7 +6,7 @@ from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
 from robomech_ros.execution.joints import Joints, State
 from robomech_ros.execution.verdict import Verdict
 from robomech_ros.outcomes import Code
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 
 def verdict(
@@ -89,8 +89,8 @@ def _off_goal(
 def _complaint(
     code: int,
     what: str,
-    difference: FloatArray,
-    allowed: FloatArray | None,
+    difference: Array,
+    allowed: Array | None,
     joints: Joints,
     order: int = 0,
 ) -> Verdict | None:

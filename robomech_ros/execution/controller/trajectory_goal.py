@@ -9,8 +9,8 @@ import numpy as np
 from robomech_ros.execution.controller.catching_up import Belt
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
+from robomech_ros.typing import Array
 
 
 class End(IntEnum):
@@ -40,7 +40,7 @@ class GoalResult:
     end: End
     code: int
     text: str
-    error: FloatArray
+    error: Array
 
 
 @dataclass(eq=False)
@@ -93,7 +93,7 @@ class TrajectoryGoal:
     streamed: bool = False
 
     @property
-    def last_position(self) -> FloatArray:
+    def last_position(self) -> Array:
         """Where it ends, rad or m, shape (n,)."""
         return self.curve.sample(self.curve.breaks[-1]).position
 
@@ -108,7 +108,7 @@ class TrajectoryGoal:
         duration = self.arrival
         return min(self.time / duration, 1.0) if duration > 0.0 else 1.0
 
-    def finish(self, end: End, code: int, text: str, actual: FloatArray) -> None:
+    def finish(self, end: End, code: int, text: str, actual: Array) -> None:
         """Set the result and tell it; a second call does nothing."""
         if self.result is None:
             text = "; ".join(part for part in (text, self.remark) if part)

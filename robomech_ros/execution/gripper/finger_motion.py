@@ -5,14 +5,13 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
 from robomech_ros.execution.joints import TIME_TO_SPEED, USUAL_SPEED, State
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.profiles.moving_ends import state_to_state
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints, discretise
+from robomech_ros.typing import Array, BoolArray
 
 # Where no speed is known, fingers take this long from one end of their range to the other, s.
 _TIME_TO_CLOSE = 1.0
@@ -46,12 +45,12 @@ class FingerCommand:
         The most that the drives may exert, N m or N; NaN where that is not known.
     """
 
-    position: FloatArray
-    velocity: FloatArray
-    effort: FloatArray
+    position: Array
+    velocity: Array
+    effort: Array
 
     @property
-    def moved(self) -> npt.NDArray[np.bool_]:
+    def moved(self) -> BoolArray:
         """Which joints it is about, shape (n,)."""
         return np.isfinite(self.position)
 

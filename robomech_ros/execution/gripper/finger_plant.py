@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.execution.controller.simulated_joints import DrivenMotion
 from robomech_ros.execution.joints import State, at_rest
 from robomech_ros.trajectory.limits import Limits
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array, BoolArray
 
 # What is nearer than this (rad or m) is at the same place: rounding of positions.
 _SAME = 1e-9
@@ -26,8 +25,8 @@ class Contact:
         1 where a joint closes as its position grows, -1 where it opens.
     """
 
-    position: FloatArray
-    closing: FloatArray
+    position: Array
+    closing: Array
 
 
 class FingerPlant:
@@ -55,13 +54,13 @@ class FingerPlant:
         Which joints would be elsewhere if nothing stopped them.
     """
 
-    def __init__(self, position: FloatArray, limits: Limits, effort: FloatArray) -> None:
+    def __init__(self, position: Array, limits: Limits, effort: Array) -> None:
         self._limits = limits
         self.contact: Contact | None = None
         self.effort = effort
         self.put(position)
 
-    def put(self, position: FloatArray) -> DrivenMotion:
+    def put(self, position: Array) -> DrivenMotion:
         """Have the joints stand somewhere (rad or m), at once."""
         self._state = at_rest(position)
         self.pressing = np.zeros(len(position), dtype=bool)
@@ -70,7 +69,7 @@ class FingerPlant:
         return DrivenMotion(self._state, still, still)
 
     def drive(
-        self, before: State, command: State, span: float, held: npt.NDArray[np.bool_] | None
+        self, before: State, command: State, span: float, held: BoolArray | None
     ) -> DrivenMotion:
         """Let time pass; see :class:`Plant`."""
         wanted = self._wanted(command, span)
@@ -107,7 +106,7 @@ class FingerPlant:
             np.where(behind, (velocity - here.velocity) / span, command.acceleration),
         )
 
-    def _stops(self, wanted: State) -> FloatArray:
+    def _stops(self, wanted: State) -> Array:
         """Give where each joint is stopped (rad or m), shape (n,); NaN for those that are not."""
         contact = self.contact
         if contact is None:

@@ -14,8 +14,8 @@ from robomech_ros.errors import (
 )
 from robomech_ros.execution.gripper.finger_motion import FingerCommand
 from robomech_ros.trajectory.limits import Limits
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,8 +38,8 @@ class CommandReader:
 
     limits: Limits
     commanded: Sequence[str]
-    fastest: FloatArray
-    strongest: FloatArray
+    fastest: Array
+    strongest: Array
     posture: Callable[[str], Mapping[str, float]] = lambda name: {}
 
     def read(
@@ -106,7 +106,7 @@ class CommandReader:
         if len(set(names)) != len(names):
             raise BadValueError("name", list(names), "every joint once")
 
-    def _check_goal(self, goal: FloatArray, named: Sequence[int]) -> None:
+    def _check_goal(self, goal: Array, named: Sequence[int]) -> None:
         """Refuse a goal beyond a limit; one that rounding puts there means the limit."""
         for joint in named:
             name, value = self.limits.joint_names[joint], float(goal[joint])
@@ -119,9 +119,7 @@ class CommandReader:
                 raise LimitExceededError("position", name, value, inside, unit)
             goal[joint] = inside
 
-    def _most(
-        self, what: str, values: Sequence[float], named: Sequence[int], most: FloatArray
-    ) -> FloatArray:
+    def _most(self, what: str, values: Sequence[float], named: Sequence[int], most: Array) -> Array:
         """Take what a command allows, where the joints can do as much."""
         allowed = np.array(most)
         given = np.broadcast_to(values, len(named)) if len(values) else np.zeros(len(named))

@@ -11,16 +11,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_number
+from robomech_ros.typing import Array, ComplexArray, IntArray
 
-Array = NDArray[np.float64]
-Numbers = NDArray[np.float64] | NDArray[np.complex128]
+Numbers = Array | ComplexArray
 
 # Three angles at which a combination of cosine, sine and 1 is known by its values, and what takes
 # the values there to its coefficients.
@@ -72,7 +72,7 @@ class ClosureEquations:
     free: Array
 
     @property
-    def joints(self) -> NDArray[np.int64]:
+    def joints(self) -> IntArray:
         """Indices in the chain, from 0, of what the equations call joints 1 to 6; shape (6,)."""
         return (np.arange(6) + self.first - 1) % 6
 

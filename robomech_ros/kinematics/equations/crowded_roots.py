@@ -8,7 +8,6 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 9.6.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics.equations.closure import ClosureEquations, circle
 from robomech_ros.kinematics.equations.half_angles import (
@@ -17,8 +16,7 @@ from robomech_ros.kinematics.equations.half_angles import (
     null_vectors,
     sampled_determinants,
 )
-
-Complex = NDArray[np.complex128]
+from robomech_ros.typing import ComplexArray
 
 # Least singular value, as part of the greatest, with which a direction may be a null vector: an
 # angle shared by m postures is known to the m-th root of the rounding.
@@ -28,7 +26,7 @@ _SAMPLES = 7
 _THREE = np.linalg.qr(np.random.default_rng(0).normal(size=(6, 3)))[0].T
 
 
-def angles_beside(equations: ClosureEquations, place: int, angle: complex) -> list[Complex]:
+def angles_beside(equations: ClosureEquations, place: int, angle: complex) -> list[ComplexArray]:
     """Find all values of joints 3, 4 and 5 where one of them is known.
 
     With it the equations are six in two unknowns, ``M(x) (y^2, y, 1)^T = 0``, M (6, 3) quadratic in
@@ -72,7 +70,7 @@ def angles_beside(equations: ClosureEquations, place: int, angle: complex) -> li
     return found
 
 
-def _on_the_conic(n: Complex, m: Complex) -> list[Complex]:
+def _on_the_conic(n: ComplexArray, m: ComplexArray) -> list[ComplexArray]:
     """Find combinations of two vectors that are proportional to (y^2, y, 1)."""
     quadratic = [
         n[0] * n[2] - n[1] ** 2,
@@ -82,7 +80,7 @@ def _on_the_conic(n: Complex, m: Complex) -> list[Complex]:
     return [t * n + m for t in np.roots(quadratic)]
 
 
-def _second_angle(vector: Complex) -> complex:
+def _second_angle(vector: ComplexArray) -> complex:
     high, low = (vector[:2], vector[1:])
     k = int(np.argmax(np.abs(high) + np.abs(low)))
     return complex(angles_of_tangents(high[k], low[k]))

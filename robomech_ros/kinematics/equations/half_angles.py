@@ -13,10 +13,8 @@ Manocha and Canny, IEEE Trans. Robotics and Automation 10(5), 1994, pp. 648-657.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from robomech_ros.typing import Array, ComplexArray
 
 # From (cos, sin, 1) to the coefficients of x^2, x, 1.
 HALF = np.array([[-1.0, 0.0, 1.0], [0.0, 2.0, 0.0], [1.0, 0.0, 1.0]])
@@ -42,13 +40,13 @@ def sampled_determinants(matrix: Array, count: int) -> tuple[Array, Array]:
     return angles, np.linalg.det(values)
 
 
-def waves_of_samples(samples: Array) -> Complex:
+def waves_of_samples(samples: Array) -> ComplexArray:
     """Give d_k, k = -m .. m, with ``f = sum d_k exp(i k theta)``, from 2 m + 1 even samples."""
-    waves: Complex = np.fft.fftshift(np.fft.fft(samples)) / len(samples)
+    waves: ComplexArray = np.fft.fftshift(np.fft.fft(samples)) / len(samples)
     return waves
 
 
-def half_angle_polynomial(waves: Complex) -> Array:
+def half_angle_polynomial(waves: ComplexArray) -> Array:
     """Give the coefficients of x^2m .. 1 of (1 + x^2)^m f, for x = tan(theta / 2).
 
     Parameters
@@ -69,7 +67,7 @@ def half_angle_polynomial(waves: Complex) -> Array:
     return total.real
 
 
-def null_vectors(matrix: Array, front: float) -> tuple[Complex, Complex]:
+def null_vectors(matrix: Array, front: float) -> tuple[ComplexArray, ComplexArray]:
     """Find all angles at which a matrix has a null vector, from 2 n eigenvalues.
 
     Parameters
@@ -108,7 +106,7 @@ def null_vectors(matrix: Array, front: float) -> tuple[Complex, Complex]:
     return angles, np.where(longer[:, None], upper, lower).astype(complex)
 
 
-def angles_of_tangents(above: Complex, below: Complex) -> Complex:
+def angles_of_tangents(above: ComplexArray, below: ComplexArray) -> ComplexArray:
     """Give the angles whose half has the tangent above / below.
 
     Parameters
@@ -122,7 +120,7 @@ def angles_of_tangents(above: Complex, below: Complex) -> Complex:
         rad; infinite where the tangent is plus or minus i.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        angle: Complex = -1j * np.log((below + 1j * above) / (below - 1j * above))
+        angle: ComplexArray = -1j * np.log((below + 1j * above) / (below - 1j * above))
     return angle
 
 
@@ -132,7 +130,7 @@ def angle_of(c: complex, s: complex) -> complex:
     return complex(-1j * np.log((c + 1j * s) / length)) if length != 0 else 0j
 
 
-def angles_of_roots(waves: Complex) -> Complex:
+def angles_of_roots(waves: ComplexArray) -> ComplexArray:
     """Find all angles at which a polynomial in cosine and sine vanishes.
 
     Parameters
@@ -154,11 +152,11 @@ def angles_of_roots(waves: Complex) -> Complex:
     shift = float(fronts[np.argmax(np.abs(values))]) - np.pi
     tangents = np.roots(half_angle_polynomial(waves * np.exp(1j * k * shift))).astype(complex)
     angles = angles_of_tangents(tangents, np.ones(2 * m, complex)) + shift
-    turned: Complex = (angles.real + np.pi) % (2.0 * np.pi) - np.pi + 1j * angles.imag
+    turned: ComplexArray = (angles.real + np.pi) % (2.0 * np.pi) - np.pi + 1j * angles.imag
     return turned
 
 
-def angles_of_line(C: complex, D: complex, E: complex) -> Complex:
+def angles_of_line(C: complex, D: complex, E: complex) -> ComplexArray:
     """Find both angles with C cos + D sin + E = 0.
 
     Returns
@@ -171,5 +169,5 @@ def angles_of_line(C: complex, D: complex, E: complex) -> Complex:
     found = np.roots([C - 1j * D, 2.0 * E, C + 1j * D])
     roots[: len(found)] = found
     with np.errstate(divide="ignore"):
-        angles: Complex = -1j * np.log(roots)
+        angles: ComplexArray = -1j * np.log(roots)
     return angles

@@ -13,12 +13,10 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 9.3.2 and
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics.equations.closure import ClosureEquations
 from robomech_ros.kinematics.equations.half_angles import HALF
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def half_angle_equations(equations: ClosureEquations) -> Array:

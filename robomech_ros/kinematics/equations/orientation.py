@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics.equations.closure import Numbers, turn_about_z
@@ -24,9 +24,7 @@ from robomech_ros.kinematics.equations.positioning import (
 from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.dh_table import DHTable, link_transforms
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from robomech_ros.typing import Array, ComplexArray
 
 # Coefficients of joint 4 below this are rounding: axis 6 is along axis 4, or axes 4 and 5 are one.
 _NOTHING = 1e-12
@@ -58,7 +56,7 @@ class OrientationEquation:
     axis: Numbers
     quadratic: Numbers
     discriminant: complex
-    theta4: Complex
+    theta4: ComplexArray
 
 
 def orientation_equation(chain: SerialChain, R: ArrayLike) -> OrientationEquation:
@@ -103,7 +101,7 @@ def orientation_equation(chain: SerialChain, R: ArrayLike) -> OrientationEquatio
     )
 
 
-def wrist_angles(chain: SerialChain, R: ArrayLike) -> Complex:
+def wrist_angles(chain: SerialChain, R: ArrayLike) -> ComplexArray:
     """Find the three angles of a spherical wrist for a rotation.
 
     Parameters
@@ -140,7 +138,7 @@ def wrist_angles(chain: SerialChain, R: ArrayLike) -> Complex:
     return np.array(rows, complex)
 
 
-def decoupled_postures(chain: SerialChain, T: ArrayLike) -> Complex:
+def decoupled_postures(chain: SerialChain, T: ArrayLike) -> ComplexArray:
     """Find all postures of an arm with a spherical wrist, real and complex.
 
     Parameters
@@ -192,7 +190,7 @@ def decoupled_postures(chain: SerialChain, T: ArrayLike) -> Complex:
                 Q = Q @ turn_about_z(theta)[:3, :3] @ link
             rows += [[*arm, *wrist] for wrist in wrist_angles(chain, _inverse(Q) @ pose[:3, :3])]
     q = np.array(rows, complex).reshape(-1, 6) - table.theta
-    turned: Complex = (q.real + np.pi) % (2.0 * np.pi) - np.pi + 1j * q.imag
+    turned: ComplexArray = (q.real + np.pi) % (2.0 * np.pi) - np.pi + 1j * q.imag
     return turned
 
 

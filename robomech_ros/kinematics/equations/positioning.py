@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.equations.closure import as_angles
@@ -25,9 +25,7 @@ from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.spatial.arrays import as_finite
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from robomech_ros.typing import Array, ComplexArray
 
 # Part of the arm's size, and of 1, below which a coefficient is rounding.
 _NOTHING = 1e-10
@@ -70,7 +68,7 @@ class PositioningEquations:
     determinant: float
     conic: Array
     quartic: Array
-    theta3: Complex
+    theta3: ComplexArray
 
 
 def wrist_centre(chain: SerialChain, T: ArrayLike) -> Array:
@@ -188,7 +186,7 @@ def positioning_equations(chain: SerialChain, centre: ArrayLike) -> PositioningE
     return PositioningEquations(c, first, second, A * G - F * B, conic, quartic, theta3)
 
 
-def arm_angles(chain: SerialChain, centre: ArrayLike, theta3: complex) -> Complex:
+def arm_angles(chain: SerialChain, centre: ArrayLike, theta3: complex) -> ComplexArray:
     """Find joints 1 and 2 for a root of the positioning problem.
 
     Parameters
@@ -269,7 +267,7 @@ def _second_angle(table: DHTable, centre: Array, theta1: complex, theta3: comple
     return angle_of(A11 * along - A12 * across, A12 * along + A11 * across)
 
 
-def _roots_of_one(C: complex, D: complex, E: complex) -> Complex:
+def _roots_of_one(C: complex, D: complex, E: complex) -> ComplexArray:
     """Find both angles with C cos + D sin + E = 0; none where C and D vanish."""
     if max(abs(C), abs(D)) <= _NOTHING * abs(E) or not (C or D):
         return np.empty(0, complex)

@@ -12,7 +12,6 @@ from __future__ import annotations
 from typing import overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.equations.closure import (
@@ -23,9 +22,7 @@ from robomech_ros.kinematics.equations.closure import (
 )
 from robomech_ros.kinematics.equations.half_angles import angle_of
 from robomech_ros.numerics import newton_gauss
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from robomech_ros.typing import Array
 
 # What a posture leaves of the pose, as part of what one radian changes, or of 1.
 _ACCEPTED = 1e-10

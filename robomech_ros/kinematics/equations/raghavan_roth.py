@@ -9,13 +9,13 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 9.3.1 and
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics.equations.closure import ClosureEquations
 from robomech_ros.kinematics.equations.half_angles import HALF
+from robomech_ros.typing import Array
 
 
-def raghavan_roth_matrix(equations: ClosureEquations) -> NDArray[np.float64]:
+def raghavan_roth_matrix(equations: ClosureEquations) -> Array:
     r"""Give the 12 x 12 matrix whose determinant hides joint 3.
 
     With :math:`x_i = \tan(\theta_i / 2)` the six equations are quadratic in each of :math:`x_3`,

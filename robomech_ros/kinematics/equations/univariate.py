@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.kinematics.equations.closure import (
     ClosureEquations,
@@ -31,9 +31,7 @@ from robomech_ros.kinematics.equations.li_woernle_hiller import li_woernle_hille
 from robomech_ros.kinematics.equations.postures import posture_of, same_posture
 from robomech_ros.kinematics.equations.raghavan_roth import raghavan_roth_matrix
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from robomech_ros.typing import Array, ComplexArray
 
 _DEGREE = 16
 # Least over greatest singular value below which a matrix is singular up to rounding.
@@ -84,18 +82,18 @@ class UnivariateRoots:
     joint: int
     matrix: Array
     polynomial: Array
-    angles: Complex
+    angles: ComplexArray
     condition: Array
-    q: Complex
+    q: ComplexArray
     complete: bool
     reason: str
 
     @property
-    def tangents(self) -> Complex:
+    def tangents(self) -> ComplexArray:
         """Roots of the polynomial, infinite at half turns; shape (16,)."""
         s, c = np.sin(0.5 * self.angles), np.cos(0.5 * self.angles)
         with np.errstate(divide="ignore", invalid="ignore"):
-            found: Complex = np.where(np.abs(c) > _HALF_TURN * np.abs(s), s / c, np.inf)
+            found: ComplexArray = np.where(np.abs(c) > _HALF_TURN * np.abs(s), s / c, np.inf)
         return found
 
     @property
@@ -264,7 +262,7 @@ def _condition(matrix: Array, angle: complex, last: int = 2) -> float:
     return float(sizes[0] / max(sizes[-last], np.finfo(float).tiny * max(sizes[0], 1.0)))
 
 
-def _three_angles(vector: Complex, procedure: _Procedure, angle: complex) -> Complex:
+def _three_angles(vector: ComplexArray, procedure: _Procedure, angle: complex) -> ComplexArray:
     """Read joints 3, 4 and 5 off a null vector: x_4^3 .. 1 times x_5^2, x_5, 1 or x_3, 1."""
     table = vector.reshape(4, procedure.columns)
     q4 = _ratio(table[:3], table[1:])
@@ -272,13 +270,13 @@ def _three_angles(vector: Complex, procedure: _Procedure, angle: complex) -> Com
     return np.array([angle, q4, other] if procedure.place == 0 else [other, q4, angle])
 
 
-def _ratio(high: Complex, low: Complex) -> complex:
+def _ratio(high: ComplexArray, low: ComplexArray) -> complex:
     """Give the angle whose half has the tangent high / low, by their greatest entries."""
     k = int(np.argmax(np.abs(high.ravel()) + np.abs(low.ravel())))
     return complex(angles_of_tangents(high.ravel()[k], low.ravel()[k]))
 
 
-def _add(equations: ClosureEquations, found: list[Numbers], three: Complex) -> None:
+def _add(equations: ClosureEquations, found: list[Numbers], three: ComplexArray) -> None:
     """Refine a posture and note it unless it is there; one that may be real, as real first."""
     if not (np.abs(three.imag) < _INFINITE).all():
         return
@@ -294,7 +292,7 @@ def _add(equations: ClosureEquations, found: list[Numbers], three: Complex) -> N
 
 
 def _add_crowded(
-    equations: ClosureEquations, found: list[Numbers], place: int, angles: Complex
+    equations: ClosureEquations, found: list[Numbers], place: int, angles: ComplexArray
 ) -> None:
     """Look for postures that share an angle, where fewer were found than there are roots."""
     z = np.exp(1j * angles)
@@ -307,7 +305,7 @@ def _add_crowded(
             _add(equations, found, three)
 
 
-def _crowds(z: Complex) -> Iterator[tuple[complex, int, float]]:
+def _crowds(z: ComplexArray) -> Iterator[tuple[complex, int, float]]:
     """Give the middle of numbers close to each other, how many they are, and how close.
 
     Close ones come first: among others their middle would be lost.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
 from robomech_ros.kinematics.inverse.closed_form import solve_many
@@ -19,8 +19,7 @@ from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_flag
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 
 def inverse_kinematics_batch(
@@ -31,7 +30,7 @@ def inverse_kinematics_batch(
     respect_limits: bool = True,
     metric: str = "linf",
     max_solutions: int | None = None,
-) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
+) -> tuple[Array, IntArray, IntArray]:
     """Solve many poses in one compiled loop.
 
     Parameters

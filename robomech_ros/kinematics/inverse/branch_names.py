@@ -5,13 +5,11 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.tolerances import SAME_POSTURE
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _SINGULAR = (
     (bit.SHOULDER_SINGULAR, "shoulder-singular"),

@@ -3,7 +3,6 @@
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.one_pose import TOTAL, solve_one_pose
 from robomech_ros._kernels.inverse.ranking import rank, winding_count
@@ -26,13 +25,12 @@ from robomech_ros.kinematics.inverse.result import (
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.typing import Array, IntArray
 
 # Windings listed for one pose, at most: eight solutions of six joints with three windings each
 # are 5832; a file of limits in thousands of turns must not fill the memory.
 MOST_WINDINGS = 8192
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 _empty = np.empty  # to look it up takes longer than an argument is checked
 
@@ -122,8 +120,8 @@ def _explained(
 
 
 def rank_windings(
-    chain: SerialChain, turns: Integers, request: Request, q: Array, names: Integers
-) -> tuple[Array, Integers, Array]:
+    chain: SerialChain, turns: IntArray, request: Request, q: Array, names: IntArray
+) -> tuple[Array, IntArray, Array]:
     """List the solutions q (k, n) in every winding inside the limits, nearest to the seed first.
 
     Returns joint values, branches and distances.
@@ -165,7 +163,7 @@ def solve_many(
     metric: int,
     respect_limits: bool,
     room: int,
-) -> tuple[Array, NDArray[np.int64], tuple[int, ...]]:
+) -> tuple[Array, IntArray, tuple[int, ...]]:
     """Solve poses (m, 4, 4) in one loop; give solutions, counts and the state of the last pose.
 
     Counts below 1 are those of ``_kernels.inverse.solutions.solve``.

@@ -6,7 +6,6 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.polishing import polish
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
@@ -26,8 +25,7 @@ from robomech_ros.kinematics.inverse.spherical_hollow_wrist import (
 )
 from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Joint values of the arm (rad or m) that miss those of followers by less may be those of the chain:
 # at a double solution they are off by the root of rounding.  A polish of the chain itself decides.

@@ -5,8 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
 from robomech_ros.kinematics.inverse.closed_form import solve_closed_form
@@ -27,8 +26,7 @@ from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.target import as_target, as_targets
 from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _SUCCESS = Status.SUCCESS  # to look it up takes longer than an argument is checked
 

@@ -5,11 +5,11 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.iterative import layout as at
 from robomech_ros._kernels.inverse.iterative.solutions import search
 from robomech_ros.kinematics.inverse.families.iterative import MAX_SOLUTIONS
+from robomech_ros.typing import Array
 
 # Attempts and steps in the search for the least orientation error, and the weight of the position
 # there: so large that the position keeps its place to some 1e-6 of the arm's length.
@@ -18,7 +18,6 @@ REACH_ATTEMPT_ITERATIONS = 80
 REACH_LAST_ITERATIONS = 1000
 REACH_POSITION_WEIGHT = 1e6
 
-Array = NDArray[np.float64]
 
 # Attempts between two looks at the clock: at most so many, some 0.5 ms for ten joints, and of more
 # than 25 joints so many over their square, since the work of an attempt grows like its cube.

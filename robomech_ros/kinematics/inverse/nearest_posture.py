@@ -4,7 +4,6 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.iterative import layout as at
 from robomech_ros.kinematics.inverse.families.iterative import iterative_data, task_data
@@ -15,6 +14,7 @@ from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
 from robomech_ros.kinematics.inverse.solve_by_search import ranked_solutions
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.typing import Array
 
 # The posture of least squares: starts, steps of each, and the part of the squared error that six
 # steps may leave; convergence is linear where the error does not vanish.
@@ -22,7 +22,6 @@ LEAST_SQUARES_STARTS = 48
 LEAST_SQUARES_ITERATIONS = 300
 LEAST_SQUARES_STALL = 1.0 - 1e-9
 
-Array = NDArray[np.float64]
 
 _HOPELESS = (Status.OUT_OF_REACH, Status.ORIENTATION_UNREACHABLE, Status.NOT_CONVERGED)
 # Tolerances far below what any attempt leaves, so that the search goes on to the best of all.

@@ -11,7 +11,6 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.decoupled import layout as decoupled_layout
@@ -31,12 +30,11 @@ from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinematics.tolerances import NEARLY_NAMED
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import unpack_chain
+from robomech_ros.typing import Array, IntArray
 
 # A posture is found again (rad) from its own pose to this, though it be a double root.
 SAME_NAMED = 1e-4
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 _NAME = bit.SHOULDER_RIGHT | bit.ELBOW_DOWN | bit.WRIST_FLIP
 _NUMBER = bit.ARM_NUMBERED | bit.POSTURE_NUMBERED | bit.ARM_MASK
@@ -50,7 +48,7 @@ class _Namesake(NamedTuple):
     data: Array
 
 
-def named_branches(chain: SerialChain, q: Array, branch: Integers) -> Integers:
+def named_branches(chain: SerialChain, q: Array, branch: IntArray) -> IntArray:
     """Give numbered postures of an arm of six joints the names that they nearly have.
 
     Parameters

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics.forward import forward_kinematics
 from robomech_ros.kinematics.inverse.families.merged_axes import MergedArm
@@ -25,9 +24,7 @@ from robomech_ros.kinematics.inverse.spherical_hollow_wrist import between_axes,
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import turn_about_z, unpack_chain
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from robomech_ros.typing import Array, ComplexArray
 
 # Geometry that is off by less than the first part of the arm's size is exact.  By less than the
 # second, as of angles with four digits, solutions of the ideal wrist are near enough to polish.
@@ -165,7 +162,7 @@ def _expanded(values: Array) -> Array:
 
 def _branches(
     wrist: OffsetHollowWrist, foot: Array, axis: Array, x: Array
-) -> tuple[Complex, Complex, Complex, Complex]:
+) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
     """Return four postures of the arm for each cosine x (k,), and the condition that they leave.
 
     Foot and direction of the wrist's last axis (3,) are in the frame of the arm.  Returned are what

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.kinetostatics.indices import COUNT, MANIPULABILITY, indices
@@ -20,12 +20,12 @@ from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import as_choice
+from robomech_ros.typing import Array, IntArray
 
 # Peaks of a criterion that are refined, and golden sections for each: 1e-7 of a step.
 BEST_STARTS = 4
 BEST_SECTIONS = 32
 
-Array = NDArray[np.float64]
 Criterion = Callable[[SerialChain, Array], Array]
 
 _GOLDEN = 0.6180339887498949
@@ -94,7 +94,7 @@ def optimal_posture(
     return InverseKinematicsResult(chain, q[None], findings, listing)
 
 
-def _branch(chain: SerialChain, T: Array, q: Array) -> NDArray[np.int64]:
+def _branch(chain: SerialChain, T: Array, q: Array) -> IntArray:
     """Give the bits that the solver of the chain's family gives a posture (n,), shape (1,)."""
     nearest = inverse_kinematics(chain, T, seed=q, max_solutions=1)
     if len(nearest) and nearest.seed_distance[0] < SAME_POSTURE:

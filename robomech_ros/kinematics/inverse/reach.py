@@ -5,7 +5,6 @@ import time
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.chain.reach import REACHED, least_distance
 from robomech_ros.kinematics.inverse.families.iterative import packed_chain, task_data
@@ -13,13 +12,12 @@ from robomech_ros.kinematics.inverse.iterative_search import least_orientation_e
 from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.typing import Array
 
 # Starts and Newton steps of each in the search for the least distance: every local minimum of
 # the arms in the tests has a basin found within a dozen starts.
 REACH_STARTS = 64
 REACH_ITERATIONS = 60
-
-Array = NDArray[np.float64]
 
 
 class ReachGap(NamedTuple):

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.ranking import excesses
@@ -19,11 +18,11 @@ from robomech_ros.kinematics.inverse.singular_marks import task_jacobian
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.typing import Array, IntArray
 
 # Part in the motion of a continuum (a unit vector, rad or m) below which a joint stands still.
 MOVES_IN_CONTINUUM = 1e-6
 
-Array = NDArray[np.float64]
 
 # Orientation errors up to this (rad) explain nothing: a search at a singularity leaves as much.
 NO_GAP = 1e-6
@@ -137,7 +136,7 @@ def describe_continuum(
     chain: SerialChain,
     T: Array,
     q: Array,
-    branch: NDArray[np.int64],
+    branch: IntArray,
     task: Task = FULL_TASK,
     sampled: bool = False,
 ) -> str:

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.arm_angle import arm_angle, arm_angle_postures
@@ -14,13 +13,12 @@ from robomech_ros.kinematics.inverse.families.redundant import locked_anyway
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.typing import Array
 
 # Postures of neighbouring values belong together where no joint moves farther than this (rad or m)
 # and the next nearest pair is so many times farther apart.
 SELF_MOTION_NEAR = 0.3
 SELF_MOTION_APART = 2.0
-
-Array = NDArray[np.float64]
 
 
 class Redundancy:

@@ -3,7 +3,6 @@
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.inverse.redundant import layout as at
@@ -15,11 +14,9 @@ from robomech_ros.kinematics.inverse.result import Findings, InverseKinematicsRe
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.typing import Array, IntArray
 
 _solve = direct(solve_redundant)
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 def solve_by_sampling(
@@ -69,7 +66,7 @@ def sample_self_motions(
     room: int,
     *,
     traced: bool,
-) -> tuple[Array, Integers, Integers, Array]:
+) -> tuple[Array, IntArray, IntArray, Array]:
     """Sample the self-motion at the poses T (m, 4, 4).
 
     Where ``traced``, the first solution of arms of seven joints is the nearest of all self-motions

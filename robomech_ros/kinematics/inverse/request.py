@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.inverse import short_layout
@@ -23,12 +23,12 @@ from robomech_ros.kinematics.joint_values import as_joint_values, as_posture, ra
 from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_flag, listed, real_number
+from robomech_ros.typing import Array
 
 # A seed this far (rad, m) outside the position limits still counts as on the limit: encoders and
 # text files carry about this resolution.
 SEED_SLACK = 1e-6
 
-Array = NDArray[np.float64]
 
 METRICS = {"linf": 0, "l2": 1}
 

@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.one_pose import DISTANCES, MARKED, TARGET
@@ -24,8 +23,7 @@ from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.printing import MOST_LINES, Printed, brief
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 NO_EXCESS = np.empty(0)
 NO_EXCESS.setflags(write=False)
@@ -88,7 +86,7 @@ class Listing(NamedTuple):
 
     target: Array
     seed_distance: Array
-    branch_bits: NDArray[np.int64]
+    branch_bits: IntArray
 
 
 def read_listing(space: Array, count: int) -> Listing:
@@ -225,7 +223,7 @@ class InverseKinematicsResult(Printed):
         return self._listing.seed_distance
 
     @property
-    def branch_bits(self) -> NDArray[np.int64]:
+    def branch_bits(self) -> IntArray:
         """Postures as bits, shape (k,); :attr:`branches` has their names."""
         return self._listing.branch_bits
 

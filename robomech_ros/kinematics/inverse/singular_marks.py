@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.chain.serial import jacobian_one
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.tolerances import ACCEPTED, CONTINUUM_STEP
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.typing import Array, IntArray
 
 # Ratio of singular values below which a posture has lost a direction: where two solutions have
 # become one, both are found to about the root of what a pose is accepted with.
@@ -17,12 +17,8 @@ LOST = 1e-4
 # Corrections after a step away from it: each squares the error, where the arm can go there at all.
 _CORRECTIONS = 8
 
-Array = NDArray[np.float64]
 
-
-def singular_marks(
-    chain: SerialChain, T: Array, task: Sequence[bool], q: Array
-) -> NDArray[np.int64]:
+def singular_marks(chain: SerialChain, T: Array, task: Sequence[bool], q: Array) -> IntArray:
     """Tell of postures whether joints can move while the task stays, or two solutions meet.
 
     Parameters

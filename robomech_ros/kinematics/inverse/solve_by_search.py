@@ -5,7 +5,6 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.ranking import rank
@@ -30,8 +29,7 @@ from robomech_ros.kinematics.inverse.singular_marks import singular_marks
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.virtual_joints import solve_with_virtual_joints
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def solve_by_search(

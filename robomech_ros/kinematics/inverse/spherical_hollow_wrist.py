@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import SAME_POSTURE
 from robomech_ros.kinematics.forward import forward_kinematics
@@ -22,8 +21,7 @@ from robomech_ros.kinematics.inverse.families.six_joints import chain_of
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE, turn_about_z, unpack_chain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Axes that miss each other by less than this part of the arm's size meet.
 _MEETS = 1e-9

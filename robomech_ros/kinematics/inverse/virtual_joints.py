@@ -9,7 +9,6 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import SAME_POSTURE
 from robomech_ros.kinematics.inverse.closed_form import solve_closed_form
@@ -21,8 +20,7 @@ from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Turns that bring z onto x, y and z.
 _ONTO = (

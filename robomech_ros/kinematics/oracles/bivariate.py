@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.equations.closure import ClosureEquations, circle, closure_equations
@@ -28,8 +28,7 @@ from robomech_ros.numerics import newton_gauss
 from robomech_ros.numerics.grid_crossings import shared_cells
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_number
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _ACCEPTED = 1e-9
 _FEWEST_STEPS = 8

@@ -13,13 +13,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike
 
 from robomech_ros.kinematics.equations.univariate import PROCEDURES, univariate_roots
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,12 +5,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, real_array
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 LARGEST_BOUND = 1e6
 _AXES = "xyz"
@@ -49,7 +48,7 @@ class BoxGrid:
         )
         return x, y, z
 
-    def points(self, cells: NDArray[np.int64]) -> Array:
+    def points(self, cells: IntArray) -> Array:
         """Give the points (k, 3) of these cells (k,), which are counted along z first, then y."""
         places = np.unravel_index(cells, self.shape)
         return np.stack([axis[at] for axis, at in zip(self.axes, places, strict=True)], axis=-1)

@@ -16,9 +16,7 @@ from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.kinetostatics.indices import condition_number
 from robomech_ros.kinetostatics.maps.request import MapRequest
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from robomech_ros.typing import Array, IntArray
 
 # What is known of a cell: how many orientations have a posture; how many postures they have
 # together; the least condition number of any of these, NaN where there is none; and the mean over
@@ -94,7 +92,7 @@ def _poses(request: MapRequest, first: int, last: int) -> Array:
     return T
 
 
-def _postures(chain: SerialChain, T: Array, respect_limits: bool) -> tuple[Array, Integers]:
+def _postures(chain: SerialChain, T: Array, respect_limits: bool) -> tuple[Array, IntArray]:
     """Give the postures (m, room, n) for the poses T (m, 4, 4), and how many each has.
 
     Of a redundant arm they are samples of the self-motion.
@@ -114,7 +112,7 @@ def _postures(chain: SerialChain, T: Array, respect_limits: bool) -> tuple[Array
     return q, np.maximum(counts, 0)
 
 
-def _least_conditions(chain: SerialChain, q: Array, counts: Integers, request: MapRequest) -> Array:
+def _least_conditions(chain: SerialChain, q: Array, counts: IntArray, request: MapRequest) -> Array:
     """Give the least condition number among the postures of each pose, NaN where there are none."""
     least = np.full(len(counts), np.nan)
     reached = counts > 0
@@ -126,7 +124,7 @@ def _least_conditions(chain: SerialChain, q: Array, counts: Integers, request: M
     return least
 
 
-def _summarised(counts: Integers, best: Array) -> NDArray:
+def _summarised(counts: IntArray, best: Array) -> NDArray:
     """Gather the poses of cells (m, k) into cells (m,)."""
     cells = np.empty(len(counts), CELL)
     reached = counts > 0

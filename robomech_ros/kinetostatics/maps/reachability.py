@@ -31,8 +31,7 @@ from robomech_ros.kinetostatics.task_parts import PARTS
 from robomech_ros.numerics.memory import check_memory
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice, as_flag
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 # Seconds between two times that what is finished is written to the file.
 _BETWEEN_SAVES = 60.0
@@ -76,7 +75,7 @@ class ReachMap:
         return self.finished == self.grid.cells
 
     @property
-    def reached(self) -> NDArray[np.int64]:
+    def reached(self) -> IntArray:
         """How many of the orientations have a posture, shape (nx, ny, nz); -1 if not computed."""
         return self._field("reached").astype(np.int64)
 
@@ -90,7 +89,7 @@ class ReachMap:
         return np.where(share < 0.0, np.nan, share)
 
     @property
-    def solutions(self) -> NDArray[np.int64]:
+    def solutions(self) -> IntArray:
         """How many postures all orientations have together, shape (nx, ny, nz).
 
         For a redundant arm the number of samples that were taken of the self-motions.

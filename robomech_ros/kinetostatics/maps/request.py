@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from robomech_ros import __version__
 from robomech_ros.kinetostatics.maps.box_grid import BoxGrid
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ Arms with a spherical wrist, with parallel axes or with spherical shoulder and w
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.kinetostatics import posture_factors as kind
 from robomech_ros.kinematics.axis_points import common_point, nearest_points
@@ -14,11 +13,11 @@ from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinematics.tolerances import ARM_RANK
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.typing import Array, IntArray
 
 # Axes that miss a common point by less than this (over the size) meet, for the name of a part.
 NAMED_MISFIT = 1e-6
 
-Array = NDArray[np.float64]
 _Joints = tuple[int, ...]
 
 # Names of the factors, in the order in which the kernel writes them.
@@ -50,7 +49,7 @@ class NamedParts(NamedTuple):
     """
 
     names: tuple[str, ...]
-    joints: NDArray[np.int64]
+    joints: IntArray
     size: float
 
 

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.kinematics.joint_values import as_posture
@@ -15,11 +15,11 @@ from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.kinetostatics.singularities.generic_rank import generic_rank, scaling_length
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.typing import Array
 
 # Least singular value (lengths over the characteristic length) of a posture found to be singular.
 ON_SINGULARITY = 1e-8
 
-Array = NDArray[np.float64]
 
 # Searches, the first from the posture itself, the others from about it; how far about (rad); steps
 # of each, and the longest of them (rad).

@@ -18,7 +18,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, check_chain, raise_not_finite
@@ -26,8 +26,7 @@ from robomech_ros.kinetostatics.singularities.distance import singular_posture_f
 from robomech_ros.kinetostatics.singularities.minors import Minors, minors_of
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _WHOLE_TURN = 2.0 * math.pi
 # Boxes that searches for a singular posture start from, and the widest that do (rad, of the size).

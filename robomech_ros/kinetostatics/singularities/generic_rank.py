@@ -4,7 +4,6 @@ import functools
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import BadValueError
@@ -14,8 +13,7 @@ from robomech_ros.kinetostatics.indices import as_length
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @functools.lru_cache(maxsize=64)

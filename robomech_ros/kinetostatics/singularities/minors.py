@@ -11,7 +11,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.forward import forward_kinematics
@@ -20,8 +19,7 @@ from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.kinetostatics.singularities.generic_rank import generic_rank
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 _MOST_JOINTS = 8
 # A minor this small (of the largest) in all postures, or a coefficient this small (of the largest),
@@ -71,8 +69,8 @@ class Minors:
 
     chain: SerialChain
     size: float
-    row_sets: NDArray[np.int64]
-    column_sets: NDArray[np.int64]
+    row_sets: IntArray
+    column_sets: IntArray
     joints: tuple[int, ...]
     tensor: Array
     margin: float
@@ -157,8 +155,8 @@ def _evaluated(
     chain: SerialChain,
     q: Array,
     size: float,
-    row_sets: NDArray[np.int64],
-    column_sets: NDArray[np.int64],
+    row_sets: IntArray,
+    column_sets: IntArray,
 ) -> Array:
     """Give minors (m, k) in postures (k, n); the first joint and the last are set to zero."""
     q = q.copy()

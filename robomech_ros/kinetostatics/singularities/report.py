@@ -23,8 +23,7 @@ from robomech_ros.kinetostatics.singularities.determinant_factors import NamedPa
 from robomech_ros.kinetostatics.singularities.generic_rank import generic_motions, scaling_length
 from robomech_ros.printing import Printed
 from robomech_ros.robots.chain import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray, IntArray
 
 _compiled = direct(posture_reports)
 
@@ -107,7 +106,7 @@ class SingularityReports:
     """
 
     singular_values: Array
-    rank: NDArray[np.int64]
+    rank: IntArray
     length: float
     manipulability: Array
     condition_number: Array
@@ -119,7 +118,7 @@ class SingularityReports:
     kinds: NDArray[np.object_]
 
     @property
-    def singular(self) -> NDArray[np.bool_]:
+    def singular(self) -> BoolArray:
         """Where the tip has lost a motion that the arm has in other postures, shape (...)."""
         return self.kinds.astype(bool)
 
@@ -256,7 +255,7 @@ class _Measured(NamedTuple):
     numbers: Array
     twists: Array
     free: Array
-    counts: NDArray[np.int64]
+    counts: IntArray
     length: float
     facts: _GenericFacts
 
@@ -305,9 +304,7 @@ def _many(chain: SerialChain, found: _Measured, batch: tuple[int, ...]) -> Singu
     )
 
 
-def _padded(
-    rows: Array, first: NDArray[np.int64], end: NDArray[np.int64], batch: tuple[int, ...]
-) -> Array:
+def _padded(rows: Array, first: IntArray, end: IntArray, batch: tuple[int, ...]) -> Array:
     """Move rows from the first to before the end (m,) of each of (m, k, w) up, and add NaN."""
     k = rows.shape[1]
     index = first[:, None] + np.arange(k)

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.kinetostatics.workspace.curve_pieces import CurvePiece, cut_curves, values_in
 from robomech_ros.kinetostatics.workspace.limited_boundary import LimitedBoundary
@@ -22,8 +22,8 @@ from robomech_ros.kinetostatics.workspace.section import (
 from robomech_ros.printing import Printed
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.typing import Array, BoolArray, IntArray
 
-Array = NDArray[np.float64]
 Role = Literal["outer", "inner", "interior"]
 
 # Ends of curves nearer to each other than this, over the arm's size, are joined.
@@ -104,27 +104,27 @@ class Workspace(Printed):
     section: WorkspaceSection
     tip: PlanarTip | None = None
 
-    def solution_count(self, points: ArrayLike) -> NDArray[np.int64]:
+    def solution_count(self, points: ArrayLike) -> IntArray:
         """Count the postures of these joints, inside all limits, at points (..., 3) (m).
 
         The continuum of postures of a planar arm of three joints counts as one.
         """
         rows = as_finite("points", points, (3,))
         flat = rows.reshape(-1, 3)
-        counts: NDArray[np.int64] = self._postures.count(flat)
+        counts: IntArray = self._postures.count(flat)
         counts[self._beyond(self.section.in_frame(flat)) > 0.0] = 0
         return counts.reshape(rows.shape[:-1])
 
-    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+    def contains(self, points: ArrayLike) -> BoolArray:
         """Tell which of points (..., 3) can be reached (m)."""
-        inside: NDArray[np.bool_] = self.solution_count(points) > 0
+        inside: BoolArray = self.solution_count(points) > 0
         return inside
 
-    def section_count(self, coordinates: ArrayLike) -> NDArray[np.int64]:
+    def section_count(self, coordinates: ArrayLike) -> IntArray:
         """Count postures at points (..., 2) of the section, the first of three being free (m)."""
         rows = as_finite("coordinates", coordinates, (2,))
         points = self.section.on_section(rows.reshape(-1, 2))
-        counts: NDArray[np.int64] = self._free_postures.count(points)
+        counts: IntArray = self._free_postures.count(points)
         return counts.reshape(rows.shape[:-1])
 
     def distance(self, points: ArrayLike) -> Array:

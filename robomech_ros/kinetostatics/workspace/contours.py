@@ -7,7 +7,6 @@ the polylines are made finer until their images are smooth; every vertex is a ro
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics.workspace.deflated_determinant import DeflatedDeterminant
 from robomech_ros.kinetostatics.workspace.grid_curves import (
@@ -22,8 +21,7 @@ from robomech_ros.kinetostatics.workspace.grid_curves import (
 )
 from robomech_ros.kinetostatics.workspace.refinement import refined
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Within so many cells of a crossing of branches no vertex is kept but the crossing.
 _CORNER = 1.6

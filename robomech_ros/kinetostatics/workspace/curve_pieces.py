@@ -3,14 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics.workspace.contours import edges_of_box, singular_contours
 from robomech_ros.kinetostatics.workspace.cusps_and_nodes import Branch, cusps_of, intersections
 from robomech_ros.kinetostatics.workspace.point_postures import PointPostures
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # How far beside a curve postures are counted, over the arm's size; and at how many points of it.
 _BESIDE = 2e-5

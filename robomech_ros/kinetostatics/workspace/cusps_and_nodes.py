@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray, IntArray
 
 _NEWTON = 12
 _TINY = 1e-30  # step of complex differentiation
@@ -53,9 +52,7 @@ class Branch:
         return Branch(joint, limit, q, section.image(q[:, 0], q[:, 1]))
 
 
-def cusps_of(
-    section: WorkspaceSection, curve: Array
-) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
+def cusps_of(section: WorkspaceSection, curve: Array) -> tuple[Array, IntArray, IntArray]:
     """Find the cusps of the image of a curve on which det J21 vanishes.
 
     There the direction that moves nothing is tangent to the curve.
@@ -222,8 +219,8 @@ def _neighbours(starts: Array, ends: Array, cell: float) -> tuple[NDArray, NDArr
 
 
 def _crossing(
-    starts: Array, ends: Array, first: NDArray[np.int64], second: NDArray[np.int64]
-) -> tuple[Array, NDArray[np.bool_]]:
+    starts: Array, ends: Array, first: IntArray, second: IntArray
+) -> tuple[Array, BoolArray]:
     """Give the shares of segments, shape (2, k), at which they cross, and whether they do."""
     a, b = (ends - starts)[first], (ends - starts)[second]
     gap = starts[second] - starts[first]
@@ -244,9 +241,7 @@ def _crossing(
     return share, usable & inside
 
 
-def _nodes(
-    section: WorkspaceSection, joint: NDArray[np.int64], q: Array
-) -> tuple[Array, Array, NDArray[np.bool_]]:
+def _nodes(section: WorkspaceSection, joint: IntArray, q: Array) -> tuple[Array, Array, BoolArray]:
     """Refine crossings by Newton's method in the four joint values.
 
     Parameters

@@ -1,11 +1,9 @@
 """det J21 without the factors of it that depend on one joint alone."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 # Values of a joint between which it is looked for a change of sign.
 _LOOKS = 1280
@@ -28,7 +26,7 @@ class DeflatedDeterminant:
         self.section = section
         self.lines = [(j, value) for j in (1, 2) for value in _singular_values(section, j)]
 
-    def positive(self, u: Array, v: Array) -> NDArray[np.bool_]:
+    def positive(self, u: Array, v: Array) -> BoolArray:
         """Tell its sign, which lines (of a grid) do not hide, shape (...)."""
         values = self.section.determinant(u, v)
         for joint, value in self.lines:

@@ -3,12 +3,11 @@
 from collections import defaultdict
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics.workspace.deflated_determinant import DeflatedDeterminant
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
+from robomech_ros.typing import Array, BoolArray
 
-Array = NDArray[np.float64]
 # Direction of a grid line, and the node before the root on it.
 _Key = tuple[int, int, int]
 
@@ -76,9 +75,7 @@ def _grid_roots(
     return roots
 
 
-def _bisected(
-    deflated: DeflatedDeterminant, low: Array, high: Array, positive: NDArray[np.bool_]
-) -> Array:
+def _bisected(deflated: DeflatedDeterminant, low: Array, high: Array, positive: BoolArray) -> Array:
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
         left = deflated.positive(middle[:, 0], middle[:, 1]) == positive

@@ -6,14 +6,12 @@ there are points that cannot be reached.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics.workspace.curve_pieces import CurvePiece
 from robomech_ros.kinetostatics.workspace.nearest import NearestOnCurves
 from robomech_ros.kinetostatics.workspace.point_postures import PointPostures
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 # How far beside a surface it is looked whether a point can be reached, over the arm's size.
 _BESIDE = 2e-5
@@ -54,7 +52,7 @@ class LimitedBoundary:
         self._on_sheet = (np.arange(len(q)) < len(sheets))[kept]
         self._tree = cKDTree(self._points_kept)
 
-    def distance(self, points: Array, inside: NDArray[np.bool_]) -> Array:
+    def distance(self, points: Array, inside: BoolArray) -> Array:
         """Give the distance (m,) of points (m, 3) in the frame of joint 1 from the boundary (m).
 
         Which of them are inside tells what it is the distance from: what can be reached, or what
@@ -123,7 +121,7 @@ class LimitedBoundary:
         steps: Array = np.einsum("kij,kj->ki", np.linalg.pinv(H, rcond=1e-12), slope)
         return steps
 
-    def _on_walls(self, points: Array, inside: NDArray[np.bool_], found: Array) -> Array:
+    def _on_walls(self, points: Array, inside: BoolArray, found: Array) -> Array:
         """Improve distances by the nearest points of walls, at the azimuth or height as it is."""
         coordinates = self._section.coordinates(points)
         if not self._walls:
@@ -148,7 +146,7 @@ class LimitedBoundary:
             found[open_[bounds]] = distance[open_[bounds]]
         return found
 
-    def _attains(self, points: Array, q: Array) -> NDArray[np.bool_]:
+    def _attains(self, points: Array, q: Array) -> BoolArray:
         """Whether joint 1 can bring the point from where joints 2 and 3 put it to points (k, 3)."""
         section = self._section
         (p,) = section.derivatives(q[:, 0], q[:, 1], 0)
@@ -157,7 +155,7 @@ class LimitedBoundary:
         else:
             first = np.arctan2(points[:, 1], points[:, 0]) - np.arctan2(p[1], p[0])
             first = section.lower[0] + np.remainder(first - section.lower[0], 2.0 * np.pi)
-        attained: NDArray[np.bool_] = (first >= section.lower[0]) & (first <= section.upper[0])
+        attained: BoolArray = (first >= section.lower[0]) & (first <= section.upper[0])
         return attained
 
     def _beside(self, points: Array, feet: Array, normal: Array) -> tuple[Array, Array]:
@@ -172,13 +170,13 @@ class LimitedBoundary:
             np.column_stack((c * normal[:, 0], s * normal[:, 0], normal[:, 1])),
         )
 
-    def _divides(self, points: Array, normals: Array) -> NDArray[np.bool_]:
+    def _divides(self, points: Array, normals: Array) -> BoolArray:
         """Whether of the points on either side of surfaces only one can be reached."""
         sides = self._reached_beside(points, normals)
-        result: NDArray[np.bool_] = sides[0] != sides[1]
+        result: BoolArray = sides[0] != sides[1]
         return result
 
-    def _reached_beside(self, points: Array, normals: Array) -> list[NDArray[np.bool_]]:
+    def _reached_beside(self, points: Array, normals: Array) -> list[BoolArray]:
         """Whether the points on either side of surfaces can be reached."""
         step = _BESIDE * self._section.size
         return [

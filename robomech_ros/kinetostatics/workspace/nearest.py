@@ -1,13 +1,11 @@
 """Nearest points of the curves that bound a section."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics.workspace.curve_pieces import CurvePiece
 from robomech_ros.kinetostatics.workspace.refinement import on_contour
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 _STEPS = 5
 _PROJECTIONS = 3
@@ -39,7 +37,7 @@ class NearestOnCurves:
         self.is_end = np.concatenate(ends)
         self._tree = cKDTree(self.points)
 
-    def find(self, coordinates: Array) -> tuple[Array, Array, NDArray[np.int64], Array]:
+    def find(self, coordinates: Array) -> tuple[Array, Array, IntArray, Array]:
         """Find the nearest points to points of the section.
 
         Parameters
@@ -77,7 +75,7 @@ class NearestOnCurves:
         coordinates: Array,
         q: Array,
         start: Array,
-        joint: NDArray[np.int64],
+        joint: IntArray,
         longest: Array,
     ) -> Array:
         """Go along the curves to where the tangent is across the way to the points."""

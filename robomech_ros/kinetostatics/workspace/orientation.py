@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import inverse_kinematics_batch
@@ -15,8 +15,7 @@ from robomech_ros.kinetostatics.rotation_sets import even_rotations
 from robomech_ros.kinetostatics.workspace.point_postures import solve_poses
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,13 +36,13 @@ class OrientationWorkspace:
 
     position: Array
     rotations: Array
-    solution_count: NDArray[np.int64]
+    solution_count: IntArray
     share: float
 
     @property
-    def reachable(self) -> NDArray[np.bool_]:
+    def reachable(self) -> BoolArray:
         """Which of the samples can be taken, shape (m,)."""
-        result: NDArray[np.bool_] = self.solution_count > 0
+        result: BoolArray = self.solution_count > 0
         return result
 
     @property

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics.workspace.curve_pieces import CurvePiece, branches_of, values_in
@@ -29,8 +28,7 @@ from robomech_ros.robots.chain_layout import (
     joint_transform,
     pack_chain,
 )
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray, IntArray
 
 # How far beside a curve it is looked whether a point is reached, over the arm's size.
 _BESIDE = 2e-5
@@ -89,7 +87,7 @@ class PlanarTip:
     pairs: tuple[HeldPair, ...]
     pieces: tuple[tuple[CurvePiece, ...], ...]
 
-    def count(self, points: Array) -> NDArray[np.int64]:
+    def count(self, points: Array) -> IntArray:
         """Give 1 where points (m, 3) of the base (m) are reached, else 0."""
         return _reached(self.pairs, points).astype(np.int64)
 
@@ -202,7 +200,7 @@ def _singular_values(chain: SerialChain) -> tuple[float, ...]:
     return math.remainder(angle, 2.0 * math.pi), math.remainder(angle + math.pi, 2.0 * math.pi)
 
 
-def _reached(pairs: tuple[HeldPair, ...], points: Array) -> NDArray[np.bool_]:
+def _reached(pairs: tuple[HeldPair, ...], points: Array) -> BoolArray:
     """Tell which of points (m, 3) of the base some pair reaches."""
     reached = np.zeros(len(points), dtype=bool)
     for pair in pairs:
@@ -251,7 +249,7 @@ class _Branch:
         values: Array = q[k] + (at - k)[:, None] * (q[k + 1] - q[k])
         return values
 
-    def sides(self, pairs: tuple[HeldPair, ...], at: Array, step: float) -> NDArray[np.int64]:
+    def sides(self, pairs: tuple[HeldPair, ...], at: Array, step: float) -> IntArray:
         """Give 1 where only the left of places (m,) is reached, -1 only the right, else 0."""
         section, q = self.section, self.values(at)
         points = section.image(q[:, 0], q[:, 1])

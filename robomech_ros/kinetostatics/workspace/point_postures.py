@@ -5,7 +5,6 @@ with such a wrist then lists the postures of any three joints, in one compiled l
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.solutions import MARKS, MAX_SOLUTIONS, solve
 from robomech_ros.errors import BadValueError
@@ -13,8 +12,7 @@ from robomech_ros.kinematics.inverse.families.selection import Family, family_of
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray, IntArray
 
 # The orientation asked for: none that symmetry would make singular for the wrist.
 _ORIENTATION = np.array((
@@ -26,9 +24,7 @@ _QUARTER = np.array(((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0)))
 _PORTION = 4096
 
 
-def solve_poses(
-    family: Family, T: Array, seed: Array, *, bounded: bool
-) -> tuple[Array, NDArray[np.int64]]:
+def solve_poses(family: Family, T: Array, seed: Array, *, bounded: bool) -> tuple[Array, IntArray]:
     """Solve poses without asking why there is no solution.
 
     Parameters
@@ -111,7 +107,7 @@ class PointPostures:
             raise BadValueError("positioning part", "singular", "three joints that move a point")
         self._seed = chain.midrange()
 
-    def count(self, points: Array) -> NDArray[np.int64]:
+    def count(self, points: Array) -> IntArray:
         """Count the postures at points (m, 3) of the base (m)."""
         counts = np.empty(len(points), np.int64)
         for first in range(0, len(points), _PORTION):
@@ -119,7 +115,7 @@ class PointPostures:
             counts[part] = self._unflipped(points[part])[1].sum(axis=1)
         return counts
 
-    def _unflipped(self, points: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def _unflipped(self, points: Array) -> tuple[Array, BoolArray]:
         """Solve for points (m, 3) of the base (m); give solutions (m, 16, 6) in units of the size.
 
         Also which of them, (m, 16), stand for one posture each.

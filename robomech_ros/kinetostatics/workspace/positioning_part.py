@@ -4,7 +4,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.axis_points import common_point, nearest_points
@@ -13,8 +12,7 @@ from robomech_ros.kinematics.tolerances import CONCURRENT
 from robomech_ros.kinetostatics.reduced_jacobians import planar_rows
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.poses import rigid_inverse
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _EXPECTED = (
     "one with joints that place a point which later joints do not move: an arm of three "

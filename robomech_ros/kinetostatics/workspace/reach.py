@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.forward import forward_kinematics
@@ -12,8 +11,7 @@ from robomech_ros.kinematics.posture_samples import sample_postures
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _STARTS = 256
 # Starts for a chain with mimic joints; each descent takes some milliseconds.

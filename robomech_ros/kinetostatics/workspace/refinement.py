@@ -3,11 +3,9 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _PROJECTIONS = 12
 # Images: longest chord, and farthest that a chord may be from the curve, over the arm's size.

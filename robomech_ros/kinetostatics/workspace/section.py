@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, MissingLimitsError
 from robomech_ros.kinematics.tolerances import ARM_RANK
@@ -23,8 +22,7 @@ from robomech_ros.kinetostatics.workspace.positioning_part import PositioningPar
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.poses import rigid_inverse
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 # Nodes in each direction on which it is looked whether the arm is singular everywhere.
 _LOOK = 24
@@ -64,7 +62,7 @@ class WorkspaceSection:
     point: Array
     lower: Array
     upper: Array
-    round: NDArray[np.bool_]
+    round: BoolArray
     size: float
     flat: bool
 

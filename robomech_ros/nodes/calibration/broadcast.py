@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
@@ -14,8 +13,7 @@ from robomech_ros.nodes.calibration.samples import Placed
 from robomech_ros.nodes.frames.listener import FrameListener
 from robomech_ros.nodes.frames.tree import NoTransformError
 from robomech_ros.spatial.poses import rigid_inverse
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, RobotDescriptionError
 from robomech_ros.nodes.calibration.samples import Placed, Solution
@@ -20,8 +19,7 @@ from robomech_ros.robots.documents.guarded_yaml import parse_yaml
 from robomech_ros.spatial import pose_from_position_quaternion
 from robomech_ros.spatial.plain_poses import plain_pose
 from robomech_ros.spatial.poses import rigid_inverse
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 FORMAT = "robomech_ros hand-eye calibration 1"
 # Bytes of a file that is read; 2000 samples take a fifth of it.

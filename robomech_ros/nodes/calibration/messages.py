@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseArray, TransformStamped, Vector3
-from numpy.typing import NDArray
 
 from robomech_ros.calibration import NextPose
 from robomech_ros.calibration.samples import LARGEST_COORDINATE
@@ -22,8 +21,7 @@ from robomech_ros.nodes.common.pose_messages import (
 )
 from robomech_ros.spatial import rotation_vector_from_matrix
 from robomech_ros.spatial.plain_poses import plain_pose
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _MOST_NAMED = 20
 # So few samples do not tell a sensor in the hand from one beside the robot.

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.calibration import HandEyeResult
 from robomech_ros.errors import BadValueError, WrongSizeError
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
@@ -17,8 +16,7 @@ from robomech_ros.nodes.common.message_fields import NANO
 from robomech_ros.nodes.common.pauses import pause
 from robomech_ros.nodes.frames.tree import NoTransformError
 from robomech_ros.spatial import pose_error
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # So many places of the hand are compared over the time in which it has to stand.
 _PLACES = 11

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
 from geometry_msgs.msg import PoseStamped
-from numpy.typing import NDArray
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.message_fields import NANO
@@ -14,8 +12,7 @@ from robomech_ros.nodes.frames.history import Sample
 from robomech_ros.nodes.frames.listener import FrameListener
 from robomech_ros.nodes.frames.tree import FrameTree, NoTransformError
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Some seconds of a fast sender, between two looks.
 _DEPTH = 500

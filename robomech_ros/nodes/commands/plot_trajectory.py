@@ -5,7 +5,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, UnknownJointError
 from robomech_ros.nodes.commands.call import EXIT_NO_ANSWER, seconds_to_wait
@@ -13,8 +12,8 @@ from robomech_ros.plotting.joint_motions import plot_motion
 from robomech_ros.robots import load_description
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.trajectory import Waypoints
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 _TOPIC = "trajectory_planner/planned_trajectory"
 # Instants at which curves are drawn, beside the points of the trajectory.
 _INSTANTS = 3000

@@ -5,15 +5,13 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_ros.errors import NonFiniteError, UnknownJointError, WrongSizeError, shown
 from robomech_ros.nodes.common.message_fields import NANO, duration_from_seconds, floats
 from robomech_ros.servo.motion import Samples
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Point messages that are kept from one trajectory to the next, 1 kB each.
 _POINTS_KEPT = 2000

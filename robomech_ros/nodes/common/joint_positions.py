@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
 from robomech_ros.errors import WrongSizeError
@@ -15,11 +14,11 @@ from robomech_ros.nodes.common.loop_positions import LoopPositions
 from robomech_ros.nodes.common.parameters import parameter
 from robomech_ros.nodes.common.robot_description import FrameSettings, RobotModel
 from robomech_ros.robots import SerialChain
+from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from robomech_ros.parallel import Mechanism
 
-Array = NDArray[np.float64]
 # A link is moved by a chain, or by all limbs of a parallel robot.
 Way: TypeAlias = "SerialChain | Mechanism"
 

@@ -10,7 +10,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
@@ -20,6 +19,7 @@ from robomech_ros.nodes.common.error_codes import NoStateError, RobotMovesError
 from robomech_ros.nodes.common.pauses import pause
 from robomech_ros.nodes.middleware.polled_subscription import Unattended
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
+from robomech_ros.typing import Array
 
 TOPIC = "joint_states"
 # Enough for several publishers of different rates between two looks.
@@ -58,7 +58,7 @@ class JointStateMonitor:
             JointState, TOPIC, self._store, _QOS, callback_group=Unattended(), raw=True
         )
 
-    def positions(self, joint_names: Sequence[str]) -> NDArray[np.float64] | None:
+    def positions(self, joint_names: Sequence[str]) -> Array | None:
         """Give the present positions (rad or m), shape (n,); None while one is not known."""
         self._take_all(joint_names)
         try:
@@ -72,7 +72,7 @@ class JointStateMonitor:
         self._take_all(joint_names)
         return {n: self._states[n].position for n in joint_names if n in self._states}
 
-    def velocities(self, joint_names: Sequence[str]) -> NDArray[np.float64]:
+    def velocities(self, joint_names: Sequence[str]) -> Array:
         """Give the velocities (rad/s or m/s), shape (n,), as of the last look at positions.
 
         A joint whose velocity is not known stands.
@@ -94,7 +94,7 @@ class JointStateMonitor:
             pass
         self._states.clear()
 
-    def require(self, joint_names: Sequence[str]) -> NDArray[np.float64]:
+    def require(self, joint_names: Sequence[str]) -> Array:
         """Give the present positions (rad or m), shape (n,).
 
         Raises
@@ -119,7 +119,7 @@ class JointStateMonitor:
 
     def require_rest(
         self, joint_names: Sequence[str], tolerance: float, units: Mapping[str, str]
-    ) -> NDArray[np.float64]:
+    ) -> Array:
         """Give the present positions (rad or m), shape (n,), of a robot that stands.
 
         Parameters

@@ -3,14 +3,10 @@
 from collections import deque
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robomech_ros.nodes.common.error_codes import NoStateError
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.servo.tracking import TrackedJoints, Tracking
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # How long the next state of the joints may take before it is missed (s).
 _STATE_DUE = 0.2

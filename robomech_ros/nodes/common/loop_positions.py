@@ -3,7 +3,6 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
 from robomech_ros.errors import LimitExceededError, WrongSizeError
@@ -12,11 +11,11 @@ from robomech_ros.nodes.common.error_codes import OutcomeError
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.outcomes import Code
 from robomech_ros.robots.semantic import HOME
+from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from robomech_ros.parallel import Mechanism
 
-Array = NDArray[np.float64]
 
 # Loops that are open by less (m, rad) are those of a posture written with few digits, and by less
 # than this those of one written with all.

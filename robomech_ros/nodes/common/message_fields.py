@@ -3,14 +3,12 @@
 from array import array
 from typing import Any
 
-import numpy as np
 from builtin_interfaces.msg import Duration
 from numpy.typing import NDArray
 from std_msgs.msg import Header
 
 from robomech_ros.errors import BadValueError
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Nanoseconds of a second.
 NANO = 1_000_000_000

@@ -3,10 +3,9 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.node import Node
 
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # As tf2_ros has it.
 _DEPTH = 100

@@ -10,14 +10,12 @@ from collections.abc import Sequence
 
 import numpy as np
 from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, TwistStamped
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.spatial.tolerances import UNIT_NORM
 from robomech_ros.errors import BadQuaternionError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.plain_poses import plain_pose
 from robomech_ros.spatial.rotations.quaternions import matrix_from_quaternion
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _POSE_NUMBERS = 7
 

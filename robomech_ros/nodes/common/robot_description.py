@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from robomech_ros.errors import (
@@ -25,12 +24,12 @@ from robomech_ros.robots.entry_checks import bare_link
 from robomech_ros.robots.group_chains import group_of_chain
 from robomech_ros.robots.semantic import HOME
 from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from robomech_ros.parallel import Mechanism, ParallelRobot
     from robomech_ros.walking import LeggedRobot
 
-Array = NDArray[np.float64]
 
 TOPIC = "robot_description"
 # The one group of joints where none are given, beside the name of the robot.

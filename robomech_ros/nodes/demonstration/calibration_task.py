@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseArray
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
 from robomech_interfaces.srv import (
@@ -35,8 +34,7 @@ from robomech_ros.spatial import (
     pose_from_position_quaternion,
 )
 from robomech_ros.spatial.plain_poses import plain_pose
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 SERVICES: dict[str, Any] = {
     "kinematics/solve_ik_batch": SolveIKBatch,

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped, TransformStamped
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.calibration.messages import stamped_transform
@@ -17,8 +16,7 @@ from robomech_ros.nodes.common.pose_messages import stamped_pose
 from robomech_ros.nodes.demonstration.client import DemoClient
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose, matrix_from_rotation_vector, pose_exponential
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 CAMERA, MARKER = "camera", "marker"
 # The topics in place of tf, where tf2_msgs is not installed.

@@ -8,7 +8,6 @@ from typing import Any, Protocol
 
 import numpy as np
 import rclpy
-from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
@@ -22,8 +21,7 @@ from robomech_ros.nodes.middleware.deep_queues import ask
 from robomech_ros.nodes.middleware.questions import Question
 from robomech_ros.nodes.process.run import Spinner
 from robomech_ros.outcomes import name_of
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _START_SECONDS = 60.0
 _CALL_SECONDS = 20.0

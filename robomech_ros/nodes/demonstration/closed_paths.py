@@ -6,9 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Pieces of a path between its points; what is between them is straight.
 _PIECES = 4000

@@ -3,15 +3,11 @@
 from collections.abc import Sequence
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.demonstration.postures import pick_and_place
 from robomech_ros.nodes.demonstration.report import Way
 from robomech_ros.robots import PRISMATIC, SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 class RobotToShow(Protocol):

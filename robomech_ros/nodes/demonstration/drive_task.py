@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from nav_msgs.msg import Odometry
-from numpy.typing import NDArray
 from rclpy.qos import qos_profile_sensor_data
 
 from robomech_ros.nodes.common.message_fields import NANO
@@ -21,8 +20,7 @@ from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.rolling_paths import speed_on
 from robomech_ros.nodes.mobile_base.drives import Interface
 from robomech_ros.rolling import RollingRobot
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # How long a path may take, in the time that it needs at its speed, and besides (s).
 _PATIENCE, _BESIDES = 5.0, 60.0

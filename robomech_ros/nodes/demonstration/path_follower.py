@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.demonstration.closed_paths import ClosedPath
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # How fast differences are taken away (1/s), and in which part of the radius sideways.
 _GAIN, _REACH = 2.0, 0.5

@@ -1,7 +1,6 @@
 """The task of the demonstration: to a pick pose, then to a place pose."""
 
 import numpy as np
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
@@ -17,8 +16,7 @@ from robomech_ros.nodes.demonstration.report import Leg, Reporter, Way
 from robomech_ros.robots.semantic import HOME
 from robomech_ros.rvs import Choice, NamedPosture
 from robomech_ros.spatial import pose_error
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Joints this close to the goal, and as slow, are there: rad or m, and per s; and the robot has
 # arrived when its tip is so close to the target, m and rad.  Friction holds back what drives move.

@@ -1,7 +1,6 @@
 """What the demonstration does with a parallel robot: pick, place, and a circle with a tilt."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.cartesian import path_through
 from robomech_ros.cartesian.waypoint_paths import PathKind
@@ -10,8 +9,7 @@ from robomech_ros.nodes.demonstration.postures import NoPostureError
 from robomech_ros.nodes.demonstration.report import Way
 from robomech_ros.parallel import Mechanism, follow_drives, plan_platform
 from robomech_ros.spatial import matrix_from_rotation_vector
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # How many postures are tried: moves from home (parts of the size) and turns (rad) up to these, as
 # far as the drives go by no more than a part of what is left of their range.

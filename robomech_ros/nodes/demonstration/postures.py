@@ -1,14 +1,12 @@
 """Two postures, well inside the limits of any robot, between which it is worth moving."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import PRISMATIC, SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _CANDIDATES = 400
 # Part of the range of a joint that is used, and the most of it either side of its middle.

@@ -5,12 +5,12 @@ from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 from rich.table import Table
 
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
+
 Shown = Callable[[float, Array], None]
 
 _PIPE_WIDTH = 150

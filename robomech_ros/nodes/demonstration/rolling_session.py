@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.nodes.demonstration.client import DemoClient, running_client
 from robomech_ros.nodes.demonstration.drive_task import Driven, DriveTask
@@ -19,8 +18,6 @@ from robomech_ros.plotting.drives import plot_ways
 from robomech_ros.rolling import RollingRobot, WheelJoints, rolling_description, rolling_robot
 from robomech_ros.rolling.tree import BASE_JOINTS
 from robomech_ros.rvs import Choice, Motion, ViewUnavailableError, write_motion
-
-Array = NDArray[np.float64]
 
 
 class _Joints(NamedTuple):

@@ -7,7 +7,6 @@ from collections import deque
 import numpy as np
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
-from numpy.typing import NDArray
 from std_msgs.msg import Float64
 
 from robomech_interfaces.msg import FootContacts
@@ -18,8 +17,7 @@ from robomech_ros.nodes.demonstration.failure import DemoFailedError
 from robomech_ros.nodes.demonstration.path_follower import PathFollower
 from robomech_ros.rolling.arcs import moved
 from robomech_ros.spatial.poses import rigid_inverse
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 _DEPTH = 1000
 # So often (s) a twist is sent.
@@ -43,7 +41,7 @@ class Walk:
         self._client, self._lead, node = client, lead, client.node
         self._sent: deque[tuple[float, Array]] = deque()
         self._poses: list[tuple[float, Array]] = []
-        self._contacts: list[tuple[float, NDArray[np.bool_], Array]] = []
+        self._contacts: list[tuple[float, BoolArray, Array]] = []
         self._margins: list[float] = []
         self._still = False
         self._twists = node.create_publisher(TwistStamped, "cmd_vel", 10)
@@ -149,7 +147,7 @@ class Walk:
         return np.array(times), np.array(poses)
 
     @property
-    def feet(self) -> tuple[Array, NDArray[np.bool_], Array]:
+    def feet(self) -> tuple[Array, BoolArray, Array]:
         """ROS times (s), (m,), which feet stand, (m, k), and where all are (m), (m, k, 3)."""
         times, contacts, places = zip(*self._contacts, strict=True)
         return np.array(times), np.array(contacts), np.array(places)

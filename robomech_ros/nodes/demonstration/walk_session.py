@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.demonstration.client import DemoClient, running_client
@@ -20,9 +19,8 @@ from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.plotting.walks import plot_walk
 from robomech_ros.rvs import Motion, ViewUnavailableError, write_motion
 from robomech_ros.rvs.model.walking.placed_tree import placed_tree, placing
+from robomech_ros.typing import Array
 from robomech_ros.walking import GAITS, LeggedRobot, Walker, load_legged
-
-Array = NDArray[np.float64]
 
 # How long the walk should take (s), the parts of the greatest twists that it uses, and the
 # acceleration on the way (m/s^2).

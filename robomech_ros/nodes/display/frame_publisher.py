@@ -6,12 +6,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from geometry_msgs.msg import TransformStamped
-from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from robomech_ros.kinematics.joint_poses import JointPoses
 from robomech_ros.robots import Joint, RobotDescription
+from robomech_ros.typing import Array
 
 # As tf2_ros has them.
 _DEPTH = 100
@@ -132,7 +132,7 @@ class FramePublisher:
         return made
 
 
-def _put(message: Any, poses: JointPoses, at: NDArray[np.float64], stamp: tuple[int, int]) -> None:
+def _put(message: Any, poses: JointPoses, at: Array, stamp: tuple[int, int]) -> None:
     """Write the poses at positions (rad or m) into a message, with a ROS time (s and ns)."""
     places, turns = poses.at(at)
     for entry, place, turn in zip(message.transforms, places.tolist(), turns.tolist(), strict=True):

@@ -1,14 +1,12 @@
 """The drives that requests about dynamics speak of, and all joints of the robot for them."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.dynamics import ChainDynamics, DynamicSystem
 from robomech_ros.execution.refusals import JointMismatchError
 from robomech_ros.nodes.common.joint_positions import JointPositions, Way
 from robomech_ros.nodes.common.robot_description import RobotModel
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def system_of(model: RobotModel) -> DynamicSystem:

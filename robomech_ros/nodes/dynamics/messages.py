@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import Inertia, Vector3, WrenchStamped
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
 from robomech_ros.dynamics import TorqueSummary
@@ -20,8 +19,7 @@ from robomech_ros.nodes.dynamics.drives import Drives
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.robots import Body, SerialChain
 from robomech_ros.spatial import inverse_pose
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Largest number in a vector, in SI units: products with masses stay far from overflow.
 _LARGEST = 1e12

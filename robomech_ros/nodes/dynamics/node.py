@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
@@ -44,8 +43,7 @@ from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 class DynamicsNode(Node):

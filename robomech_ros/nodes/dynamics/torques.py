@@ -3,12 +3,10 @@
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.dynamics import DynamicSystem
 from robomech_ros.nodes.dynamics.messages import Motions
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _NO_GRAVITY = (0.0, 0.0, 0.0)
 # At which a torque summary looks besides the points; each takes some 200 bytes for a joint.

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from numpy.typing import NDArray
 from rclpy.node import Node
 
 from robomech_ros.errors import RobotDescriptionError
@@ -21,8 +20,8 @@ from robomech_ros.nodes.frames.history import WINDOW
 from robomech_ros.nodes.frames.listener import FrameListener
 from robomech_ros.nodes.frames.tree import Found, NoTransformError
 from robomech_ros.robots import SerialChain
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 # Joint name to position (rad or m), or to positions, shape (...), in as many states.
 Positions = Mapping[str, Any]
 

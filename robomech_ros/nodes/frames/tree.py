@@ -5,15 +5,13 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.frames.history import FrameHistory, Sample
 from robomech_ros.spatial.poses import rigid_inverse
 from robomech_ros.spatial.rotations.quaternions import matrix_from_quaternion
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # More than any robot has: what a faulty sender can fill is bounded.
 MOST_FRAMES = 1000

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import Twist, Vector3, WrenchStamped
-from numpy.typing import NDArray
 from trajectory_msgs.msg import JointTrajectoryPoint
 
 from robomech_ros.hands import (
@@ -32,8 +31,7 @@ from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.pose_messages import linear_rows_first, stamped_twist
 from robomech_ros.nodes.grasping.requests import in_space
 from robomech_ros.outcomes import Code
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)

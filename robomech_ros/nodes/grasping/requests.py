@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import Vector3
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.hands import Contact, Hand
@@ -15,8 +14,7 @@ from robomech_ros.nodes.common.error_codes import FrameUnavailableError
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_positions import is_empty
 from robomech_ros.nodes.common.pose_messages import point_vector
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # The quality of more contacts takes longer than anyone wants to wait.
 _MOST = 20

@@ -35,8 +35,8 @@ from robomech_ros.nodes.joint_trajectory_controller.settings import (
 )
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.limits import Limits
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
+from robomech_ros.typing import Array
 
 _NANO = 1_000_000_000
 # Joints that forces move may overshoot their limits: of position by so much (rad or m), and of
@@ -87,7 +87,7 @@ class CommandedJoints:
 
     # The state that is published, and where all joints really are (rad or m).
     _shown: State
-    _real: FloatArray
+    _real: Array
 
     def __init__(
         self,
@@ -97,7 +97,7 @@ class CommandedJoints:
         settings: ControllerSettings,
         clock: MotionClock,
         lock: "threading.RLock",
-        start: FloatArray | None = None,
+        start: Array | None = None,
     ) -> None:
         self.place = place
         self.joint_names: Sequence[str] = list(joints.names)
@@ -153,14 +153,14 @@ class CommandedJoints:
             self._shown, self._real, self.fault = state, real, ""
         self._check.keep(self._shown.position, time)
 
-    def _look(self) -> tuple[State, FloatArray]:
+    def _look(self) -> tuple[State, Array]:
         """Return the state to be published, and where the joints really are (rad or m)."""
         return self.follower.actual, self.simulated_joints.position
 
-    def _assume(self, real: FloatArray) -> None:
+    def _assume(self, real: Array) -> None:
         """Tell what moves the joints that these are their positions (rad or m)."""
 
-    def _accept(self, real: FloatArray) -> None:
+    def _accept(self, real: Array) -> None:
         """Take positions of all joints (rad or m) as they are, since they were put there."""
         self._real, self._shown = real, at_rest(real)
         self._check.restart(real, self.follower.now)
@@ -178,20 +178,20 @@ class CommandedJoints:
         """Give where the joints of `shown_names` are; the lock is held."""
         return self._shown
 
-    def shown_efforts(self) -> FloatArray | None:
+    def shown_efforts(self) -> Array | None:
         """Give what their drives exert (N m or N); None where no forces are simulated."""
         return self.simulated_joints.effort
 
-    def kept(self) -> FloatArray:
+    def kept(self) -> Array:
         """Give what a process that comes after a crash needs to `resume` (rad or m)."""
         return self._real
 
     @property
-    def bounds(self) -> tuple[FloatArray, FloatArray]:
+    def bounds(self) -> tuple[Array, Array]:
         """Lower and upper limits (rad or m) of what is kept."""
         return self._check.limits.lower, self._check.limits.upper
 
-    def resume(self, kept: FloatArray) -> None:
+    def resume(self, kept: Array) -> None:
         """Stand where the joints of a process that was killed stood."""
         self._put(kept, "")
 
@@ -284,7 +284,7 @@ class CommandedJoints:
         """Put the joints back to where they were at start, at once."""
         self._put(self._start, text)
 
-    def _put(self, real: FloatArray, text: str) -> None:
+    def _put(self, real: Array, text: str) -> None:
         """Put all joints somewhere (rad or m), at once, and end what they are doing."""
         self._assume(real)
         self.follower.reset(real[self._at], text)

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.dynamics import ControlledArm, DynamicSystem
 from robomech_ros.dynamics.systems import LostPostureError, dynamic_system
@@ -13,8 +12,7 @@ from robomech_ros.nodes.common.error_codes import OutcomeError
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import Body, SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 # Longest period of the controller of the drives, and periods that are simulated in one go.
 _PERIOD = 1e-3
@@ -97,7 +95,7 @@ class DynamicPlant:
         return DrivenMotion(at_rest(self._q[self._at]), holding, still)
 
     def drive(
-        self, before: State, command: State, span: float, held: NDArray[np.bool_] | None
+        self, before: State, command: State, span: float, held: BoolArray | None
     ) -> DrivenMotion:
         """Let time pass; see :class:`Plant`."""
         started = self._rates.copy()

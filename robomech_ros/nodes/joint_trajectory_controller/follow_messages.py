@@ -21,7 +21,7 @@ from robomech_ros.execution.refusals import (
 )
 from robomech_ros.nodes.joint_trajectory_controller.messages import fill_feedback
 from robomech_ros.outcomes import Code
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 _RESULT = FollowJointTrajectory.Result
 _CODES: dict[int, int] = {
@@ -129,8 +129,8 @@ def _with_tolerances(goal: Any, default: Tolerances, joint_names: Sequence[str])
 
 
 def _override(
-    default: FloatArray, given: Iterable[Any], field: str, what: str, names: tuple[str, ...]
-) -> FloatArray:
+    default: Array, given: Iterable[Any], field: str, what: str, names: tuple[str, ...]
+) -> Array:
     """Replace the defaults of joints that are named: 0 = default, -1 = any."""
     values = default.copy()
     for tolerance in given:

@@ -8,7 +8,7 @@ from rclpy.node import Node
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 from robomech_ros.nodes.process.crash_record import LeftBehind, open_crash_record
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 _NAME = "place_of_the_joints"
 # A joint may be off its limits by this much (rad, m) where it was stopped by force.
@@ -90,6 +90,6 @@ class KeptPlace:
             "were then; the service reset puts them to their initial positions"
         )
 
-    def _possible(self, position: FloatArray) -> bool:
+    def _possible(self, position: Array) -> bool:
         low, high = self._lower - _BEYOND, self._upper + _BEYOND
         return bool(np.all((low <= position) & (position <= high) & np.isfinite(position)))

@@ -6,7 +6,6 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.execution.controller.joining import completed
@@ -17,8 +16,7 @@ from robomech_ros.parallel import Mechanism, follow_drives
 from robomech_ros.robots import PRISMATIC
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
 from robomech_ros.trajectory.waypoints import Waypoints
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Passive joints that a trajectory names may be off by this (rad, m).
 _AGREES = 1e-3

@@ -4,7 +4,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
@@ -27,11 +26,10 @@ from robomech_ros.parallel import Mechanism
 from robomech_ros.parallel.motion.drive_paths import OPEN
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.waypoints import Waypoints
+from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from robomech_ros.parallel import ParallelDynamics
-
-Array = NDArray[np.float64]
 
 
 class ParallelRobot(SimulatedRobot):

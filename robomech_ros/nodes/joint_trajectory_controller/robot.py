@@ -4,7 +4,6 @@ import threading
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.joints import Joints
@@ -20,6 +19,7 @@ from robomech_ros.nodes.joint_trajectory_controller.settings import (
 )
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -54,11 +54,11 @@ class SimulatedRobot(CommandedJoints):
         self,
         name: str,
         limits: JointLimits,
-        initial: NDArray[np.float64],
+        initial: Array,
         settings: ControllerSettings,
         clock: MotionClock,
         plant: "DynamicPlant | None" = None,
-        start: NDArray[np.float64] | None = None,
+        start: Array | None = None,
     ) -> None:
         self.name = name
         self._plant = plant
@@ -66,7 +66,7 @@ class SimulatedRobot(CommandedJoints):
         simulated = SimulatedJoints(initial, settings.tracking_lag, plant, joints.limits)
         super().__init__("~", joints, simulated, settings, clock, threading.RLock(), start)
 
-    def _assume(self, real: NDArray[np.float64]) -> None:
+    def _assume(self, real: Array) -> None:
         if self._plant is not None:
             self._plant.assume(real)
 
@@ -132,7 +132,7 @@ def legged_robot(
 def dynamic_plant(
     robot: "Callable[[], SerialChain | DynamicSystem]",
     settings: ControllerSettings,
-    posture: NDArray[np.float64],
+    posture: Array,
 ) -> "DynamicPlant | None":
     """Make the drives and what they move; None where no forces are simulated."""
     if settings.simulation != DYNAMIC:

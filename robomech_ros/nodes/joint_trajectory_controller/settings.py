@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.execution.controller.follower_settings import FollowerSettings
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
 from robomech_ros.nodes.joint_trajectory_controller.gripper_settings import GripperSettings
 from robomech_ros.trajectory.limits import Limits
+from robomech_ros.typing import Array
 
 KINEMATIC, DYNAMIC = "kinematic", "dynamic"
 SPLINES, NO_INTERPOLATION = "splines", "none"
@@ -266,9 +266,7 @@ def follower_settings(settings: ControllerSettings) -> FollowerSettings:
     )
 
 
-def initial_position(
-    settings: ControllerSettings, limits: Limits, home: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def initial_position(settings: ControllerSettings, limits: Limits, home: Array) -> Array:
     """Give the initial position (rad or m), shape (n,): that of the parameter, else home.
 
     Raises

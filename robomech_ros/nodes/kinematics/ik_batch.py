@@ -6,7 +6,6 @@ from array import array
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.selection import family_of
@@ -14,9 +13,7 @@ from robomech_ros.nodes.common.message_fields import append_numbers
 from robomech_ros.nodes.common.pauses import Turns
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import SerialChain
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from robomech_ros.typing import Array, IntArray
 
 # Poses of the first portion. One pose takes 10 us where the solution is in closed form, up to some
 # ms where it is to be explained why there is none, and up to 30 ms where there is no closed form.
@@ -44,7 +41,7 @@ class BatchLists:
         self.solutions = array("d")
         self.position_errors, self.orientation_errors = array("d"), array("d")
 
-    def add(self, T: Array, q: Array, count: Indices, status: Indices) -> None:
+    def add(self, T: Array, q: Array, count: IntArray, status: IntArray) -> None:
         """Add what `inverse_kinematics_batch` found for some poses.
 
         Parameters

@@ -4,7 +4,6 @@ from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
@@ -20,11 +19,11 @@ from robomech_ros.nodes.kinematics.markers import (
     surface_markers,
 )
 from robomech_ros.robots import SerialChain
+from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from robomech_ros.parallel.kinetostatics.workspace_surface import WorkspaceSurface
 
-Array = NDArray[np.float64]
 
 _NO_TWISTS = np.empty((0, 6))
 

@@ -4,16 +4,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from geometry_msgs.msg import Point
-from numpy.typing import NDArray
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robomech_ros.kinetostatics import Workspace, manipulability_ellipsoid
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from robomech_ros.parallel.kinetostatics.workspace_surface import WorkspaceSurface
 
-Array = NDArray[np.float64]
 _Colour = tuple[float, float, float, float]
 
 # Half axis of the longest direction of an ellipsoid, and length of an arrow (m).

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from sensor_msgs.msg import PointCloud2, PointField
 from trajectory_msgs.msg import JointTrajectoryPoint
 
@@ -20,8 +19,7 @@ from robomech_ros.nodes.common.message_fields import (
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_twist
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.outcomes import Code
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 _METRICS = ("linf", "l2")
 # Modes of SolveIK; SolveIKBatch has the first two.
@@ -252,7 +250,7 @@ def _summary(report: SingularityReport) -> str:
     return f"singular ({', '.join(report.kinds)}): rank {report.rank}, {directions}"
 
 
-def workspace_cloud(frame: str, T: Array, count: NDArray[np.int64], distance: Array) -> PointCloud2:
+def workspace_cloud(frame: str, T: Array, count: IntArray, distance: Array) -> PointCloud2:
     """Make a cloud of judged poses: x, y, z, how many solutions, distance from the boundary.
 
     Parameters

@@ -6,8 +6,6 @@ from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from sensor_msgs.msg import JointState, PointCloud2
@@ -61,9 +59,7 @@ from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.moveit.add_services import add_moveit_services
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.robots import SerialChain
-
-Array = NDArray[np.float64]
-
+from robomech_ros.typing import Array
 
 _SERVICES = (
     "~/solve_ik",

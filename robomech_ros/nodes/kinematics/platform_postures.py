@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Mechanism
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 FAMILY = "parallel"
 

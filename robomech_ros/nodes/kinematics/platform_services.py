@@ -7,7 +7,6 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.node import Node
 from sensor_msgs.msg import JointState, PointCloud2
 
@@ -53,8 +52,7 @@ from robomech_ros.nodes.kinematics.settings import KinematicsSettings
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Mechanism, platform_length
 from robomech_ros.robots import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 class PlatformServices:

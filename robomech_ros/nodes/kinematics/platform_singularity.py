@@ -11,8 +11,7 @@ from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.pose_messages import stamped_twist
 from robomech_ros.parallel import LoopSingularity, Mechanism, ParallelRobot, loop_singularity
 from robomech_ros.spatial import transfer_twist
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def singularity_at(robot: ParallelRobot | Mechanism, q: Array, point: Array) -> LoopSingularity:

@@ -5,7 +5,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.pauses import Worker
@@ -20,8 +19,7 @@ from robomech_ros.parallel.kinetostatics.workspace_surface import (
     WorkspaceSurface,
     workspace_surface,
 )
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 # Digits by which orientations are told apart, and how many are kept.
 _DIGITS, _KEPT = 9, 256
@@ -52,7 +50,7 @@ class PlatformSpace:
         self._known: dict[bytes, WorkspaceSurface] = {}
 
     async def distances(
-        self, worker: Worker, T: Array, reachable: NDArray[np.bool_], until: float
+        self, worker: Worker, T: Array, reachable: BoolArray, until: float
     ) -> Array:
         """Measure how far poses (m, 4, 4) are from the boundary, (m,) (m); NaN where not known.
 

@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinetostatics import (
@@ -16,8 +15,7 @@ from robomech_ros.kinetostatics.workspace.boundary import positioning_boundary
 from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
 from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.robots import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,6 @@ from array import array
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.node import Node
 
 from robomech_ros.kinematics import inverse_kinematics, inverse_kinematics_batch
@@ -17,8 +16,7 @@ from robomech_ros.nodes.common.pauses import Turns, Worker
 from robomech_ros.nodes.kinematics.reachable_space import ReachableSpace
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Poses between two looks whether others wait: of a closed form, and of a search.
 _PORTION, _PORTION_SEARCHED = 32, 1

@@ -7,7 +7,7 @@ from collections import deque
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.mobile_base.drives import Interface
@@ -18,8 +18,7 @@ from robomech_ros.rolling import (
     advance_odometry,
 )
 from robomech_ros.rolling.simulated import SimulatedBase
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, kw_only=True)

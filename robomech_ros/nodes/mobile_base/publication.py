@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from geometry_msgs.msg import PoseStamped, TransformStamped, TwistStamped
 from nav_msgs.msg import Odometry
-from numpy.typing import NDArray
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
@@ -24,8 +23,7 @@ from robomech_ros.nodes.mobile_base.mobile_base import MobileBase
 from robomech_ros.nodes.mobile_base.settings import MobileBaseSettings
 from robomech_ros.nodes.mobile_base.shown_base import ShownBase
 from robomech_ros.rolling import WheelJoints
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _DEPTH = 10
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from moveit_msgs.msg import MoveItErrorCodes
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
@@ -19,8 +18,8 @@ from robomech_ros.nodes.moveit.serving import chain_of, refuse_collision_checks
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 # Finer steps would fill the memory, slower motions would take years.
 _LEAST_STEP, _LEAST_SPEED, _LEAST_SCALE = 1e-5, 1e-6, 1e-6
 

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from moveit_msgs.msg import MoveItErrorCodes
 from moveit_msgs.srv import GetCartesianPath
-from numpy.typing import NDArray
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
@@ -43,8 +42,8 @@ from robomech_ros.trajectory import (
     SpeedLimit,
     sampled_through_points,
 )
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 # The task mask of a position alone.
 _POSITION = (True, True, True, False, False, False)
 _CODES = {

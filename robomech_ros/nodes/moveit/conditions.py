@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from geometry_msgs.msg import Pose
 from moveit_msgs.msg import MoveItErrorCodes, OrientationConstraint
-from numpy.typing import NDArray
 from shape_msgs.msg import SolidPrimitive
 
 from robomech_ros.errors import (
@@ -26,8 +25,8 @@ from robomech_ros.spatial import (
     roll_pitch_yaw_from_matrix,
     rotation_vector_from_matrix,
 )
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 # Says of the positions of all joints what is wrong with them; "" where nothing is.
 _Condition = Callable[[Positions], str]
 

@@ -5,9 +5,7 @@ from dataclasses import dataclass
 from itertools import permutations
 from typing import Any, NamedTuple
 
-import numpy as np
 from moveit_msgs.msg import MoveItErrorCodes
-from numpy.typing import NDArray
 
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
@@ -17,8 +15,7 @@ from robomech_ros.nodes.moveit.serving import chain_of, refuse_collision_checks
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 class IkTarget(NamedTuple):

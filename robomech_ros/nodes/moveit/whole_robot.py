@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 from moveit_msgs.msg import MoveItErrorCodes
-from numpy.typing import NDArray
 
 from robomech_ros.errors import (
     BadValueError,
@@ -22,8 +21,8 @@ from robomech_ros.nodes.frames.robot_frames import Place, RobotFrames
 from robomech_ros.nodes.moveit.refusals import RefusedError
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 # Joint name to position (rad or m).
 Positions = Mapping[str, float]
 

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from geometry_msgs.msg import TwistStamped
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import Marker
@@ -19,8 +18,7 @@ from robomech_ros.robots import PRISMATIC, SerialChain
 from robomech_ros.rvs import Motion
 from robomech_ros.rvs.model.jog import JogDirection
 from robomech_ros.rvs.model.live_robot import SeenMarker, ServoNews
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Of one plan, and of one marker; more would hold the page up.
 _MOST_POINTS = 100_000

@@ -4,8 +4,6 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.client import Client
@@ -23,8 +21,7 @@ from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.rvs.stopping import Stopping
 from robomech_ros.outcomes import name_of
 from robomech_ros.rvs.model.live_robot import LiveView
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _AUTOMATIC = "auto_execute"
 # How long answers may take (s): about parameters, of the planner, and of who executes a motion.

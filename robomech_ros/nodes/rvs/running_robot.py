@@ -2,8 +2,6 @@
 
 from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.subscription import Subscription
@@ -22,8 +20,7 @@ from robomech_ros.nodes.rvs.state_feed import StateFeed
 from robomech_ros.robots.gripper import GripperModel
 from robomech_ros.rvs.model.jog import Beat
 from robomech_ros.rvs.model.live_robot import LiveView, SeenMarker
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Markers that are drawn at the most, and points of all of them.
 _MOST_MARKERS, _MOST_POINTS = 1000, 100_000

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped, TwistStamped
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
 from robomech_ros.errors import (
@@ -23,8 +22,8 @@ from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.servo.settings import SPEED_UNITS, ServoNodeSettings
 from robomech_ros.servo.commands import JointCommand, PoseCommand, TwistCommand
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 Axes = Callable[[Array], Array | None]
 
 # No robot moves faster: rad/s or m/s.

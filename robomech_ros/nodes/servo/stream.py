@@ -1,7 +1,6 @@
 """The stream to the controller: its knots in time, and the messages that show it."""
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.time import Time
 from trajectory_msgs.msg import JointTrajectory
@@ -13,8 +12,7 @@ from robomech_ros.servo.lead import AdaptiveLead
 from robomech_ros.servo.motion import Samples
 from robomech_ros.servo.report import ServoReport
 from robomech_ros.servo.servo import Servo
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # A knot that is nearer than this part of a period is too near for the controller to get it in time.
 _IN_TIME = 0.2

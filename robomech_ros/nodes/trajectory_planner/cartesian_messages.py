@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_interfaces.srv import PlanCartesian
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
@@ -20,6 +19,7 @@ from robomech_ros.nodes.frames.robot_frames import Positions, RobotFrames
 from robomech_ros.nodes.trajectory_planner.plan_messages import encode_waypoints, named
 from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings
 from robomech_ros.trajectory import PosePath, TipSpeeds
+from robomech_ros.typing import Array
 
 _PROFILES = {
     getattr(PlanCartesian.Request, name): name
@@ -46,11 +46,11 @@ class PathRequest:
         Keywords of `plan_along`.
     """
 
-    waypoints: NDArray[np.float64]
+    waypoints: Array
     kind: Any
     options: dict[str, Any]
 
-    def path_from(self, pose: NDArray[np.float64]) -> PosePath:
+    def path_from(self, pose: Array) -> PosePath:
         """Lay the path from a pose (4, 4); refuse waypoints that all are that pose."""
         path = path_through(pose, self.waypoints, self.kind, self.options["task_mask"])
         if path is None:
@@ -115,7 +115,7 @@ async def in_base(
     return replace(asked, waypoints=poses)
 
 
-def _waypoint_poses(request: Any, most: int) -> NDArray[np.float64]:
+def _waypoint_poses(request: Any, most: int) -> Array:
     """Read the waypoints in their frames, shape (m, 4, 4), `most` at most."""
     check_waypoints("waypoints", len(request.waypoints), most)
     poses = np.empty((len(request.waypoints), 4, 4))
@@ -125,7 +125,7 @@ def _waypoint_poses(request: Any, most: int) -> NDArray[np.float64]:
     return poses
 
 
-def _check_near(k: int, pose: NDArray[np.float64]) -> None:
+def _check_near(k: int, pose: Array) -> None:
     far = float(np.abs(pose[:3, 3]).max())
     if far > LARGEST_LENGTH:
         expected = f"coordinates of at most {LARGEST_LENGTH:g} m"

@@ -3,8 +3,6 @@
 from functools import partial
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
 from robomech_ros.cartesian import CartesianPlan, plan_along
@@ -15,8 +13,7 @@ from robomech_ros.nodes.trajectory_planner.motions import Planned
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import Limits, PosePath
 from robomech_ros.trajectory.plans.fitting_plan import fitting_plan
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 class ChainMotions:

@@ -4,15 +4,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
 from robomech_ros.cartesian import CartesianPlan
 from robomech_ros.nodes.common.joint_positions import Way
 from robomech_ros.trajectory import Limits, PosePath, SampledPlan
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)

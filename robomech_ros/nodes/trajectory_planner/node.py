@@ -6,7 +6,6 @@ from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
@@ -50,6 +49,7 @@ from robomech_ros.nodes.trajectory_planner.publication import PlanPublication
 from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings
 from robomech_ros.robots import RobotDescription
 from robomech_ros.trajectory import PROFILES, nearest_turns, sampled_through_points
+from robomech_ros.typing import Array
 
 _P = TypeVar("_P")
 
@@ -182,7 +182,7 @@ class TrajectoryPlannerNode(Node):
         except MissingLimitsError as error:
             raise NoLimitsForPlanError(error) from None
 
-    async def _start(self, given: JointState, settings: PlannerSettings) -> NDArray[np.float64]:
+    async def _start(self, given: JointState, settings: PlannerSettings) -> Array:
         way = self._motions.way
         if is_empty(given):
             tolerance = settings.stopped_velocity_tolerance

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import PlanJoint
@@ -23,6 +22,7 @@ from robomech_ros.nodes.trajectory_planner.settings import SHORTEST_PERIOD, Plan
 from robomech_ros.trajectory import VIA_PROFILES, Limits, SampledPlan, Waypoints
 from robomech_ros.trajectory.plans.fitting_plan import check_duration
 from robomech_ros.trajectory.plans.via_polynomials import MOST_VIAS
+from robomech_ros.typing import Array
 
 _NAMES = {
     getattr(PlanJoint.Request, name): name
@@ -50,7 +50,7 @@ class PlanRequest:
         Keywords of `fitting_plan`: `wanted_period`, and those of `through_points`.
     """
 
-    via: NDArray[np.float64]
+    via: Array
     options: dict[str, Any]
 
 
@@ -104,7 +104,7 @@ def _plan_options(request: Any, max_duration: float) -> dict[str, Any]:
     return options | {name: getattr(request, name) or 1.0 for name in _SCALES}
 
 
-def _via_points(request: Any, limits: Limits, most: int) -> NDArray[np.float64]:
+def _via_points(request: Any, limits: Limits, most: int) -> Array:
     """Read the points to pass on the way, shape (m, n): at most `most` of n positions each."""
     check_waypoints("via", len(request.via), most)
     n = len(limits.joint_names)
@@ -124,11 +124,11 @@ def _via_points(request: Any, limits: Limits, most: int) -> NDArray[np.float64]:
 
 
 def plan_points(
-    start: NDArray[np.float64],
-    via: NDArray[np.float64],
-    goal: NDArray[np.float64],
+    start: Array,
+    via: Array,
+    goal: Array,
     limits: Limits,
-) -> NDArray[np.float64]:
+) -> Array:
     """Put start (n,), via points (m, n) and goal (n,), rad or m, together.
 
     Raises
@@ -146,7 +146,7 @@ def plan_points(
     return points
 
 
-def _check_size(values: NDArray[np.float64], what: str, limits: Limits) -> None:
+def _check_size(values: Array, what: str, limits: Limits) -> None:
     """Refuse positions (n,) of joints without limits with which nothing can be computed."""
     k = int(np.argmax(np.abs(values)))
     if abs(values[k]) > LARGEST_LENGTH:

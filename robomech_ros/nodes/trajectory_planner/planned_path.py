@@ -3,15 +3,14 @@
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
-from numpy.typing import NDArray
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.pose_messages import fill_pose
 from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.typing import Array
 
 # Pose messages that are kept from one path to the next, 2 kB each.
 _POSES_KEPT = 500
@@ -36,7 +35,7 @@ class PlannedPath:
     def __init__(self, node: Node, base: str) -> None:
         self._base = base
         self._poses: list[PoseStamped] = []
-        self._unsent: Callable[[], NDArray[np.float64]] | None = None
+        self._unsent: Callable[[], Array] | None = None
         self._heard = False
         self._publisher = node.create_publisher(
             Path,
@@ -45,7 +44,7 @@ class PlannedPath:
             event_callbacks=PublisherEventCallbacks(matched=self._matched),
         )
 
-    def show(self, poses: Callable[[], NDArray[np.float64]]) -> None:
+    def show(self, poses: Callable[[], Array]) -> None:
         """Publish the path of the latest plan, whose poses (m, 4, 4) a callable gives."""
         self._unsent = poses
         self._send_if_heard(self._publisher.get_subscription_count())
@@ -60,7 +59,7 @@ class PlannedPath:
             self._publisher.publish(self._along(self._unsent()))
             self._unsent = None
 
-    def _along(self, transforms: NDArray[np.float64]) -> Path:
+    def _along(self, transforms: Array) -> Path:
         """Make the path of m poses, of stamp 0; it holds until the next one is made."""
         new = [PoseStamped() for _ in range(len(transforms) - len(self._poses))]
         for message in new:

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
 from robomech_ros.cartesian import CartesianPlan
@@ -14,8 +13,7 @@ from robomech_ros.nodes.trajectory_planner.motions import Planned
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Mechanism, follow_drives, plan_drives, plan_platform
 from robomech_ros.trajectory import Limits, PosePath
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Joints that differ by more (rad or m) are another posture for the same drives.
 _SAME = 1e-4

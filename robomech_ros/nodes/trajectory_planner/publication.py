@@ -2,15 +2,12 @@
 
 from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.trajectory_planner.planned_path import PlannedPath
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 class PlanPublication:

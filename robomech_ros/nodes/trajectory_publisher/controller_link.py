@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
@@ -17,7 +16,7 @@ from robomech_ros.nodes.middleware.signs_of_life import SignsOfLife
 from robomech_ros.nodes.trajectory_publisher.action_link import ActionLink, request_topic
 from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals
 from robomech_ros.nodes.trajectory_publisher.messages import message_from_delivery
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 _DEPTH = 10
 
@@ -99,7 +98,7 @@ class ControllerLink:
         """Whether the controller that was sent to last has died, and another process is there."""
         return self._life.has_successor(self._sent_to)
 
-    def positions(self, names: Sequence[str]) -> NDArray[np.float64] | None:
+    def positions(self, names: Sequence[str]) -> Array | None:
         """Give the present positions, rad or m; None if not known."""
         return self._monitor.positions(names)
 
@@ -116,7 +115,7 @@ class ControllerLink:
         continuous = np.array([known is None or name in known for name in names])
         return JointKinds(continuous, [self._units.get(name, "") for name in names])
 
-    def acceleration(self, names: Sequence[str]) -> FloatArray | None:
+    def acceleration(self, names: Sequence[str]) -> Array | None:
         """Give the acceleration limits, rad/s^2 or m/s^2; None where they are not all known."""
         if not all(name in self._acceleration for name in names):
             return None
@@ -141,7 +140,7 @@ class ControllerLink:
         """Ask the controller to give up all that was sent, also what it has not accepted yet."""
         self._action.cancel()
 
-    def _left(self, start: FloatArray | None, names: Sequence[str]) -> bool:
+    def _left(self, start: Array | None, names: Sequence[str]) -> bool:
         """Whether the robot is elsewhere than at a start, rad or m."""
         place = self.positions(names)
         if start is None or place is None:

@@ -12,7 +12,7 @@ from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.received_trajectory import received_trajectory
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 _NANO = 1_000_000_000
 
@@ -105,7 +105,7 @@ def _stamp(now: int, delay: float) -> Time:
     return Time(sec=seconds, nanosec=nanoseconds)
 
 
-def _row(rows: FloatArray | None, k: int) -> object:
+def _row(rows: Array | None, k: int) -> object:
     """Give a row; nothing where it is NaN."""
     if rows is None or np.isnan(rows[k]).any():
         return []

@@ -15,8 +15,8 @@ from robomech_ros.nodes.common.pauses import passing_timer
 from robomech_ros.nodes.trajectory_publisher.program import Program, Step
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory.joint_points import nearest_turns
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
+from robomech_ros.typing import Array
 
 _PERIOD = 0.01
 
@@ -77,7 +77,7 @@ class ProgramRunner:
         goes_on, self._preparing = self._preparing, False
         return goes_on
 
-    def check(self, program: Program, chain: SerialChain, place: FloatArray) -> None:
+    def check(self, program: Program, chain: SerialChain, place: Array) -> None:
         """Plan all moves of a program, from where the robot is (rad or m); in any thread.
 
         Raises
@@ -94,7 +94,7 @@ class ProgramRunner:
                     known.add(move)
                 place = np.array(step.positions)
 
-    def start(self, program: Program, chain: SerialChain, position: FloatArray) -> None:
+    def start(self, program: Program, chain: SerialChain, position: Array) -> None:
         """Begin a program that was checked, from where the robot is (rad or m)."""
         self._chain, self._position, self._done = chain, position, 0
         self._program = program
@@ -144,7 +144,7 @@ class ProgramRunner:
         else:
             self._next()
 
-    def _plan(self, step: Step, chain: SerialChain, start: FloatArray) -> Waypoints:
+    def _plan(self, step: Step, chain: SerialChain, start: Array) -> Waypoints:
         # Compiled code, 100 MB and seconds, that a publisher without programs does without.
         from robomech_ros.trajectory.plans.fitting_plan import fitting_plan
 

@@ -22,7 +22,7 @@ from robomech_ros.nodes.trajectory_publisher.program_file import program_file
 from robomech_ros.nodes.trajectory_publisher.program_runner import ProgramRunner
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
 from robomech_ros.robots import SerialChain
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 
 class ProgramService:
@@ -105,7 +105,7 @@ class ProgramService:
         count = f"{program.cycles} cycles" if program.cycles else "cycles until cancelled"
         return f"{len(program.steps)} steps, {count}"
 
-    def _place(self, chain: SerialChain) -> FloatArray:
+    def _place(self, chain: SerialChain) -> Array:
         """Give where the robot stands (rad or m), while nothing is executed."""
         if self._loop.dispatcher.busy:
             raise self._busy()
@@ -114,7 +114,7 @@ class ProgramService:
             raise NoStateError(chain.joint_names, "joint_states")
         return position
 
-    def _planned(self, path: Path, model: RobotModel, place: FloatArray) -> Program:
+    def _planned(self, path: Path, model: RobotModel, place: Array) -> Program:
         """Read a program all of whose moves can be planned; runs beside the executor."""
         program = read_program(path, model.chain, model.semantic)
         self._runner.check(program, model.chain, place)

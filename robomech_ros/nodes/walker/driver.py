@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.time import Time
 from trajectory_msgs.msg import JointTrajectory
@@ -22,8 +21,6 @@ from robomech_ros.nodes.walker.settings import WalkerSettings
 from robomech_ros.nodes.walker.stream import WalkStream, rising
 from robomech_ros.servo.motion import Samples
 from robomech_ros.walking import Walker
-
-Array = NDArray[np.float64]
 
 # A robot whose joints are all this near to where the walk has them stands there (rad or m).
 _THERE = 0.02

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from geometry_msgs.msg import Point, Point32, PolygonStamped, TransformStamped
 from nav_msgs.msg import Odometry
-from numpy.typing import NDArray
 from rclpy.node import Node
 from std_msgs.msg import Float64
 
@@ -18,9 +17,8 @@ from robomech_ros.nodes.walker.uncertainty import Uncertainty
 from robomech_ros.spatial import pose_logarithm
 from robomech_ros.spatial.plain_poses import plain_pose
 from robomech_ros.spatial.poses import rigid_inverse
+from robomech_ros.typing import Array
 from robomech_ros.walking import LeggedRobot, WalkUpdate, support_polygon
-
-Array = NDArray[np.float64]
 
 _DEPTH = 10
 

@@ -6,12 +6,10 @@ from collections import deque
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.servo.motion import Samples
+from robomech_ros.typing import Array
 from robomech_ros.walking import Walker, WalkUpdate
-
-Array = NDArray[np.float64]
 
 # Periods in which the joints brake behind the last knot of a message.
 _BRAKING = 2

@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.nodes.common.odometry_frame import POSE, TWIST, full_covariance
+from robomech_ros.typing import Array
 from robomech_ros.walking import WalkUpdate
-
-Array = NDArray[np.float64]
 
 
 class Uncertainty:

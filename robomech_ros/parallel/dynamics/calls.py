@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.loops import dynamics as kernels
 from robomech_ros._kernels.loops.factors import NOT_FINITE, REGULAR
@@ -13,8 +13,7 @@ from robomech_ros.errors import NonFiniteError, RobomechError, WrongSizeError
 from robomech_ros.parallel.dynamics.model import mechanism_model, refuse
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.spatial.arrays import as_finite
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 
 def as_rows(array: Array) -> Array:
@@ -31,7 +30,7 @@ def finite(result: Array) -> Array:
 
 def loop_arguments(
     mechanism: Mechanism,
-) -> tuple[Array, NDArray[np.int64], NDArray[np.int64], float]:
+) -> tuple[Array, IntArray, IntArray, float]:
     """Give model, starts, drives and scale, as the kernels name them.
 
     Raises

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.dynamics.layout import LINEAR_ACCELERATION, TIP_WRENCH
 from robomech_ros.dynamics import ConstrainedBodies, constraint_reactions
@@ -20,8 +19,7 @@ from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
 from robomech_ros.spatial.cross_product import cross_product_matrix
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)

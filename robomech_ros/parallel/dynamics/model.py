@@ -6,7 +6,6 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.dynamics.layout import MASS, MODEL_WIDTH, ROTOR
 from robomech_ros._kernels.dynamics.mass import totals
@@ -16,8 +15,7 @@ from robomech_ros.errors import BadValueError, MissingInertiaError, SingularPost
 from robomech_ros.parallel.mechanism.loops import refuse_status
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combined
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def platform_body(mechanism: Mechanism) -> Body:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.loops import dynamics as kernels
 from robomech_ros.dynamics import ConstrainedBodies
@@ -33,8 +33,7 @@ from robomech_ros.parallel.dynamics.servo import loop_servo, mode_postures
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combined
 from robomech_ros.spatial.arrays import as_finite
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 # How far loops may be open by rounding (m over the robot's size, rad).
 _OPEN = 1e-6
@@ -108,7 +107,7 @@ class ParallelDynamics:
     name: str = field(init=False)
     joint_names: tuple[str, ...] = field(init=False)
     drive_names: tuple[str, ...] = field(init=False)
-    drives_at: NDArray[np.int64] = field(init=False, repr=False)
+    drives_at: IntArray = field(init=False, repr=False)
     lower: Array = field(init=False, repr=False)
     upper: Array = field(init=False, repr=False)
     effort: Array = field(init=False, repr=False)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.loops.controlled import servo_steps
 from robomech_ros._kernels.loops.factors import FREE, SINGULAR
@@ -21,8 +20,7 @@ from robomech_ros.kinematics.posture_samples import spread_values
 from robomech_ros.parallel.dynamics.calls import loop_arguments
 from robomech_ros.parallel.dynamics.model import mechanism_model
 from robomech_ros.parallel.mechanism.model import Mechanism
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Each costs as much as closing the loops.
 _MOST_POSTURES = 256

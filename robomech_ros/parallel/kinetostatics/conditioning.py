@@ -6,7 +6,7 @@ import functools
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.kinetostatics.indices import as_length
@@ -25,8 +25,7 @@ from robomech_ros.parallel.kinetostatics.square_systems import are_regular
 from robomech_ros.parallel.library import ParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.stewart_gough import StewartGough
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _ANGULAR = 3
 # Parts of unit twists below which they are zero.

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.parallel.arguments import platform_poses, pose_about_z
@@ -24,8 +24,7 @@ from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.spatial.arrays import as_finite, real_array
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_axis_angle
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Columns of a twist [angular; linear] that a platform has.
 _MOTIONS = {

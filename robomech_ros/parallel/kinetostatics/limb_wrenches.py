@@ -11,15 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics import jacobian, jacobian_rate
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots.chain_layout import PRISMATIC
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray, IntArray
 
 _TWIST, _ANGULAR = 6, 3
 # How far limbs may hold the platform from the pose given (rad; of the size).
@@ -58,8 +56,8 @@ class Wrenches:
     lever: Array
     carried: Array
     size: float
-    limbs: NDArray[np.int64]
-    carriers: NDArray[np.int64]
+    limbs: IntArray
+    carriers: IntArray
 
     def rows(self) -> tuple[Array, Array]:
         """Give the rows (..., m, 6) of K, of motions that the platform has, and J's diagonal."""
@@ -238,7 +236,7 @@ def _without(x: Array, parts: Array) -> tuple[Array, Array, Array]:
 
 
 def _borne(
-    along: Array, others: Array, screws: Array, k: int, prismatic: NDArray[np.bool_], size: float
+    along: Array, others: Array, screws: Array, k: int, prismatic: BoolArray, size: float
 ) -> tuple[Array, Array, Array]:
     """Find the wrench (..., 6), with forces over the size, its work and the most that it can be."""
     parts = np.concatenate((others, np.zeros((*along.shape, 1))), axis=-1)
@@ -258,10 +256,10 @@ def _borne(
 
 def _lever(
     wrench: Array,
-    is_force: NDArray[np.bool_],
+    is_force: BoolArray,
     screws: Array,
     k: int,
-    prismatic: NDArray[np.bool_],
+    prismatic: BoolArray,
     size: float,
 ) -> Array:
     """Give the most (...) that a wrench can work on a drive, about the joint next to it."""

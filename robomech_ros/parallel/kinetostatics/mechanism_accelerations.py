@@ -9,13 +9,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics import jacobian, jacobian_rate
 from robomech_ros.parallel.kinetostatics.limb_wrenches import Wrenches
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Part of an acceleration that limbs prevent and that is rounding, of what it is made of.
 _PREVENTED = 1e-6

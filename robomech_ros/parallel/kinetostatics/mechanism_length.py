@@ -5,15 +5,13 @@ from __future__ import annotations
 import functools
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
 from robomech_ros.parallel.kinetostatics.limb_wrenches import Wrenches, limb_wrenches
 from robomech_ros.parallel.kinetostatics.square_systems import are_regular
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots.chain_layout import PRISMATIC
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _ANGULAR = 3
 _POSTURES = 256

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics.posture_samples import reach_bound
 from robomech_ros.outcomes import Code
@@ -13,8 +12,7 @@ from robomech_ros.parallel.kinetostatics.limb_wrenches import limb_wrenches
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _TWIST, _ANGULAR = 6, 3
 # Parts of unit twists below which they are zero.

@@ -9,13 +9,11 @@ joints of loops that are closed move like a root in front of a singular posture.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.parallel.kinetostatics.limb_wrenches import wrenches_of_limbs
 from robomech_ros.parallel.mechanism.model import Mechanism
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # The longest move of a joint from one place to the next (rad; of the size).
 _STEP = 1e-3

@@ -21,8 +21,7 @@ from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
 from robomech_ros.parallel.spherical import Spherical3RRR
 from robomech_ros.parallel.stewart_gough import StewartGough
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 _LIMBS = 3
 _MODES = tuple("".join(signs) for signs in product("-+", repeat=_LIMBS))
@@ -47,7 +46,7 @@ class PoseLimits:
         there is none.
     """
 
-    inside: NDArray[np.bool_]
+    inside: BoolArray
     cause: NDArray[np.str_]
     excess: Array
     q: Array

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
 from robomech_ros.parallel.arguments import pose_about_z
@@ -15,8 +14,7 @@ from robomech_ros.parallel.spherical import Spherical3RRR
 from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Points of the cube for one pose that is looked for, as many have legs outside their strokes.
 _TRIES = 64

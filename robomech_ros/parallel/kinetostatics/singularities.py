@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import WrongSizeError
@@ -18,8 +18,7 @@ from robomech_ros.parallel.kinetostatics.limb_geometry import poses_of
 from robomech_ros.parallel.library import ParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.stewart_gough import StewartGough
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 _ANGULAR = 3
 # Least part of a limb in forces that balance each other, of their norm 1.
@@ -211,7 +210,7 @@ def _wrenches(scaled: Array, motions: Array, length: float) -> Array:
     return out
 
 
-def _numbers(robot: ParallelRobot | Mechanism, drives: NDArray[np.int64]) -> tuple[int, ...]:
+def _numbers(robot: ParallelRobot | Mechanism, drives: IntArray) -> tuple[int, ...]:
     """Give the limbs of drives, from 1."""
     if isinstance(robot, Mechanism):
         where = robot.drive_index[drives]

@@ -3,27 +3,26 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.typing import Array, BoolArray
 
-Array = NDArray[np.float64]
 
-
-def are_regular(A: Array) -> NDArray[np.bool_]:
+def are_regular(A: Array) -> BoolArray:
     """Say which matrices (..., m, m) are regular whatever the units of their columns."""
     return _evened(A, False)[2]
 
 
-def _evened(A: Array, rows: bool) -> tuple[Array, Array, NDArray[np.bool_]]:
+def _evened(A: Array, rows: bool) -> tuple[Array, Array, BoolArray]:
     """Bring columns or rows to one size; give the sizes, and which matrices are regular."""
     sizes = np.linalg.norm(A, axis=-1 if rows else -2)
     sizes = np.where(sizes > 0.0, sizes, 1.0)
     scaled = A / (sizes[..., :, None] if rows else sizes[..., None, :])
     values = np.linalg.svd(scaled, compute_uv=False)
-    regular: NDArray[np.bool_] = values[..., -1] > RANK * values[..., 0]
+    regular: BoolArray = values[..., -1] > RANK * values[..., 0]
     return scaled, sizes, regular
 
 

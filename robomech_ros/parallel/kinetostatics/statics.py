@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.parallel.kinetostatics.limb_geometry import (
@@ -16,8 +16,7 @@ from robomech_ros.parallel.kinetostatics.limb_geometry import (
 from robomech_ros.parallel.kinetostatics.square_systems import one_each, solved_columns
 from robomech_ros.parallel.library import ParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _WRENCH = 6
 

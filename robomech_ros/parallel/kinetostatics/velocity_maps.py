@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import BadValueError
@@ -28,8 +28,7 @@ from robomech_ros.parallel.kinetostatics.mechanism_rates import mechanism_matrix
 from robomech_ros.parallel.kinetostatics.square_systems import one_each, solved_columns
 from robomech_ros.parallel.library import ParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _TWIST = 6
 # Entries of a twist that are less than this, of the largest, are zero.

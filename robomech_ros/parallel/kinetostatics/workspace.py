@@ -31,8 +31,7 @@ from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 TYPE_2 = "type 2 singularity"
 
@@ -270,7 +269,7 @@ def _explored(
     # Postures of a mechanism are followed along each direction, from the last place that it takes.
     last, reached = np.tile(first.q[0], (len(rays), 1)), np.zeros(len(rays))
 
-    def limits(which: NDArray[np.int64], distances: Array) -> PoseLimits:
+    def limits(which: IntArray, distances: Array) -> PoseLimits:
         if not isinstance(robot, Mechanism):
             return limits_at(robot, _poses(centre, turns, rays[which], distances), mode)
         rows = []
@@ -279,7 +278,7 @@ def _explored(
             rows.append(followed(robot, way, reached[k], end, last[k]))
         return together(rows, robot.n)
 
-    def verdict(which: NDArray[np.int64], distances: Array) -> NDArray[np.str_]:
+    def verdict(which: IntArray, distances: Array) -> NDArray[np.str_]:
         poses = _poses(centre, turns, rays[which], distances)
         found = limits(which, distances)
         cause = found.cause.astype(_CAUSE)
@@ -315,7 +314,7 @@ def _side(
 
 
 def _ends(
-    verdict: Callable[[NDArray[np.int64], Array], NDArray[np.str_]], count: int, far: float
+    verdict: Callable[[IntArray, Array], NDArray[np.str_]], count: int, far: float
 ) -> tuple[Array, NDArray[np.str_]]:
     """Find the first place along each of some rays that is excluded, and why."""
     near, beyond = np.zeros(count), np.full(count, far)

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from robomech_ros.parallel.kinetostatics.workspace import PlatformWorkspace
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray, IntArray
 
 # Least share of a direction that belongs to a facet: what is on an edge belongs to both sides.
 _ON_EDGE = -1e-9
@@ -37,7 +35,7 @@ class WorkspaceSurface:
 
     centre: Array
     facets: Array
-    ended: NDArray[np.bool_]
+    ended: BoolArray
 
     @property
     def boundary(self) -> Array:
@@ -112,7 +110,7 @@ def workspace_surface(space: PlatformWorkspace) -> WorkspaceSurface:
     return WorkspaceSurface(space.centre[:3, 3], space.points[pieces], ended)
 
 
-def neighbours(directions: Array) -> NDArray[np.int64]:
+def neighbours(directions: Array) -> IntArray:
     """Find which directions (k, 3) all round are neighbours, shape (f, c).
 
     Three corners of triangles in the space, two ends of lines in a plane, or single ones of a line.

@@ -9,15 +9,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.parallel.delta import delta_angles
 from robomech_ros.parallel.arguments import translation_only
 from robomech_ros.parallel.mechanism.limb import Axis, Limb, LimbBranches, chain_of_axes
 from robomech_ros.parallel.mechanism.planar_limbs import one_or_two
 from robomech_ros.spatial.poses import assembled
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _HALF = 0.5 * math.pi
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.parallel.newton import jacobians, leg_lengths
 from robomech_ros.parallel.arguments import pose_about_z
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 _HEIGHTS, _TURNS, _TRIED = 24, 24, 64
 # Ratio of singular values above which an upright platform is as good as a tilted one.
@@ -25,7 +23,7 @@ def platform_home(
     a: Array,
     b: Array,
     strokes: Array | None,
-    allowed: Callable[[Array], NDArray[np.bool_]] | None = None,
+    allowed: Callable[[Array], BoolArray] | None = None,
 ) -> Array:
     """Choose a pose (4, 4) of a platform on legs: upright if that is regular, within strokes.
 
@@ -62,7 +60,7 @@ def _best(
     a: Array,
     b: Array,
     strokes: Array | None,
-    allowed: Callable[[Array], NDArray[np.bool_]] | None,
+    allowed: Callable[[Array], BoolArray] | None,
     poses: Array,
     size: float,
 ) -> tuple[Array, float]:

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, UnknownJointError
 from robomech_ros.kinematics import Status, inverse_kinematics
@@ -19,8 +19,7 @@ from robomech_ros.robots.joint import turn_of_z
 from robomech_ros.robots.limit_arrays import limit_arrays
 from robomech_ros.spatial.arrays import listed
 from robomech_ros.spatial.poses import assembled, rigid_inverse
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 # Errors (m, rad) of a pose that a chain holds.
 _HELD = 1e-9
@@ -101,7 +100,7 @@ class Limb:
                 raise UnknownJointError(name, self.chain.joint_names[:-1])
 
     @cached_property
-    def bent(self) -> tuple[NDArray[np.int64], Array]:
+    def bent(self) -> tuple[IntArray, Array]:
         """The first joints of the cones, and the angles of these (rad)."""
         at = [self.chain.joint_names.index(name) for name, _ in self.cones]
         return np.array(at, np.int64), np.array([angle for _, angle in self.cones])
@@ -139,7 +138,7 @@ class Limb:
         return LimbBranches(nothing, (), excess, code=code, reason=found.reason)
 
 
-def limit_margins(q: Array, limits: Any, at: NDArray[np.int64], angles: Array) -> Array:
+def limit_margins(q: Array, limits: Any, at: IntArray, angles: Array) -> Array:
     """Say how far joints (..., n) are inside limits (rad or m), and inside cones (c,).
 
     These are given by the numbers of the first joints of cones, and their angles (rad).

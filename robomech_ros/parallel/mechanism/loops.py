@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.loops import closing, rates
 from robomech_ros._kernels.loops.factors import FREE, NOT_FINITE
@@ -15,8 +14,7 @@ from robomech_ros.outcomes import Code
 from robomech_ros.parallel.mechanism.result import ClosedPosture
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 # Loops that are this far from closed (rad, m over the size) were not closed to begin with.
 _OPEN = 1e-6
@@ -41,13 +39,13 @@ class Loops:
     """
 
     packed: Array
-    starts: NDArray[np.int64]
-    drives: NDArray[np.int64]
+    starts: IntArray
+    drives: IntArray
     size: float
     weights: Array
 
     @classmethod
-    def of(cls, chains: Sequence[SerialChain], driven: NDArray[np.int64]) -> Loops:
+    def of(cls, chains: Sequence[SerialChain], driven: IntArray) -> Loops:
         """Lay out chains, of which the joints of the given numbers are driven."""
         packed = np.concatenate([chain.packed for chain in chains])
         starts = np.cumsum([0, *(chain.n for chain in chains)])

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.mechanism.loops import Loops
 from robomech_ros.robots import SerialChain
+from robomech_ros.typing import Array
 
 # Part of the greatest singular value below which one is zero.
 _ZERO = 1e-8
@@ -17,7 +17,7 @@ _ZERO = 1e-8
 _REACHES = (0.1, 0.03, 0.01, 0.001)
 
 
-def freedoms(chains: list[SerialChain], loops: Loops, q: NDArray[np.float64]) -> tuple[int, int]:
+def freedoms(chains: list[SerialChain], loops: Loops, q: Array) -> tuple[int, int]:
     """Count the freedoms of all joints in a posture, and those that move the platform.
 
     Parameters
@@ -43,7 +43,7 @@ def freedoms(chains: list[SerialChain], loops: Loops, q: NDArray[np.float64]) ->
     return n - rank, int((moves > _ZERO * max(1.0, float(values[0]))).sum())
 
 
-def check_drives(chains: list[SerialChain], loops: Loops, home: NDArray[np.float64]) -> None:
+def check_drives(chains: list[SerialChain], loops: Loops, home: Array) -> None:
     """Refuse limbs with more or fewer drives than freedoms, and drives that hold no platform.
 
     Parameters
@@ -76,7 +76,7 @@ def check_drives(chains: list[SerialChain], loops: Loops, home: NDArray[np.float
         raise BadValueError("actuated joints", driven, expected) from None
 
 
-def _beside(loops: Loops, home: NDArray[np.float64]) -> NDArray[np.float64]:
+def _beside(loops: Loops, home: Array) -> Array:
     """Give a posture near home that is not special, if the drives lead to one."""
     rng = np.random.default_rng(7)
     driven = np.flatnonzero(loops.drives >= 0)

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.parallel.arguments import actuated as checked_drives
@@ -30,8 +30,7 @@ from robomech_ros.parallel.mechanism.shapes import shapes_of_limbs
 from robomech_ros.parallel.mechanism.tree import tree_of_limbs
 from robomech_ros.parallel.result import DirectKinematicsResult
 from robomech_ros.robots import Body, RobotDescription
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Errors (rad, m) of loops that are closed where all joints are at zero.
 _CLOSED = 1e-9

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import OpenLoopsError
 from robomech_ros.parallel.arguments import actuated as checked_drives
 from robomech_ros.parallel.mechanism.loops import Loops
 from robomech_ros.parallel.mechanism.result import ClosedPosture
 from robomech_ros.spatial.arrays import as_finite
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 class LoopMotion:

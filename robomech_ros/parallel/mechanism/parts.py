@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, UnknownLinkError
 from robomech_ros.parallel.mechanism.limb import Limb
@@ -15,8 +14,7 @@ from robomech_ros.parallel.mechanism.tree import links_of_joints
 from robomech_ros.robots import Body, Drive, SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.poses import assembled, rigid_inverse
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Below this (m, or the sine of an angle) a direction is rounding.
 _ROUNDING = 1e-9

@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.parallel.limbs import planar_limb
 from robomech_ros.parallel.mechanism.limb import Axis, Limb, LimbBranches, chain_of_axes
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial.poses import assembled
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _X, _Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 _SAME = 1e-7

@@ -7,15 +7,13 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.mechanism.limb import Limb, LimbBranches
 from robomech_ros.parallel.mechanism.loops import Loops
 from robomech_ros.parallel.mechanism.result import MechanismPostures
 from robomech_ros.robots.chain_layout import PRISMATIC
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Rounding of positions at limits (rad or m).
 _WITHIN = 1e-9

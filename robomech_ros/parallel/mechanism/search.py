@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.loops.searching import search
 from robomech_ros.outcomes import Code
@@ -12,8 +11,7 @@ from robomech_ros.parallel.mechanism.result import AssemblyModes
 from robomech_ros.parallel.seeds import nearest_order
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 _FAMILY = "limbs of any kind, searched"
 # Starts in each of so many rounds; it ends when each mode was found so often, and none was new.
@@ -48,7 +46,7 @@ class AssemblySearch:
         rng = np.random.default_rng(12)
         n = len(self.lower)
         q, starts = np.empty((0, n)), 0
-        hits: NDArray[np.int64] = np.empty(0, np.int64)
+        hits: IntArray = np.empty(0, np.int64)
         for _ in range(_ROUNDS):
             before = len(q)
             q, hits = self._merged(q, hits, self.closed(drives, _STARTS, rng))
@@ -76,9 +74,7 @@ class AssemblySearch:
         errors[..., :3, 3] /= loops.size
         return np.asarray(q[errors.max(axis=(1, 2, 3), initial=0.0) <= _CLOSED])
 
-    def _merged(
-        self, q: Array, hits: NDArray[np.int64], new: Array
-    ) -> tuple[Array, NDArray[np.int64]]:
+    def _merged(self, q: Array, hits: IntArray, new: Array) -> tuple[Array, IntArray]:
         """Add postures whose pose is new; of one pose keep that with joints nearest to limits."""
         kept, counts = list(q), hits.tolist()
         poses = [self._scaled(row) for row in kept]

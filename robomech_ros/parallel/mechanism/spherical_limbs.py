@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.parallel.arguments import rotation_only
 from robomech_ros.parallel.limbs import turning_limb
@@ -14,8 +13,7 @@ from robomech_ros.parallel.mechanism.planar_limbs import one_or_two
 from robomech_ros.robots.joint import turn_of_z
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def spherical_limbs(

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.cartesian import PathCheck
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.trajectory import JointPath, PathCut, PathTrackingStatus
 from robomech_ros.trajectory.paths.path_cuts import last_good_place
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # How far outside its cone a joint may be at the places looked at (rad).
 _SLACK = 1e-9

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.outcomes import Code
@@ -13,8 +13,7 @@ from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.motion.singular_place import named_singularity, singular_values
 from robomech_ros.spatial.arrays import as_finite, real_number
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Loops of a posture that somebody gives may be open by this (rad, m): rounding of messages.
 OPEN = 1e-6

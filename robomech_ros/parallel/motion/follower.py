@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.cartesian.singular_parts import ever_faster
 from robomech_ros.errors import BadValueError, WrongSizeError
@@ -17,8 +16,7 @@ from robomech_ros.parallel.motion.drive_paths import follow_drives
 from robomech_ros.parallel.motion.singular_place import named_singularity, singular_values
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import JoinedArms, JointLimits, JointPath, Limits, SerialArm
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # A limb whose Jacobian, lengths over the size, is conditioned worse than this is singular.
 _SINGULAR_LIMB = 1e3

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.cartesian import CartesianPlan, PathBounds, Sampling, StopReason, plan_along
 from robomech_ros.errors import BadValueError, DurationTooShortError, WrongSizeError
@@ -35,8 +35,7 @@ from robomech_ros.trajectory import (
 )
 from robomech_ros.trajectory.curves.motion_to_rest import MotionToRest
 from robomech_ros.trajectory.plans.fitting_plan import fitting_plan
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Passive joints may be so much over their limits, as a part: rounding.
 _ROUNDING = 1e-9

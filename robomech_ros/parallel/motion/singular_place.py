@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.cartesian import PathCheck
 from robomech_ros.errors import BadValueError
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.trajectory import JointPath, PathCut, PathTrackingStatus
 from robomech_ros.trajectory.paths.path_cuts import PLACES, last_good_place
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 # A direction is named after a coordinate axis if it is as near to it as this cosine.
 _ALONG = 0.99
@@ -148,7 +146,7 @@ def crossing_cut(mechanism: Mechanism, most: float) -> PathCheck:
         k = int(np.argmax(turned))
         before = np.linalg.pinv(twists[k])
 
-        def beyond(rows: Array) -> NDArray[np.bool_]:
+        def beyond(rows: Array) -> BoolArray:
             values = singular_values(mechanism, rows)
             above = values[:, 0] > most * values[:, -1]
             flips = [np.linalg.det(before @ _scaled_twists(mechanism, row)) <= 0.0 for row in rows]

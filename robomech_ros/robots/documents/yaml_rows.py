@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobotDescriptionError
@@ -15,6 +14,7 @@ from robomech_ros.robots.documents.yaml_bodies import body_from_yaml, drive_from
 from robomech_ros.robots.limit_arrays import KEYS as LIMITS
 from robomech_ros.robots.limit_arrays import position_limits
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw
+from robomech_ros.typing import Array
 
 __all__ = [
     "JOINT_TYPES",
@@ -28,7 +28,6 @@ __all__ = [
     "read_unit",
 ]
 
-Array = NDArray[np.float64]
 
 _ROW_KEYS = ("name", "type", "a", "alpha")
 _ROW_OPTIONAL = ("b", "d", "theta", "body", "drive")

@@ -4,13 +4,13 @@ from collections.abc import Iterable
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.documents.guarded_xml import XmlElement, parse_xml
 from robomech_ros.robots.documents.numbers_in_text import finite_number
 from robomech_ros.robots.entry_checks import bare_link
+from robomech_ros.typing import Array
 
 
 def parse_urdf(text: str | bytes, where: str) -> XmlElement:
@@ -85,12 +85,12 @@ class ElementReader:
             self.refuse(f"{attribute} of <origin> is '{text[:80]}', at most 1e6 is allowed")
         return values
 
-    def origin(self, parent: XmlElement) -> NDArray[np.float64]:
+    def origin(self, parent: XmlElement) -> Array:
         """Read the pose (4, 4) that an element in this one has, in m; without one the identity."""
         origin = self.child("origin", parent=parent)
         return self.pose([] if origin is None else [origin])
 
-    def pose(self, origins: Iterable[XmlElement]) -> NDArray[np.float64]:
+    def pose(self, origins: Iterable[XmlElement]) -> Array:
         """Read the pose (4, 4) of an origin, in m; of none the identity."""
         from robomech_ros.spatial import matrix_from_roll_pitch_yaw
 

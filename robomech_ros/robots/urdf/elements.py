@@ -5,7 +5,6 @@ from collections.abc import Iterable, Mapping
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.drives import DRIVE_KEYS, Drive
@@ -13,8 +12,7 @@ from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.limit_arrays import LARGEST_ANGLE
 from robomech_ros.robots.urdf.joints import DRIVE_TAG
 from robomech_ros.robots.urdf.shapes import Shape
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _INDENT = "  "
 

@@ -9,7 +9,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.robots.documents.guarded_xml import XmlElement
@@ -17,6 +16,7 @@ from robomech_ros.robots.drives import DRIVE_KEYS, Drive
 from robomech_ros.robots.joint import MOVING, Joint
 from robomech_ros.robots.limit_arrays import position_limits
 from robomech_ros.robots.urdf.element_reader import ElementReader
+from robomech_ros.typing import Array
 
 # A joint axis must be given with at least this length before it is normalised.
 AXIS_LENGTH = 1e-9
@@ -24,8 +24,6 @@ JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "plan
 # Our own element, for what <dynamics> has no attribute for; other readers pass over it.
 DRIVE_TAG = "robomech_drive"
 _LIMIT_KEYS = ("lower", "upper", "velocity", "effort", "acceleration", "jerk")
-
-Array = NDArray[np.float64]
 
 
 def read_joint(element: XmlElement, where: str, notes: list[str]) -> Joint:

@@ -9,11 +9,9 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.robots.joint import Joint, turn_of_z
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Measures of drums and bars, in parts of the robot's reach; bars shorter than the last are left
 # out, since the drum of a joint hides them.

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.robots.documents.guarded_xml import XmlElement
 from robomech_ros.robots.urdf.element_reader import ElementReader, parse_urdf
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 Colour = tuple[float, float, float, float]
 
 # How many numbers each shape has, by tag and attribute.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.calibration import HandEyeResult
 from robomech_ros.rvs.model.eye import marker_points, seen_points
@@ -14,6 +13,7 @@ from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.page.marker_nodes import MarkerNodes
 from robomech_ros.rvs.page.surroundings import place_eye
+from robomech_ros.typing import Array
 
 ORDER = 5.7
 SOURCE = "calibration"
@@ -30,7 +30,7 @@ class CalibrationLayer:
         ``T_sensor_target`` of its samples (m).
     """
 
-    def __init__(self, place: Place, result: HandEyeResult, tracking: NDArray[np.float64]) -> None:
+    def __init__(self, place: Place, result: HandEyeResult, tracking: Array) -> None:
         self._place, self._result = place, result
         chain = place.chain
         self._markers = calibration_markers(result, tracking, chain.base, chain.tip)
@@ -66,6 +66,6 @@ class CalibrationLayer:
 
         self._place.run((self, "shown"), turned)
 
-    def _points(self) -> NDArray[np.float64]:
+    def _points(self) -> Array:
         seen, at = self._place.seen, self._place.arm.positions
         return np.vstack([seen_points(seen, [at]), marker_points(seen, self._markers, at)])

@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.eye import seen_points
 from robomech_ros.rvs.page.audience import AllControls, Controls
 from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.page.panel import GIZMO
 from robomech_ros.rvs.page.surroundings import fit_eye, place_eye
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Between the joints and what is shown.
 ORDER = 5.5

@@ -7,7 +7,6 @@ from collections.abc import Callable, Hashable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.curve_drawing import ROOT
 from robomech_ros.rvs.model.curve_problems import (
@@ -24,8 +23,7 @@ from robomech_ros.rvs.page.curve_view import CurveView
 from robomech_ros.rvs.page.layer import Place, Switch
 from robomech_ros.rvs.page.tables import small_text
 from robomech_ros.rvs.serving.worker import Worker
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 ORDER = 30
 # The same pose (m, and entries of the rotation), and the same posture (rad).

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.robots.joint import turn_of_z
 from robomech_ros.rvs.model.hands.grasp import GraspStudy
@@ -16,8 +15,6 @@ from robomech_ros.rvs.model.understanding import TwistArrows, twist_arrows
 from robomech_ros.rvs.page.robot_nodes import placed
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.spatial import quaternion_from_matrix
-
-Array = NDArray[np.float64]
 
 BODY, BODY_OPACITY = (120, 150, 190), 0.25
 # Cones of fingers that touch, and of those that do not reach; and of those without friction.

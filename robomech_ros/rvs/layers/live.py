@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.following_goal import FollowingGoal
 from robomech_ros.rvs.model.live_robot import LiveRobot, SeenMarker, ServoNews
@@ -17,8 +16,7 @@ from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.page.live.live_controls import LiveControls
 from robomech_ros.rvs.page.live.live_page import LivePage
 from robomech_ros.rvs.page.marker_nodes import MarkerNodes
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 class LiveLayer(LivePage):

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics import link_poses
 from robomech_ros.parallel import Mechanism
@@ -17,8 +16,7 @@ from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.ghost_nodes import GhostBatch
 from robomech_ros.rvs.page.layer import Place
 from robomech_ros.spatial import quaternion_from_matrix
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Ghosts of a sweep, from the colour of the start to that of the goal, and the one at the time.
 SWEEP = 12

@@ -7,9 +7,6 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.parallel import Mechanism
 from robomech_ros.rvs.layers.motion_controls import MotionControls
@@ -30,8 +27,7 @@ from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # A motion that plays moves on so often (s).
 BEAT = 0.04

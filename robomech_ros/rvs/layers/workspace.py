@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinetostatics import ReachMap
@@ -32,8 +31,7 @@ from robomech_ros.rvs.page.workspace_legends import map_legend, section_text
 from robomech_ros.rvs.page.workspace_nodes import WorkspaceNodes
 from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.spatial.arrays import as_choice
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 ORDER = 20
 # What can be shown, and its label.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
@@ -17,6 +17,7 @@ from robomech_ros.rvs.model.moved import OPEN_TURN, ROUNDING, Moved, Travel
 from robomech_ros.rvs.model.postures import PoseStudy, study_pose
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.spatial import as_pose
+from robomech_ros.typing import Array
 
 __all__ = ["SeenArm", "Travel"]
 
@@ -24,8 +25,6 @@ __all__ = ["SeenArm", "Travel"]
 OPEN_SLIDE = 1.0
 # Conditions that a pose puts; an arm with fewer joints hardly ever takes one exactly.
 CONDITIONS = 6
-
-Array = NDArray[np.float64]
 
 
 class SeenArm(Moved):

@@ -8,11 +8,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.curve_problems import Axis
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Of the first and the second curve, and of the steps; told apart on light and dark ground.
 COLOURS = ("#2f7fd1", "#e07b1a")

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.kinematics.oracles.posture_contours import MINORS, Crossing, PostureContours
 from robomech_ros.numerics import CurveCrossing, CurvePair
 from robomech_ros.numerics.grid_crossings import Equations
 from robomech_ros.robots import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # What a root leaves of the other equations, as part of their size; where curves touch, a crossing
 # is known to the root of the rounding.

@@ -8,12 +8,10 @@ from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.live_robot import SeenMarker
 from robomech_ros.rvs.model.seen_robot import SeenRobot
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # From where a robot is seen at first, and how: less of a field than viser's own distorts less.
 DIRECTION = (0.56, -0.72, 0.4)

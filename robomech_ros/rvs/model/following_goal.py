@@ -5,9 +5,8 @@ from __future__ import annotations
 import threading
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # A joint nearer to its goal is there, and one that moves by less stands (rad or m); the tolerance
 # of the controller is larger than the first.

@@ -12,8 +12,8 @@ from robomech_ros.kinematics import link_poses
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.urdf.shapes import Shape
 from robomech_ros.spatial import quaternion_from_matrix
+from robomech_ros.typing import Array, BoolArray
 
-Array = NDArray[np.float64]
 Rgb = tuple[int, int, int]
 
 # Colours of postures that are told apart on light and dark ground (0 to 255).
@@ -142,7 +142,7 @@ class Ghosts:
             np.repeat(np.array(colours, dtype=np.uint8), self.pieces, axis=0),
         )
 
-    def _is_again(self, T: Array) -> NDArray[np.bool_]:
+    def _is_again(self, T: Array) -> BoolArray:
         """Tell which pieces, at T (count, pieces, 4, 4), lie where an earlier ghost has them."""
         middles, axes = T[..., :3, 3], T[..., :3, 2]
         radius, length = self._scale[:, 0], self._scale[:, 2]
@@ -150,7 +150,7 @@ class Ghosts:
         # A cylinder is the same the other way round.
         tilt = np.linalg.norm(np.cross(axes[:, None], axes), axis=-1)
         same = shift + 0.5 * length * tilt < SAME * radius
-        again: NDArray[np.bool_] = np.tril(np.moveaxis(same, -1, 0), -1).any(axis=-1).T
+        again: BoolArray = np.tril(np.moveaxis(same, -1, 0), -1).any(axis=-1).T
         return again
 
 

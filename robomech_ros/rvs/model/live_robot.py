@@ -6,14 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robomech_ros.robots.gripper import GripperModel
 from robomech_ros.rvs.model.jog import Beat
 from robomech_ros.rvs.motion import Motion
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.dynamics import inverse_dynamics
 from robomech_ros.errors import BadValueError, MissingInertiaError
 from robomech_ros.parallel import Mechanism, ParallelDynamics
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.motion import Motion
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 QUANTITIES = ("position", "velocity", "acceleration", "jerk", "torque")
 # What follows the unit of a position in those of its derivatives.

@@ -7,8 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics import SelfMotionCurve
@@ -16,14 +15,13 @@ from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.rvs.model.ghosts import GhostMaker, NoGhosts
 from robomech_ros.rvs.model.postures import PoseStudy
 from robomech_ros.rvs.model.seen_robot import SeenRobot
+from robomech_ros.typing import Array
 
 # Half the travel of sliders of turning joints without a limit (rad).
 OPEN_TURN = 2.0 * math.pi
 # A typed number may be beyond a limit by this much, rounding of what is shown (rad or m): fields
 # have four decimals, or two of degrees.
 ROUNDING = 9e-5
-
-Array = NDArray[np.float64]
 
 
 class Travel(NamedTuple):

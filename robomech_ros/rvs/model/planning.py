@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.cartesian import path_through, plan_along
 from robomech_ros.errors import BadValueError
@@ -15,8 +14,7 @@ from robomech_ros.rvs.motion import Motion
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES, nearest_turns, point_to_point
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Ways from posture to posture: all joints together, or the tip along a line.
 JOINTS, LINE = "joints", "line of the tip"

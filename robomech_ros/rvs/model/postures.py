@@ -6,7 +6,6 @@ import re
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics import inverse_kinematics
 from robomech_ros.kinematics.inverse.nearest_posture import least_squares_posture
@@ -14,6 +13,7 @@ from robomech_ros.kinematics.inverse.request import as_request
 from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots import SerialChain
+from robomech_ros.typing import Array
 
 # Of the self-motion of a redundant arm so many samples are shown; no other arm has more postures.
 MOST_POSTURES = 16
@@ -22,8 +22,6 @@ MOST_POSTURES = 16
 STEADY = 0.95
 # Nearer to the present posture than this a posture is that one (rad or m).
 HERE = 1e-6
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

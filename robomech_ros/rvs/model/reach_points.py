@@ -15,8 +15,7 @@ from robomech_ros.kinetostatics.maps.engines import as_workers
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.workspace_views import is_in_opening
 from robomech_ros.spatial.arrays import as_choice
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 ORIENTATIONS = ("64 spread evenly", "the present one")
 # Points along each side of the cube.

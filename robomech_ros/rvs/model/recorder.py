@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.motion import Motion
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Postures nearer in time than this are one (s); where nothing came for so long, the arm stood.
 NEAREST, STOOD = 0.005, 0.1

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.curve_drawing import (
     SIDE,
@@ -14,8 +13,7 @@ from robomech_ros.rvs.model.curve_drawing import (
     placed_points,
 )
 from robomech_ros.rvs.model.workspace_views import SectionView
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Of one posture, two, three, four, and more; told apart on light and dark ground.
 COLOURS = ("#8ecae6", "#2a9d8f", "#e9c46a", "#f4853a", "#9d4edd")

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.calibration import HandEyeResult
 from robomech_ros.rvs.model.live_robot import SeenMarker
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 Rgba = tuple[float, float, float, float]
 
 # Square of the radius that holds 95 % of three normal numbers of variance 1.

@@ -8,7 +8,6 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobomechError
@@ -20,8 +19,8 @@ from robomech_ros.robots.urdf.shapes import COLOURS, Shape, generated_shapes
 from robomech_ros.robots.urdf.visuals import Visual, read_visuals
 from robomech_ros.rvs.model.mesh_files import MeshError, mesh_file, read_mesh
 from robomech_ros.rvs.model.solids import Solid, box, cylinder, sphere
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 Colour = tuple[float, float, float, float]
 
 # Of bodies without a colour of their own, and of what stands for a mesh that is missing (m).

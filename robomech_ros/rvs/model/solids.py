@@ -3,9 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 # Sides of cylinders, and of spheres from pole to pole.
 SIDES, RINGS = 24, 12
@@ -23,7 +22,7 @@ class Solid(NamedTuple):
     """
 
     vertices: Array
-    faces: NDArray[np.int64]
+    faces: IntArray
 
 
 def box(x: float, y: float, z: float) -> Solid:
@@ -90,5 +89,5 @@ def sphere(radius: float) -> Solid:
     return Solid(vertices, np.vstack(faces))
 
 
-def _triangles(quads: list[tuple[int, int, int, int]]) -> NDArray[np.int64]:
+def _triangles(quads: list[tuple[int, int, int, int]]) -> IntArray:
     return np.array([face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))])

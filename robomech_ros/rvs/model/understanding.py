@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
@@ -24,8 +23,7 @@ from robomech_ros.kinetostatics import (
 )
 from robomech_ros.kinetostatics.conditioning import length_scale
 from robomech_ros.robots import SerialChain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Rows of the Jacobian, by what they are of, and the units of their velocities and forces.
 ROWS = {"translation": slice(3, 6), "rotation": slice(0, 3)}

@@ -7,11 +7,9 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 LONGEST = 2000
 # The eye is so near (m), and does not look along the vertical nearer than this (sine).

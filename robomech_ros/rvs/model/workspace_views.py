@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinetostatics import Workspace, workspace_boundary
@@ -14,8 +13,7 @@ from robomech_ros.kinetostatics.workspace.positioning_part import positioning_pa
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.curve_problems import Axis
 from robomech_ros.rvs.model.solids import Solid
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray, IntArray
 
 # Squares along the longer side of the section, in each of which postures are counted once.
 SQUARES = 170
@@ -55,7 +53,7 @@ class SectionView:
     in_tip: Array
     axes: tuple[Axis, Axis]
     edges: tuple[Array, Array]
-    counts: NDArray[np.int64]
+    counts: IntArray
 
     def local(self, T: Array) -> Array:
         """Give the point (3,) in the frame of joint 1, the tip being at a pose (4, 4) (m)."""
@@ -122,7 +120,7 @@ class SectionView:
         if cut and not section.slides[0]:
             parts = open_intervals(low, high)
         vertices: list[Array] = []
-        faces: list[NDArray[np.int64]] = []
+        faces: list[IntArray] = []
         # Of curves that coincide one is drawn: two would show as patches.
         drawn: list[Array] = []
         for curve in self.space.curves:
@@ -138,13 +136,13 @@ class SectionView:
                 vertices.append(section.in_base(ring))
         return Solid(np.concatenate(vertices), np.concatenate(faces))
 
-    def _apart(self, points: Array, drawn: list[Array]) -> NDArray[np.bool_]:
+    def _apart(self, points: Array, drawn: list[Array]) -> BoolArray:
         """Tell which points (k, 2) are on none of the curves that are drawn already."""
         if not drawn:
             return np.ones(len(points), dtype=bool)
         near = SAME * (self.axes[1].high - self.axes[1].low)
         across = points[:, None] - np.concatenate(drawn)
-        apart: NDArray[np.bool_] = np.hypot(across[..., 0], across[..., 1]).min(axis=1) > near
+        apart: BoolArray = np.hypot(across[..., 0], across[..., 1]).min(axis=1) > near
         return apart
 
     def _swept(self, points: Array, values: Array) -> Array:
@@ -233,11 +231,11 @@ def open_intervals(low: float, high: float) -> list[tuple[float, float]]:
     return left
 
 
-def is_in_opening(azimuths: Array) -> NDArray[np.bool_]:
+def is_in_opening(azimuths: Array) -> BoolArray:
     """Tell which azimuths (rad) are in the open sector."""
     middle, half = OPENING
     away = np.remainder(azimuths - middle + np.pi, 2.0 * np.pi) - np.pi
-    inside: NDArray[np.bool_] = np.abs(away) < half
+    inside: BoolArray = np.abs(away) < half
     return inside
 
 
@@ -262,7 +260,7 @@ def _upright(points: Array) -> tuple[Array, Array, Array]:
     return points[:, 0], np.zeros(len(points)), points[:, 1]
 
 
-def _strips(steps: int, wanted: NDArray[np.bool_]) -> NDArray[np.int64]:
+def _strips(steps: int, wanted: BoolArray) -> IntArray:
     """Give the triangles between rows of points, where the gap between two of a row is wanted."""
     points = len(wanted) + 1
     corner = (np.arange(steps - 1)[:, None] * points + np.flatnonzero(wanted)).ravel()

@@ -7,7 +7,6 @@ from collections.abc import Callable, Hashable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.robots.documents.numbers_in_text import number
@@ -15,8 +14,8 @@ from robomech_ros.rvs.model.curve_drawing import COLOURS, Mark, draw_curves, pla
 from robomech_ros.rvs.model.curve_problems import CurveProblem, Finding
 from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.rvs.page.tables import notice, small_text
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 Request = Callable[[], None]
 
 # Label of the text field with the rough estimate; clicks on the curves write into it.

@@ -6,14 +6,12 @@ import html
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.ghosts import PALETTE
 from robomech_ros.rvs.model.motion_curves import MotionCurves, Quantity
 from robomech_ros.rvs.page.tables import short_name
 from robomech_ros.rvs.page.units import RADIANS, Units
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Instead of the name of one quantity.
 ALL = "all"

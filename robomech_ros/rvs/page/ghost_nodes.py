@@ -6,13 +6,11 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.ghosts import GhostMaker, Rgb
 from robomech_ros.rvs.model.postures import MOST_POSTURES
 from robomech_ros.rvs.model.solids import cylinder
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 OPACITY = 0.45
 # Numbers nearer to each other than this part of the reach are written as one.

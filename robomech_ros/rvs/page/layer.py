@@ -6,9 +6,6 @@ from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.arm import SeenArm
 from robomech_ros.rvs.model.moved import Moved
@@ -18,6 +15,7 @@ from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.robot_nodes import RobotNodes
 from robomech_ros.rvs.page.units import Units
+from robomech_ros.typing import Array
 
 
 class Ask(Protocol):
@@ -115,7 +113,7 @@ class Place:
     separate: Callable[[], tuple[RobotNodes, RobotNodes]]
     path: Callable[[str], str]
     units: Units
-    extents: dict[str, Callable[[], NDArray[np.float64]]] = field(default_factory=dict)
+    extents: dict[str, Callable[[], Array]] = field(default_factory=dict)
 
     @property
     def arm(self) -> SeenArm:

@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.moved import Moved
 from robomech_ros.rvs.page.robot_nodes import placed
@@ -15,8 +14,6 @@ from robomech_ros.rvs.page.tables import TAKE, short_name
 from robomech_ros.rvs.page.theme import set_theme
 from robomech_ros.rvs.page.units import STEP, Units
 from robomech_ros.spatial import pose_from_position_quaternion
-
-Array = NDArray[np.float64]
 
 # Size of the gizmo in reaches of the robot.
 GIZMO = 0.28

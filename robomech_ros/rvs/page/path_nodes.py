@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.ghosts import Rgb
+from robomech_ros.typing import Array
 
 # Width of the line, in the reach of the robot.
 WIDTH = 0.02
@@ -32,7 +33,7 @@ class PathNode:
         self._node: Any = None
         self._shown: NDArray[np.float32] | None = None
 
-    def show(self, points: NDArray[np.float64]) -> None:
+    def show(self, points: Array) -> None:
         """Draw the line through points (m, 3) (m); none through fewer than two."""
         ends = np.stack([points[:-1], points[1:]], axis=1).astype(np.float32)
         if self._shown is not None and np.array_equal(ends, self._shown):

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.parallel import Mechanism
@@ -26,8 +25,7 @@ from robomech_ros.rvs.page.robot_nodes import RobotNodes
 from robomech_ros.rvs.page.stage import BASE, add_base
 from robomech_ros.rvs.page.surroundings import add_surroundings, place_eye
 from robomech_ros.rvs.serving.server import guarded_server
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Pictures a second, of which the eye is placed by every so many.
 RATE = 25.0

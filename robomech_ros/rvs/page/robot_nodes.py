@@ -6,14 +6,12 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from viser._messages import SetOrientationMessage
 
 from robomech_ros.rvs.model.seen_robot import Colour, SeenRobot
 from robomech_ros.rvs.model.solids import cylinder
 from robomech_ros.spatial import position_quaternion_from_pose
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 ROOT = "/robot"
 # Parts of the robot's reach: axes of frames, and axes of joints.

@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robomech_ros.rvs.model.eye import FIELD, fitted_eye
+from robomech_ros.typing import Array
 
 # Lights without shadows or pictures: software draws them in a tenth of a second.
 AMBIENT, SKY = 1.2, 1.4
@@ -53,14 +51,14 @@ def add_surroundings(server: Any, reach: float) -> Any:
     return ground
 
 
-def place_eye(server: Any, points: NDArray[np.float64]) -> None:
+def place_eye(server: Any, points: Array) -> None:
     """Let pages begin where points (k, 3) (m) fill the picture."""
     eye, camera = fitted_eye(points), server.initial_camera
     camera.fov = FIELD
     camera.position, camera.look_at = eye.position, eye.look_at
 
 
-def fit_eye(client: Any, points: NDArray[np.float64]) -> None:
+def fit_eye(client: Any, points: Array) -> None:
     """Let points (k, 3) (m) fill a browser (viser.ClientHandle), seen from where it looks now."""
     camera = client.camera
     backwards = camera.position - camera.look_at

@@ -7,9 +7,6 @@ import math
 from collections.abc import Callable, Sequence
 from functools import partial
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robomech_ros.kinematics import Status
 from robomech_ros.rvs.model.ghosts import Rgb
 from robomech_ros.rvs.model.moved import Moved
@@ -17,8 +14,6 @@ from robomech_ros.rvs.model.postures import Posture
 from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.rvs.page.units import Units
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
-
-Array = NDArray[np.float64]
 
 # Label of the text field with which a posture is taken; rows of the table write into it.
 TAKE = "Take posture"

@@ -6,14 +6,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.reach_points import ReachPoints
 from robomech_ros.rvs.model.solids import box
 from robomech_ros.rvs.model.workspace_views import SectionView
 from robomech_ros.rvs.page.robot_nodes import placed
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 SURFACE_COLOUR, OPACITY = (60, 130, 200), 0.16
 ROLE_COLOURS = {"outer": (25, 95, 190), "inner": (205, 45, 45), "interior": (130, 130, 140)}

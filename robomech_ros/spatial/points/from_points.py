@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import points as kernels
@@ -13,8 +13,7 @@ from robomech_ros._kernels.spatial.conversions import STATUSES
 from robomech_ros.errors import UndeterminedError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, as_finite, readable_axis
 from robomech_ros.spatial.rows import finite_result, row_name
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _velocities = direct(kernels.velocities_of_points)
 _accelerations = direct(kernels.accelerations_of_points)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, ContradictionError
 from robomech_ros.spatial.arrays import as_finite
@@ -16,8 +16,7 @@ from robomech_ros.spatial.points.from_points import (
     as_motions,
 )
 from robomech_ros.spatial.rows import common_shape, finite_result, row_name
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray, IntArray
 
 # Speed left over (of the largest relative one) that is taken for rounding.
 _ROUNDING = 1e-9
@@ -44,8 +43,8 @@ class Rigidity:
     velocity_residuals: Array
     acceleration_residuals: Array
     stretching: Array
-    pair: NDArray[np.int64]
-    rigid: NDArray[np.bool_]
+    pair: IntArray
+    rigid: BoolArray
 
 
 def rigidity(
@@ -236,6 +235,6 @@ def _centred(value: ArrayLike) -> Array:
     return centred.reshape(*shape, *rows.shape[1:])
 
 
-def _small(residual: Array, whole: Array, tolerance: float | None) -> NDArray[np.bool_]:
+def _small(residual: Array, whole: Array, tolerance: float | None) -> BoolArray:
     most, size = (np.linalg.norm(one, axis=-1).max(axis=-1) for one in (residual, whole))
     return np.asarray(most <= (_ROUNDING * size if tolerance is None else tolerance))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import points as kernels
@@ -16,8 +16,7 @@ from robomech_ros.spatial.points.from_points import (
     angular_velocity_from_points,
 )
 from robomech_ros.spatial.points.rigidity import spread_matrix
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _fit = direct(kernels.fit_tracks)
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.spatial.representations import (
     AXIS_ANGLE,
@@ -12,8 +11,7 @@ from robomech_ros._kernels.spatial.representations import (
     ROTATION_VECTOR,
 )
 from robomech_ros.spatial.rotations.conversions import converted, converted_axis_angle
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def matrix_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import conversions
@@ -16,8 +16,7 @@ from robomech_ros.spatial.rotations.conversions import (
 )
 from robomech_ros.spatial.rotations.unit_quaternions import unit_quaternion
 from robomech_ros.spatial.rows import broadcast_rows, common_shape
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _compose = direct(conversions.compose)
 _interpolate = direct(conversions.interpolate)

@@ -6,7 +6,7 @@ from itertools import permutations
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import conversions
@@ -28,8 +28,7 @@ from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.rotations.unit_quaternions import unit_quaternion
 from robomech_ros.spatial.rows import as_rows, common_shape, row_name
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _convert = direct(conversions.convert)
 

@@ -7,8 +7,7 @@ are roll, pitch and yaw.  The angles are in the order of the letters.
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.spatial.representations import AXIS_ANGLE, MATRIX, QUATERNION
 from robomech_ros.spatial.rotations.conversions import (
@@ -17,6 +16,7 @@ from robomech_ros.spatial.rotations.conversions import (
     converted_axis_angle,
     sequence_kind,
 )
+from robomech_ros.typing import Array
 
 __all__ = [
     "SEQUENCES",
@@ -30,7 +30,6 @@ __all__ = [
     "roll_pitch_yaw_from_quaternion",
 ]
 
-Array = NDArray[np.float64]
 
 ROLL_PITCH_YAW = sequence_kind("xyz")
 

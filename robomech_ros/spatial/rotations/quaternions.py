@@ -8,13 +8,13 @@ return the one with r0 >= 0, and at phi = pi the one whose first non-zero number
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.spatial.representations import MATRIX, QUATERNION
 from robomech_ros.spatial.rotations.composition import compose_rotations
 from robomech_ros.spatial.rotations.conversions import converted, converted_axis_angle
 from robomech_ros.spatial.rotations.unit_quaternions import unit_quaternion
+from robomech_ros.typing import Array
 
 __all__ = [
     "compose_quaternions",
@@ -24,8 +24,6 @@ __all__ = [
     "quaternion_from_matrix",
     "unit_quaternion",
 ]
-
-Array = NDArray[np.float64]
 
 
 def matrix_from_quaternion(quaternion: ArrayLike) -> Array:

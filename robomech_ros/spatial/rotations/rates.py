@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import rates
@@ -16,8 +16,7 @@ from robomech_ros.spatial.rotations.conversions import (
     tail_of,
 )
 from robomech_ros.spatial.rows import broadcast_rows, finite_result
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _rates = direct(rates.rates)
 _motions = direct(rates.angular_motions)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.spatial.representations import (
     LINEAR_INVARIANTS,
@@ -14,8 +14,7 @@ from robomech_ros._kernels.spatial.representations import (
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.rotations.conversions import converted
 from robomech_ros.spatial.rows import common_shape
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def rodrigues_vector_from_matrix(matrix: ArrayLike) -> Array:

@@ -7,12 +7,11 @@ and no compiled code is loaded for them.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.matrices import as_rotation
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def matrix_from_roll_pitch_yaw(angles: ArrayLike) -> Array:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.spatial.tolerances import UNIT_NORM
 from robomech_ros.errors import BadQuaternionError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.rows import row_name
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def unit_quaternion(quaternion: ArrayLike, tolerance: float = UNIT_NORM) -> Array:

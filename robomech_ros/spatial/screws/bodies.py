@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.cross_product import cross, cross_product_matrix
 from robomech_ros.spatial.rows import common_shape, finite_result
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _SIX = 6
 # Largest difference of an inertia matrix from its transpose, over its largest entry, that is taken

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import exponential
@@ -14,8 +14,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.spatial.rows import as_rows, row_name
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _exponentials = direct(exponential.exponentials)
 _logarithms = direct(exponential.logarithms)

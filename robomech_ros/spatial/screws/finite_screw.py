@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import exponential
 from robomech_ros.spatial.rows import as_rows, broadcast_rows
 from robomech_ros.spatial.screws.exponential import raise_bad_pose, raise_bad_rows
 from robomech_ros.spatial.transformations.linear_maps import unit_vectors
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _screws = direct(exponential.screws)
 _poses = direct(exponential.poses_of_screws)

@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.cross_product import cross
 from robomech_ros.spatial.rows import common_shape, finite_result
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _SIX = 6
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
@@ -13,8 +13,7 @@ from robomech_ros.spatial.cross_product import cross
 from robomech_ros.spatial.rows import common_shape, finite_result
 from robomech_ros.spatial.screws.transfers import transfer_wrench
 from robomech_ros.spatial.transformations.linear_maps import unit_vectors
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 _SIX = 6
 # Sine of the angle between lines that count as parallel: what their feet are computed from is
@@ -49,7 +48,7 @@ class CommonNormal:
     distance: Array
     direction: Array
     angle: Array
-    parallel: NDArray[np.bool_]
+    parallel: BoolArray
 
 
 def line_through(point: ArrayLike, direction: ArrayLike) -> Array:

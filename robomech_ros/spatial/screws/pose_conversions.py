@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.spatial.arrays import as_choice, as_finite
 from robomech_ros.spatial.poses import as_pose, assembled
@@ -14,8 +14,7 @@ from robomech_ros.spatial.rotations.quaternions import (
     quaternion_from_matrix,
 )
 from robomech_ros.spatial.rows import common_shape
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _SEVEN = 7
 _FOUR_NUMBERS = ("quaternion", "linear-invariants", "axis-angle")

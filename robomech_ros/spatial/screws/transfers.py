@@ -6,7 +6,7 @@ Both have the angular part first: ``t = [omega; v]`` and ``w = [n; f]``; their p
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import exponential
@@ -14,8 +14,7 @@ from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.cross_product import cross, cross_product_matrix
 from robomech_ros.spatial.rows import as_rows, common_shape, finite_result
 from robomech_ros.spatial.screws.exponential import raise_bad_pose
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 _adjoints = direct(exponential.adjoints)
 

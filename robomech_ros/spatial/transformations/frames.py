@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, real_number
@@ -11,8 +11,7 @@ from robomech_ros.spatial.cross_product import axial_vector, cross
 from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.spatial.rows import common_shape, finite_result
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, BoolArray
 
 # Relative difference of moments of matrices that are the same: products of doubles.
 _SAME = 1e-9
@@ -226,9 +225,7 @@ def moments(matrix: ArrayLike) -> Array:
     return finite_result("matrix", traces, A)
 
 
-def same_in_two_frames(
-    first: ArrayLike, second: ArrayLike, tolerance: float = _SAME
-) -> NDArray[np.bool_]:
+def same_in_two_frames(first: ArrayLike, second: ArrayLike, tolerance: float = _SAME) -> BoolArray:
     """Say whether two matrices can be the same one, seen in two frames.
 
     Their moments are compared.  Symmetric matrices with the same moments are the same up to the
@@ -277,7 +274,7 @@ def same_in_two_frames(
             numbers.append(_mixed_products(parts[2], axial_vector(one)))
         found.append(np.concatenate(numbers, axis=-1))
     # The k-th moment grows with the k-th power, and its differences with k.
-    same: NDArray[np.bool_] = (np.abs(found[0] - found[1]) <= limit * A.shape[-1] ** 3).all(axis=-1)
+    same: BoolArray = (np.abs(found[0] - found[1]) <= limit * A.shape[-1] ** 3).all(axis=-1)
     return same
 
 

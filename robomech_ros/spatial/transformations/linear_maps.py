@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, real_number
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 # Singular values below this part of the largest are zero: rounding of products of matrices.
 _RANK = 1e-12
@@ -32,7 +31,7 @@ class LinearMap:
         In descending order.
     """
 
-    rank: NDArray[np.int64]
+    rank: IntArray
     range_basis: Array
     kernel_basis: Array
     singular_values: Array

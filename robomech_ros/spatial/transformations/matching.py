@@ -9,11 +9,9 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.spatial.matrices import nearest_rotation
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Values this near to the largest may be as large but for noise.
 _NEARLY = 0.9

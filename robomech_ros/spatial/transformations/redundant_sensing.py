@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import (
     BadValueError,
@@ -21,8 +21,7 @@ from robomech_ros.spatial.rotations.axis_angle import (
 )
 from robomech_ros.spatial.rotations.quaternions import quaternion_from_matrix
 from robomech_ros.spatial.transformations.matching import rotations_between, top_vectors
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Difference of angles (rad) of one motion seen by sensors without noise.
 _SAME_ANGLE = 1e-6

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
@@ -11,8 +11,7 @@ from robomech_ros.spatial.cross_product import cross
 from robomech_ros.spatial.rotations.axis_angle import axis_angle_from_matrix
 from robomech_ros.spatial.rows import common_shape
 from robomech_ros.spatial.transformations.linear_maps import projection_on_line
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Largest entry of |H H - 1| and |H - H^T| of a reflection that is taken for rounding, as for
 # rotations.

@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 
-def solve_block_tridiagonal(
-    lower: FloatArray, diagonal: FloatArray, upper: FloatArray, right: FloatArray
-) -> FloatArray:
+def solve_block_tridiagonal(lower: Array, diagonal: Array, upper: Array, right: Array) -> Array:
     """Solve ``lower[k] x[k-1] + diagonal[k] x[k] + upper[k] x[k+1] = right[k]`` for k = 0..n-1.
 
     Parameters
@@ -36,8 +34,8 @@ def solve_block_tridiagonal(
 
 
 def solve_cyclic_block_tridiagonal(
-    lower: FloatArray, diagonal: FloatArray, upper: FloatArray, right: FloatArray
-) -> FloatArray:
+    lower: Array, diagonal: Array, upper: Array, right: Array
+) -> Array:
     """Solve the same with x[-1] = x[n-1] and x[n] = x[0], for n at least 3.
 
     The last unknown is set aside: the others are linear in it, and the last row gives it.

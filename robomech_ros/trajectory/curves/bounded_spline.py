@@ -13,12 +13,11 @@ Lawson and Hanson, Solving least squares problems, SIAM 1995, ch. 23.
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.trajectory.curves.cubic_spline import CubicEnds, cubic_spline
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
+from robomech_ros.typing import Array, BoolArray
 
 # Knots that are added between two points, until with some of these the bounds can be kept.
 _ADDED = (1, 3, 7)
@@ -28,10 +27,10 @@ _INSTANTS, _ROUNDS = 8, 8
 
 
 def bounded_spline(
-    knots: FloatArray,
-    points: FloatArray,
-    lower: FloatArray,
-    upper: FloatArray,
+    knots: Array,
+    points: Array,
+    lower: Array,
+    upper: Array,
     ends: CubicEnds = "rest",
 ) -> PiecewisePolynomial | None:
     """Interpolate points at knots, inside bounds.
@@ -72,11 +71,11 @@ def bounded_spline(
 
 def _values(
     unit: PiecewisePolynomial,
-    given: npt.NDArray[np.bool_],
-    points: FloatArray,
+    given: BoolArray,
+    points: Array,
     lower: float,
     upper: float,
-) -> FloatArray | None:
+) -> Array | None:
     """Find the values of one joint at all knots; None where it leaves the bounds in any case."""
     breaks = unit.breaks
     inner = breaks[:-1, None] + np.diff(breaks)[:, None] * np.arange(_INSTANTS) / _INSTANTS
@@ -106,9 +105,7 @@ def _values(
     return None
 
 
-def _least_distance(
-    A: FloatArray, b: FloatArray, G: FloatArray, h: FloatArray
-) -> FloatArray | None:
+def _least_distance(A: Array, b: Array, G: Array, h: Array) -> Array | None:
     """Find the least of the norm of ``A x - b`` with ``G x >= h``; None where nothing obeys."""
     from scipy.optimize import nnls  # a second and 40 MB that few need
 
@@ -121,11 +118,11 @@ def _least_distance(
     residual = E @ nnls(E, f)[0] - f
     if not abs(residual[-1]) > 1e-12:
         return None
-    x: FloatArray = start + np.linalg.solve(R, -residual[:-1] / residual[-1])
+    x: Array = start + np.linalg.solve(R, -residual[:-1] / residual[-1])
     return x
 
 
-def _extreme_instants(unit: PiecewisePolynomial, values: FloatArray) -> FloatArray:
+def _extreme_instants(unit: PiecewisePolynomial, values: Array) -> Array:
     """Give when the spline with these values at the knots stops inside its segments (s)."""
     _, c, b, a = unit.coefficients @ values
     # Roots of c + 2 b t + 3 a t^2, the larger one first, for which nothing is lost by subtraction.
@@ -133,5 +130,5 @@ def _extreme_instants(unit: PiecewisePolynomial, values: FloatArray) -> FloatArr
         half = -(b + np.copysign(np.sqrt(b * b - 3.0 * a * c), b))
         roots = np.stack((half / (3.0 * a), c / half))
         inside = (roots > 0.0) & (roots < unit.spans)
-    instants: FloatArray = (unit.breaks[:-1] + roots)[inside]
+    instants: Array = (unit.breaks[:-1] + roots)[inside]
     return instants

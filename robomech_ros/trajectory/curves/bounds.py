@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array, BoolArray
 
 # A piece is divided into so many: each time the hull becomes narrower by their square.
 _PARTS = 16
@@ -29,7 +29,7 @@ _PARTS = 16
 _DIVISIONS = 8
 
 
-def hull(curve: PiecewisePolynomial, order: int) -> FloatArray:
+def hull(curve: PiecewisePolynomial, order: int) -> Array:
     """Bernstein coefficients of a derivative of a curve, segment by segment.
 
     Parameters
@@ -48,13 +48,13 @@ def hull(curve: PiecewisePolynomial, order: int) -> FloatArray:
     powers = _on_unit_spans(curve)
     size, segments, joints = powers.shape
     flat = _to_bernstein(size, order) @ powers.reshape(size, -1)
-    coefficients: FloatArray = flat.reshape(-1, segments, joints)
+    coefficients: Array = flat.reshape(-1, segments, joints)
     if order:
         coefficients *= _rate_scales(curve, (order,))
     return coefficients
 
 
-def steps(curve: PiecewisePolynomial, orders: tuple[int, ...]) -> FloatArray:
+def steps(curve: PiecewisePolynomial, orders: tuple[int, ...]) -> Array:
     """Find by how much derivatives step from each segment to the next.
 
     Parameters
@@ -80,9 +80,7 @@ def steps(curve: PiecewisePolynomial, orders: tuple[int, ...]) -> FloatArray:
     return after - before * _rate_scales(curve, orders)[:, :-1]
 
 
-def extremes(
-    curve: PiecewisePolynomial, slack: FloatArray | None = None
-) -> tuple[FloatArray, FloatArray]:
+def extremes(curve: PiecewisePolynomial, slack: Array | None = None) -> tuple[Array, Array]:
     """Find the smallest and the largest position, velocity, acceleration and jerk of each joint.
 
     Parameters
@@ -104,8 +102,8 @@ def extremes(
 
 
 def extremes_and_steps(
-    curve: PiecewisePolynomial, slack: FloatArray | None = None
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+    curve: PiecewisePolynomial, slack: Array | None = None
+) -> tuple[Array, Array, Array]:
     """Find extremes, and how far position and its rates step at most between segments.
 
     Parameters
@@ -139,7 +137,7 @@ def _piece_extremes() -> Callable[..., int]:
     return entry
 
 
-def first_above(coefficients: FloatArray, bound: npt.ArrayLike) -> tuple[int, int] | None:
+def first_above(coefficients: Array, bound: npt.ArrayLike) -> tuple[int, int] | None:
     """Find the first segment in which a joint goes over a bound.
 
     Parameters
@@ -169,7 +167,7 @@ def first_above(coefficients: FloatArray, bound: npt.ArrayLike) -> tuple[int, in
 
 
 @cache
-def _to_bernstein(size: int, order: int) -> FloatArray:
+def _to_bernstein(size: int, order: int) -> Array:
     """Build the matrix from powers on [0, 1] to the coefficients of a derivative."""
     degree = max(size - 1 - order, 0)
     matrix = np.zeros((degree + 1, size))
@@ -181,37 +179,37 @@ def _to_bernstein(size: int, order: int) -> FloatArray:
 
 
 @cache
-def _at_end(size: int, orders: tuple[int, ...]) -> FloatArray:
+def _at_end(size: int, orders: tuple[int, ...]) -> Array:
     """Build the matrix from powers on [0, 1] to derivatives at 1."""
     return np.array([[math.perm(i, order) for i in range(size)] for order in orders], float)
 
 
-def _on_unit_spans(curve: PiecewisePolynomial) -> FloatArray:
+def _on_unit_spans(curve: PiecewisePolynomial) -> Array:
     """Give the coefficients in powers of the part of each segment that is over."""
     if not len(curve.spans):
         return curve.coefficients
-    powers: FloatArray = curve.coefficients * _powers(curve.spans, len(curve.coefficients) - 1)
+    powers: Array = curve.coefficients * _powers(curve.spans, len(curve.coefficients) - 1)
     return powers
 
 
-def _rate_scales(curve: PiecewisePolynomial, orders: tuple[int, ...]) -> FloatArray:
+def _rate_scales(curve: PiecewisePolynomial, orders: tuple[int, ...]) -> Array:
     """Give by what derivatives over parts of segments are multiplied, shape (k, max(s, 1), 1)."""
     spans = curve.spans if len(curve.spans) else np.ones(1)
-    scales: FloatArray = 1.0 / _powers(spans, max(orders))[list(orders)]
+    scales: Array = 1.0 / _powers(spans, max(orders))[list(orders)]
     return scales
 
 
-def _powers(values: FloatArray, highest: int) -> FloatArray:
+def _powers(values: Array, highest: int) -> Array:
     """Give powers 0 to the highest of values (s,), shape (highest + 1, s, 1)."""
     table = np.empty((highest + 1, len(values), 1))
     table[0] = 1.0
     table[1:, :, 0] = values
-    powers: FloatArray = np.multiply.accumulate(table, axis=0, out=table)
+    powers: Array = np.multiply.accumulate(table, axis=0, out=table)
     return powers
 
 
 @cache
-def _division(size: int) -> FloatArray:
+def _division(size: int) -> Array:
     """Build the matrix from an interval's coefficients to those of its parts.
 
     Row ``k * parts + p`` is for coefficient k of part p; see `_divided`.
@@ -235,13 +233,13 @@ def _division(size: int) -> FloatArray:
     return matrix.reshape(-1, size)
 
 
-def _divided(pieces: FloatArray) -> FloatArray:
+def _divided(pieces: Array) -> Array:
     """Divide m pieces (d + 1, m): the first parts of all, then the second ones, and so on."""
-    parts: FloatArray = (_division(len(pieces)) @ pieces).reshape(len(pieces), -1)
+    parts: Array = (_division(len(pieces)) @ pieces).reshape(len(pieces), -1)
     return parts
 
 
-def _goes_above(pieces: FloatArray, bounds: FloatArray) -> npt.NDArray[np.bool_]:
+def _goes_above(pieces: Array, bounds: Array) -> BoolArray:
     """Which of the pieces (d + 1, m) go over their bounds (m,)."""
     above = np.zeros(len(bounds), dtype=bool)
     owner = np.arange(len(bounds))

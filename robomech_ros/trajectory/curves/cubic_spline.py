@@ -12,13 +12,13 @@ from typing import Literal
 import numpy as np
 
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 CubicEnds = Literal["natural", "clamped", "parabolic", "rest", "periodic"]
 
 
 def cubic_spline(
-    x: FloatArray, s: FloatArray, ends: CubicEnds, slopes: FloatArray | None = None
+    x: Array, s: Array, ends: CubicEnds, slopes: Array | None = None
 ) -> PiecewisePolynomial:
     r"""Interpolate with continuous second derivatives.
 
@@ -82,7 +82,7 @@ def cubic_spline(
     return _pieces(x, s, second)
 
 
-def _periodic(x: FloatArray, s: FloatArray) -> PiecewisePolynomial:
+def _periodic(x: Array, s: Array) -> PiecewisePolynomial:
     spans = np.diff(x)
     slope = np.diff(s, axis=0) / spans[:, None]
     before = np.roll(spans, 1)
@@ -107,16 +107,14 @@ def _periodic(x: FloatArray, s: FloatArray) -> PiecewisePolynomial:
     return _pieces(x, s, np.concatenate([second, second[:1]]))
 
 
-def _solved(
-    lower: FloatArray, diagonal: FloatArray, upper: FloatArray, right: FloatArray
-) -> FloatArray:
+def _solved(lower: Array, diagonal: Array, upper: Array, right: Array) -> Array:
     """Solve tridiagonal equations for all columns of the right side."""
     from scipy.linalg.lapack import dgtsv  # 20 MB that only who makes splines shall load
 
     return np.asarray(dgtsv(lower, diagonal, upper, right)[3])
 
 
-def _interior(x: FloatArray, s: FloatArray) -> tuple[FloatArray, ...]:
+def _interior(x: Array, s: Array) -> tuple[Array, ...]:
     """Lay out A s'' = 6 C s, the continuity of the slope at inner knots, with rows for ends."""
     spans = np.diff(x)
     right = np.zeros_like(s)
@@ -129,9 +127,9 @@ def _interior(x: FloatArray, s: FloatArray) -> tuple[FloatArray, ...]:
 def _end_rows(
     end: CubicEnds,
     span: float,
-    s: FloatArray,
-    slope: FloatArray,
-    rows: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
+    s: Array,
+    slope: Array,
+    rows: tuple[Array, Array, Array, Array],
 ) -> None:
     """Fill the equation of the first knot; of an end at rest that of the second, too."""
     lower, diagonal, upper, right = rows
@@ -153,9 +151,7 @@ def _end_rows(
         right[1] += 6.0 * (s[1] - s[0]) / span
 
 
-def _with_knot_from_rest(
-    x: FloatArray, s: FloatArray, second: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _with_knot_from_rest(x: Array, s: Array, second: Array) -> tuple[Array, Array, Array]:
     """Insert the knot in the middle of the first segment, whose second derivative is given."""
     span, middle = x[1] - x[0], second[:1]
     knot = s[:1] + middle * span**2 / 24.0
@@ -166,7 +162,7 @@ def _with_knot_from_rest(
     )
 
 
-def _pieces(x: FloatArray, s: FloatArray, second: FloatArray) -> PiecewisePolynomial:
+def _pieces(x: Array, s: Array, second: Array) -> PiecewisePolynomial:
     """Write A, B, C and D of every segment, the coefficients of its powers."""
     spans = np.diff(x)[:, None]
     coefficients = np.empty((4, len(spans), s.shape[1]))

@@ -1,13 +1,12 @@
 """Curves in fewer pieces, where neighbouring pieces are nearly one polynomial."""
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.trajectory.curves.bounds import hull
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import Limits
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array, BoolArray
 
 # How far a quintic over two pieces may be off them where they meet, rad or m, and in parts of the
 # acceleration limit.
@@ -65,7 +64,7 @@ def _pairs_joined(curve: PiecewisePolynomial, first: int, limits: Limits) -> Pie
     return interpolant(breaks[kept], *(values[kept] for values in rates))
 
 
-def _states(curve: PiecewisePolynomial) -> tuple[FloatArray, list[FloatArray]]:
+def _states(curve: PiecewisePolynomial) -> tuple[Array, list[Array]]:
     """List the breaks, and positions, velocities and accelerations there, each (s + 1, n)."""
     sample = curve.sample(curve.breaks)
     return curve.breaks, [sample.position, sample.velocity, sample.acceleration]
@@ -73,11 +72,11 @@ def _states(curve: PiecewisePolynomial) -> tuple[FloatArray, list[FloatArray]]:
 
 def _jerk_kept(
     curve: PiecewisePolynomial, wide: PiecewisePolynomial, first: int, limits: Limits
-) -> npt.NDArray[np.bool_]:
+) -> BoolArray:
     """Find the wide pieces with no more jerk than its limit, or than both that they replace."""
     count = wide.coefficients.shape[1]
     narrow = np.abs(hull(curve, 3)).max(axis=0)[first : first + 2 * count]
     before = narrow.reshape(count, 2, -1).max(axis=1)
     after = np.abs(hull(wide, 3)).max(axis=0)
-    kept: npt.NDArray[np.bool_] = (after <= np.maximum(before, limits.jerk)).all(axis=1)
+    kept: BoolArray = (after <= np.maximum(before, limits.jerk)).all(axis=1)
     return kept

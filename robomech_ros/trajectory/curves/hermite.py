@@ -5,10 +5,10 @@ import math
 import numpy as np
 
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 
-def septic(breaks: FloatArray, values: FloatArray) -> PiecewisePolynomial:
+def septic(breaks: Array, values: Array) -> PiecewisePolynomial:
     """Interpolate positions and three derivatives, segment by segment.
 
     Parameters

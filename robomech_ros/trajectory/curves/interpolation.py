@@ -14,9 +14,9 @@ import numpy.typing as npt
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array, BoolArray
 
-Selection = npt.NDArray[np.bool_] | slice
+Selection = BoolArray | slice
 
 
 def interpolant(
@@ -77,7 +77,7 @@ def interpolant(
     return PiecewisePolynomial(breaks, coefficients)
 
 
-def _times(times: npt.ArrayLike) -> FloatArray:
+def _times(times: npt.ArrayLike) -> Array:
     breaks = real_array("times", times).copy()
     if breaks.ndim != 1 or not len(breaks):
         raise WrongSizeError("times", breaks.shape, "(m,) with at least one instant")
@@ -93,7 +93,7 @@ def _times(times: npt.ArrayLike) -> FloatArray:
 
 def _rows(
     what: str, values: npt.ArrayLike | None, count: int, joints: int | None, *, may_lack: bool
-) -> FloatArray:
+) -> Array:
     """Check rows of joint values; rows of NaN altogether (or no rows) may stand for none."""
     if values is None:
         return np.full((count, joints or 0), math.nan)
@@ -112,25 +112,25 @@ def _rows(
     return rows
 
 
-def _given_at_both_ends(rows: FloatArray) -> npt.NDArray[np.bool_]:
+def _given_at_both_ends(rows: Array) -> BoolArray:
     if not rows.shape[1]:
         return np.zeros(len(rows) - 1, dtype=np.bool_)
     given = ~np.isnan(rows[:, 0])  # a row that lacks one number lacks all
-    both: npt.NDArray[np.bool_] = given[:-1] & given[1:]
+    both: BoolArray = given[:-1] & given[1:]
     return both
 
 
-def _selection(rows: npt.NDArray[np.bool_]) -> Selection:
+def _selection(rows: BoolArray) -> Selection:
     """Index that picks the rows, without a copy where it picks all."""
     return slice(None) if rows.all() else rows
 
 
 def _fill_cubic(
-    coefficients: FloatArray,
+    coefficients: Array,
     where: Selection,
-    rise: FloatArray,
-    spans: FloatArray,
-    rates: FloatArray,
+    rise: Array,
+    spans: Array,
+    rates: Array,
 ) -> None:
     h, d = spans[where], rise[where]
     v0, v1 = rates[:-1][where], rates[1:][where]
@@ -140,12 +140,12 @@ def _fill_cubic(
 
 
 def _fill_quintic(
-    coefficients: FloatArray,
+    coefficients: Array,
     where: Selection,
-    rise: FloatArray,
-    spans: FloatArray,
-    rates: FloatArray,
-    changes: FloatArray,
+    rise: Array,
+    spans: Array,
+    rates: Array,
+    changes: Array,
 ) -> None:
     h = spans[where]
     v0, v1 = rates[:-1][where], rates[1:][where]

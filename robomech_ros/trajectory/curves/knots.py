@@ -18,7 +18,7 @@ from robomech_ros.spatial.arrays import as_choice, real_array
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import stretch_needed
 from robomech_ros.trajectory.limits import RATES, Limits
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 # Power of the distance between two points that their distance in time is proportional to.
 _POWERS = {"uniform": 0.0, "centripetal": 0.5, "chord": 1.0}
@@ -29,10 +29,10 @@ _ITERATIONS = 60
 # How often the spans are balanced, by which power of what they use of the limits, and at least.
 _BALANCED, _BALANCE, _LEAST_USED = 40, 0.6, 0.05
 
-Through = Callable[[FloatArray], PiecewisePolynomial]
+Through = Callable[[Array], PiecewisePolynomial]
 
 
-def spaced_knots(points: FloatArray, spacing: str, scale: FloatArray | float = 1.0) -> FloatArray:
+def spaced_knots(points: Array, spacing: str, scale: Array | float = 1.0) -> Array:
     """Space knots by the distances between points.
 
     Parameters
@@ -59,11 +59,11 @@ def spaced_knots(points: FloatArray, spacing: str, scale: FloatArray | float = 1
     distances = np.linalg.norm(np.diff(points, axis=0) / scale, axis=1)
     spans = distances**power
     spans = np.maximum(spans, _SHORTEST * (spans.mean() or 1.0))
-    knots: FloatArray = np.concatenate([[0.0], np.cumsum(spans)]) / spans.sum()
+    knots: Array = np.concatenate([[0.0], np.cumsum(spans)]) / spans.sum()
     return knots
 
 
-def knots_at(at: npt.ArrayLike, count: int) -> FloatArray:
+def knots_at(at: npt.ArrayLike, count: int) -> Array:
     """Check which part of the duration is over at each via point; put the ends to them.
 
     Parameters
@@ -92,7 +92,7 @@ def knots_at(at: npt.ArrayLike, count: int) -> FloatArray:
     return knots
 
 
-def balanced_knots(knots: FloatArray, through: Through, limits: Limits) -> FloatArray:
+def balanced_knots(knots: Array, through: Through, limits: Limits) -> Array:
     """Shorten again and again the segments that are far from the limits, against the others.
 
     The effort is proportional to the number of points: for those too many for `optimal_knots`,
@@ -131,7 +131,7 @@ def balanced_knots(knots: FloatArray, through: Through, limits: Limits) -> Float
     return best
 
 
-def optimal_knots(knots: FloatArray, through: Through, limits: Limits) -> FloatArray:
+def optimal_knots(knots: Array, through: Through, limits: Limits) -> Array:
     """Find the knots with the shortest duration within the limits.
 
     Parameters
@@ -159,10 +159,10 @@ def optimal_knots(knots: FloatArray, through: Through, limits: Limits) -> FloatA
     # No segment of a shorter motion lasts longer than the whole of this one.
     longest = np.log(factor * (knots[-1] - knots[0]))
 
-    def after(logarithms: FloatArray) -> FloatArray:
+    def after(logarithms: Array) -> Array:
         return np.concatenate([[0.0], np.cumsum(np.exp(logarithms))])
 
-    def spare(logarithms: FloatArray) -> FloatArray:
+    def spare(logarithms: Array) -> Array:
         return 1.0 - _peaks(through(after(logarithms)), limits)
 
     found = minimize(
@@ -181,7 +181,7 @@ def optimal_knots(knots: FloatArray, through: Through, limits: Limits) -> FloatA
     return better if shortest < factor * (knots[-1] - knots[0]) else knots
 
 
-def _peaks(curve: PiecewisePolynomial, limits: Limits) -> FloatArray:
+def _peaks(curve: PiecewisePolynomial, limits: Limits) -> Array:
     """Largest ratios to the limits in each segment of a cubic curve, as powers of a stretch."""
     spans = curve.spans[:, None]
     _, b, c, d = curve.coefficients

@@ -13,8 +13,9 @@ from robomech_ros.trajectory.curves.bounds import extremes
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits
-from robomech_ros.trajectory.sample import FloatArray, Sample
+from robomech_ros.trajectory.sample import Sample
 from robomech_ros.trajectory.tolerances import LIMIT_SLACK, POSITION_SLACK
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +30,7 @@ class MotionToRest:
         The curve, from t = 0 on.
     """
 
-    goal: FloatArray
+    goal: Array
     pieces: PiecewisePolynomial
 
     ACCELERATION_STEPS: ClassVar[bool] = False
@@ -70,12 +71,10 @@ class MotionThrough(MotionToRest):
         When start, via points and goal are passed, in s.
     """
 
-    knots: FloatArray
+    knots: Array
 
 
-def settled(
-    sample: Sample, t: npt.ArrayLike, pieces: PiecewisePolynomial, goal: FloatArray
-) -> Sample:
+def settled(sample: Sample, t: npt.ArrayLike, pieces: PiecewisePolynomial, goal: Array) -> Sample:
     """Put a sample at the end of its curve, or later, at rest at the goal (n,) exactly."""
     ended = np.asarray(t, dtype=np.float64).ravel() >= pieces.breaks[-1]
     if sample.position.ndim == 1:
@@ -86,7 +85,7 @@ def settled(
     return sample
 
 
-def check_positions(pieces: PiecewisePolynomial, start: FloatArray, limits: Limits) -> None:
+def check_positions(pieces: PiecewisePolynomial, start: Array, limits: Limits) -> None:
     """Raise `LimitExceededError` where a curve leaves the position limits on its way.
 
     A start (n,) in rad or m that is outside a limit, within the slack, may stay there.

@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.trajectory.sample import FloatArray, Sample, checked_times, held_outside
+from robomech_ros.trajectory.sample import Sample, checked_times, held_outside
+from robomech_ros.typing import Array, BoolArray
 
 # Derivative d of x^i is _FACTORS[d, i] x^_POWERS[d, i], for d = 0..3 and i = 0..5.
 _MAX_ORDER = 9
@@ -35,8 +36,8 @@ class PiecewisePolynomial:
         The order is 9 at most.
     """
 
-    breaks: FloatArray
-    coefficients: FloatArray
+    breaks: Array
+    coefficients: Array
 
     @property
     def duration(self) -> float:
@@ -49,11 +50,11 @@ class PiecewisePolynomial:
         return int(self.coefficients.shape[2])
 
     @cached_property
-    def spans(self) -> FloatArray:
+    def spans(self) -> Array:
         """How long each segment lasts, in s, shape (s,)."""
         return self.breaks[1:] - self.breaks[:-1]
 
-    def derivative(self, order: int) -> FloatArray:
+    def derivative(self, order: int) -> Array:
         """Power coefficients of a derivative.
 
         Parameters
@@ -121,9 +122,7 @@ class PiecewisePolynomial:
         return Sample(*rates)
 
 
-def lasting_pieces(
-    breaks: FloatArray, coefficients: FloatArray
-) -> tuple[PiecewisePolynomial, npt.NDArray[np.bool_]]:
+def lasting_pieces(breaks: Array, coefficients: Array) -> tuple[PiecewisePolynomial, BoolArray]:
     """Leave out pieces that begin and end at the same instant, since rounding has joined these.
 
     Parameters
@@ -147,13 +146,13 @@ def lasting_pieces(
     return PiecewisePolynomial(kept, coefficients[:, lasting]), lasting
 
 
-def _differentiated(coefficients: FloatArray) -> FloatArray:
+def _differentiated(coefficients: Array) -> Array:
     if len(coefficients) == 1:
         return np.zeros_like(coefficients)
     return coefficients[1:] * np.arange(1.0, len(coefficients))[:, None, None]
 
 
-def _horner(coefficients: FloatArray, elapsed: FloatArray) -> FloatArray:
+def _horner(coefficients: Array, elapsed: Array) -> Array:
     """Value and first three derivatives of (n, m) polynomials at m places, shape (4, n, m)."""
     rates = np.zeros((4, *coefficients.shape[1:]))
     rates[0] = coefficients[-1]

@@ -13,13 +13,13 @@ from robomech_ros.trajectory.curves.block_tridiagonal import (
 )
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 Ends = Literal["natural", "clamped", "periodic"]
 
 
 def quintic_spline(
-    knots: FloatArray, values: FloatArray, ends: Ends, rates: FloatArray | None = None
+    knots: Array, values: Array, ends: Ends, rates: Array | None = None
 ) -> PiecewisePolynomial:
     """Put a quintic C4 spline through values.
 
@@ -63,12 +63,12 @@ class Side(NamedTuple):
     constants (n - 1, b, d).
     """
 
-    before: FloatArray
-    after: FloatArray
-    constant: FloatArray
+    before: Array
+    after: Array
+    constant: Array
 
 
-def matched(start: Side, end: Side, ends: Ends, rates: FloatArray | None) -> FloatArray:
+def matched(start: Side, end: Side, ends: Ends, rates: Array | None) -> Array:
     """Find the unknowns with which a derivative agrees on both sides of every knot.
 
     Parameters
@@ -109,6 +109,6 @@ def matched(start: Side, end: Side, ends: Ends, rates: FloatArray | None) -> Flo
     return solve_block_tridiagonal(lower, diagonal, upper, right)
 
 
-def _blocks(rows: list[list[FloatArray]]) -> FloatArray:
+def _blocks(rows: list[list[Array]]) -> Array:
     """Stack entries (m,) of a small matrix into matrices (m, b, b)."""
     return np.moveaxis(np.array(rows), -1, 0)

@@ -4,7 +4,7 @@ import numpy as np
 
 from robomech_ros._kernels.timing import rows as time_rows
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 
 def summed(one: PiecewisePolynomial, other: PiecewisePolynomial) -> PiecewisePolynomial:
@@ -29,7 +29,7 @@ def summed(one: PiecewisePolynomial, other: PiecewisePolynomial) -> PiecewisePol
     return PiecewisePolynomial(breaks, total)
 
 
-def _divided(curve: PiecewisePolynomial, breaks: FloatArray) -> FloatArray:
+def _divided(curve: PiecewisePolynomial, breaks: Array) -> Array:
     """Give the coefficients between breaks that include those of the curve."""
     size, _, joints = curve.coefficients.shape
     local = np.empty((len(breaks) - 1, joints, size))

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.paths.curve import Curve, as_curve, evaluated
 from robomech_ros.trajectory.paths.curve_arguments import as_parameters
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 # Speed, as part of the largest one, below which a curve has no direction: a cusp.
 VANISHING_SPEED = 1e-6
@@ -24,7 +24,7 @@ ARC_LENGTH_HALVINGS = 50
 # Newton steps for the parameter at an arc length; they double the digits each time.
 INVERSE_STEPS = 12
 
-Speed = Callable[[FloatArray], FloatArray]
+Speed = Callable[[Array], Array]
 
 # Chebyshev polynomials, and nodes, of an interval; in between the speed is that polynomial.
 _TERMS = 16
@@ -56,9 +56,9 @@ class ArcLength:
         Chebyshev coefficients of ds/du in every interval.
     """
 
-    parameters: FloatArray
-    lengths: FloatArray
-    speeds: FloatArray
+    parameters: Array
+    lengths: Array
+    speeds: Array
 
     @property
     def length(self) -> float:
@@ -66,12 +66,12 @@ class ArcLength:
         return float(self.lengths[-1])
 
     @cached_property
-    def _integrals(self) -> FloatArray:
+    def _integrals(self) -> Array:
         """Chebyshev coefficients (k, 17) of the length from the start of every interval."""
         halves = 0.5 * np.diff(self.parameters)
         return np.polynomial.chebyshev.chebint(self.speeds.T, lbnd=-1.0).T * halves[:, None]
 
-    def at(self, u: npt.ArrayLike) -> FloatArray:
+    def at(self, u: npt.ArrayLike) -> Array:
         """Length from the start to parameters, shape () or (m,)."""
         inside = as_parameters("parameter", u, *map(float, self.parameters[[0, -1]]))
         flat = np.atleast_1d(inside)
@@ -79,7 +79,7 @@ class ArcLength:
         total = self.lengths[k] + self._state(k, flat)[0]
         return total if inside.ndim else total[0]
 
-    def parameter(self, s: npt.ArrayLike) -> FloatArray:
+    def parameter(self, s: npt.ArrayLike) -> Array:
         """Parameters at lengths from the start (m), shape () or (m,).
 
         At a length just below that of a break the parameter is below the break, so that the limit
@@ -91,7 +91,7 @@ class ArcLength:
         u = self._inverse(k, flat)
         return u if inside.ndim else u[0]
 
-    def _inverse(self, k: npt.NDArray[np.intp], s: FloatArray) -> FloatArray:
+    def _inverse(self, k: npt.NDArray[np.intp], s: Array) -> Array:
         """Solve for the parameters at lengths in the intervals k, by Newton's method."""
         low = self.parameters[k]
         high = self.parameters[k + 1].copy()
@@ -107,13 +107,13 @@ class ArcLength:
                 break
         return u
 
-    def _state(self, k: npt.NDArray[np.intp], u: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _state(self, k: npt.NDArray[np.intp], u: Array) -> tuple[Array, Array]:
         """Length from the start of the intervals k, and speed, at parameters in them."""
         low, high = self.parameters[k], self.parameters[k + 1]
         x = np.clip((2.0 * u - low - high) / (high - low), -1.0, 1.0)
         values = np.cos(np.arccos(x)[:, None] * _DEGREES)
-        length: FloatArray = np.sum(self._integrals[k] * values, axis=1)
-        speed: FloatArray = np.sum(self.speeds[k] * values[:, :_TERMS], axis=1)
+        length: Array = np.sum(self._integrals[k] * values, axis=1)
+        speed: Array = np.sum(self.speeds[k] * values[:, :_TERMS], axis=1)
         return np.maximum(length, 0.0), speed
 
 
@@ -140,15 +140,15 @@ class ByArcLength:
         return self.measure.length
 
     @cached_property
-    def breaks(self) -> FloatArray:
+    def breaks(self) -> Array:
         """Arc lengths (m) of the ends and of all places where a derivative steps."""
         return self.measure.lengths[np.searchsorted(self.measure.parameters, self.curve.breaks)]
 
-    def derivatives(self, s: npt.ArrayLike) -> FloatArray:
+    def derivatives(self, s: npt.ArrayLike) -> Array:
         """Position (m) and four derivatives with respect to s, shape (5, 3) or (5, m, 3)."""
         return evaluated(self.breaks, s, self._rows)
 
-    def _rows(self, s: FloatArray) -> FloatArray:
+    def _rows(self, s: Array) -> Array:
         return by_unit_speed(self.curve.derivatives(self.measure.parameter(s)))
 
 
@@ -182,14 +182,14 @@ def arc_length(curve: Curve) -> ByArcLength:
     """
     curve = as_curve("curve", curve)
 
-    def speed(u: FloatArray) -> FloatArray:
-        length: FloatArray = np.linalg.norm(curve.derivatives(u)[1], axis=-1)
+    def speed(u: Array) -> Array:
+        length: Array = np.linalg.norm(curve.derivatives(u)[1], axis=-1)
         return length
 
     return ByArcLength(curve, measured(speed, curve.breaks))
 
 
-def measured(speed: Speed, breaks: FloatArray, expected: str = _EXPECTED) -> ArcLength:
+def measured(speed: Speed, breaks: Array, expected: str = _EXPECTED) -> ArcLength:
     """Tabulate the integral of a speed, by Chebyshev polynomials on halved intervals.
 
     Parameters
@@ -213,7 +213,7 @@ def measured(speed: Speed, breaks: FloatArray, expected: str = _EXPECTED) -> Arc
     low, high = breaks[:-1], breaks[1:]
     fitted = _fitted(speed, low, high)
     total = float((_means(fitted) * (high - low)).sum())
-    done: list[tuple[FloatArray, FloatArray, FloatArray]] = []
+    done: list[tuple[Array, Array, Array]] = []
     for _ in range(ARC_LENGTH_HALVINGS):
         tails = np.abs(fitted[:, -_TAIL:]).max(axis=1, initial=0.0) * (high - low)
         good = tails <= ARC_LENGTH * total
@@ -234,7 +234,7 @@ def measured(speed: Speed, breaks: FloatArray, expected: str = _EXPECTED) -> Arc
     return ArcLength(np.append(starts, ends[-1:]), lengths, coefficients)
 
 
-def by_unit_speed(r: FloatArray) -> FloatArray:
+def by_unit_speed(r: Array) -> Array:
     """Turn derivatives with respect to any parameter into those with respect to arc length.
 
     Parameters
@@ -262,7 +262,7 @@ def by_unit_speed(r: FloatArray) -> FloatArray:
     )
 
 
-def _parameter_rates(r: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def _parameter_rates(r: Array) -> tuple[Array, Array, Array, Array]:
     """Four derivatives of the parameter with respect to arc length, each (m,)."""
     g = dot(r[1], r[1])
     g1 = 2.0 * dot(r[1], r[2]) / g
@@ -276,34 +276,32 @@ def _parameter_rates(r: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray,
     return f, f**2 * f1, f**3 * (f1**2 + f2), f**4 * (f1**3 + 4.0 * f1 * f2 + f3)
 
 
-def dot(a: FloatArray, b: FloatArray) -> FloatArray:
+def dot(a: Array, b: Array) -> Array:
     """Scalar products of rows, shape (...)."""
-    product: FloatArray = np.sum(a * b, axis=-1)
+    product: Array = np.sum(a * b, axis=-1)
     return product
 
 
-def _fitted(speed: Speed, low: FloatArray, high: FloatArray) -> FloatArray:
+def _fitted(speed: Speed, low: Array, high: Array) -> Array:
     """Chebyshev coefficients (k, 16) of a speed in intervals."""
     nodes = 0.5 * (high + low)[:, None] + 0.5 * (high - low)[:, None] * _NODES
-    coefficients: FloatArray = speed(nodes.ravel()).reshape(nodes.shape) @ _TO_COEFFICIENTS.T
+    coefficients: Array = speed(nodes.ravel()).reshape(nodes.shape) @ _TO_COEFFICIENTS.T
     return coefficients
 
 
-def _means(coefficients: FloatArray) -> FloatArray:
+def _means(coefficients: Array) -> Array:
     """Mean over an interval of a polynomial with Chebyshev coefficients (k, 16)."""
     even = np.arange(0, _TERMS, 2)
-    mean: FloatArray = coefficients[:, even] @ (1.0 / (1.0 - even**2))
+    mean: Array = coefficients[:, even] @ (1.0 / (1.0 - even**2))
     return mean
 
 
-def _interval(edges: FloatArray, values: FloatArray) -> npt.NDArray[np.intp]:
+def _interval(edges: Array, values: Array) -> npt.NDArray[np.intp]:
     found = np.searchsorted(edges, values, side="right") - 1
     return np.clip(found, 0, len(edges) - 2)
 
 
-def _check_moves(
-    starts: FloatArray, ends: FloatArray, coefficients: FloatArray, expected: str
-) -> None:
+def _check_moves(starts: Array, ends: Array, coefficients: Array, expected: str) -> None:
     """Refuse a curve that stops: where it does the halved intervals crowd together."""
     speeds = coefficients @ _PROBES
     k, i = np.unravel_index(int(np.argmin(speeds)), speeds.shape)

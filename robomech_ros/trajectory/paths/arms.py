@@ -12,7 +12,7 @@ import numpy.typing as npt
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, held_rows
 from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array, IntArray
 
 _METHODS = ("forward", "inverse", "jacobian", "jacobian_rate")
 
@@ -23,16 +23,16 @@ class Arm(Protocol):
     All is in the base frame, twists are [omega; v] at the tool's origin, rad and m.
     """
 
-    def forward(self, q: FloatArray) -> npt.ArrayLike:
+    def forward(self, q: Array) -> npt.ArrayLike:
         """Pose ``T_base_tool`` (4, 4) at joint values (n,)."""
 
-    def inverse(self, T: FloatArray, near: FloatArray) -> npt.ArrayLike | None:
+    def inverse(self, T: Array, near: Array) -> npt.ArrayLike | None:
         """Joint values (n,) for a pose, the nearest ones to `near`; None if there are none."""
 
-    def jacobian(self, q: FloatArray) -> npt.ArrayLike:
+    def jacobian(self, q: Array) -> npt.ArrayLike:
         """Matrix (6, n) from joint rates to the twist."""
 
-    def jacobian_rate(self, q: FloatArray, qd: FloatArray) -> npt.ArrayLike:
+    def jacobian_rate(self, q: Array, qd: Array) -> npt.ArrayLike:
         """Rate (6, n) of the Jacobian at joint rates qd."""
 
 
@@ -65,20 +65,20 @@ class SerialArm:
         One of the three is not callable, or the mask is none.
     """
 
-    forward: Callable[[FloatArray], npt.ArrayLike]
-    inverse: Callable[[FloatArray, FloatArray], npt.ArrayLike | None]
-    jacobian: Callable[[FloatArray], npt.ArrayLike]
+    forward: Callable[[Array], npt.ArrayLike]
+    inverse: Callable[[Array, Array], npt.ArrayLike | None]
+    jacobian: Callable[[Array], npt.ArrayLike]
     task_mask: Sequence[bool] | None = None
     limits: JointLimits | Any = None
 
     @property
-    def held(self) -> npt.NDArray[np.int64] | None:
+    def held(self) -> IntArray | None:
         """Rows of twists, angular first, that a path holds; None for the full pose."""
         rows = None if self.task_mask is None else held_rows("task_mask", self.task_mask)
         return None if rows is None or len(rows) in (0, 6) else rows
 
     @property
-    def bounds(self) -> FloatArray | None:
+    def bounds(self) -> Array | None:
         """Position limits (2, n), if joints keep away from any (rad or m)."""
         known = None if self.limits is None else Limits.of(self.limits)
         return None if known is None else np.stack([known.lower, known.upper])
@@ -89,7 +89,7 @@ class SerialArm:
             if not callable(getattr(self, name)):
                 raise BadValueError(name, getattr(self, name), "a callable")
 
-    def jacobian_rate(self, q: npt.ArrayLike, qd: npt.ArrayLike) -> FloatArray:
+    def jacobian_rate(self, q: npt.ArrayLike, qd: npt.ArrayLike) -> Array:
         """Rate of the Jacobian at joint rates qd.
 
         Column [e_i; v_i] changes by ``[omega_(i-1) x e_i; omega_i x v_i + e_i x u_i]``, with the
@@ -147,7 +147,7 @@ class JoinedArms:
 
     arms: tuple[Arm, ...]
     joints: tuple[int, ...]
-    inverse: Callable[[FloatArray, FloatArray], npt.ArrayLike | None]
+    inverse: Callable[[Array, Array], npt.ArrayLike | None]
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "arms", tuple(as_arm(arm) for arm in self.arms))
@@ -156,7 +156,7 @@ class JoinedArms:
         if len(self.joints) != len(self.arms):
             raise WrongSizeError("joints", len(self.joints), len(self.arms))
 
-    def shares(self, q: FloatArray) -> list[tuple[Arm, FloatArray]]:
+    def shares(self, q: Array) -> list[tuple[Arm, Array]]:
         """Give each arm with its own joint values of all (n,)."""
         ends = np.cumsum(self.joints)[:-1]
         return list(zip(self.arms, np.split(q, ends), strict=True))
@@ -165,7 +165,7 @@ class JoinedArms:
 Tracked = Arm | JoinedArms
 
 
-def checked_array(what: str, value: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+def checked_array(what: str, value: npt.ArrayLike, shape: tuple[int, ...]) -> Array:
     """Check what an arm returned: finite numbers of exactly one shape."""
     array = as_finite(what, value, ())
     if array.shape != shape:
@@ -186,7 +186,7 @@ def as_tracked(value: object) -> Tracked:
     return value if isinstance(value, JoinedArms) else as_arm(value)
 
 
-def as_near(arm: Tracked, value: npt.ArrayLike) -> FloatArray:
+def as_near(arm: Tracked, value: npt.ArrayLike) -> Array:
     """Check joint values (n,) of the arm."""
     q = as_finite("near", value, ())
     if q.ndim != 1 or not len(q):

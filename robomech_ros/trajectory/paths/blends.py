@@ -13,8 +13,8 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.curve import PolynomialCurve, evaluated
 from robomech_ros.trajectory.paths.curve_arguments import as_points, as_positive
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import COINCIDENT, COLLINEAR, NEARLY_HALF_TURN
+from robomech_ros.typing import Array, BoolArray
 
 Blend = Literal["circular", "parabolic", "quintic"]
 
@@ -39,18 +39,18 @@ class BlendedPolyline:
     """
 
     pieces: PiecewisePolynomial
-    radii: FloatArray
+    radii: Array
 
     @property
-    def breaks(self) -> FloatArray:
+    def breaks(self) -> Array:
         """Parameters of the ends and of the ends of all legs and blends, shape (s + 1,)."""
         return self.pieces.breaks
 
-    def derivatives(self, u: npt.ArrayLike) -> FloatArray:
+    def derivatives(self, u: npt.ArrayLike) -> Array:
         """Position (m) and four derivatives, shape (5, 3) or (5, m, 3), as for any `Curve`."""
         return evaluated(self.breaks, u, self._rows)
 
-    def _rows(self, u: FloatArray) -> FloatArray:
+    def _rows(self, u: Array) -> Array:
         rows = PolynomialCurve(self.pieces).derivatives(u)
         last = len(self.breaks) - 2
         piece = np.minimum(np.searchsorted(self.breaks, u, side="right") - 1, last)
@@ -140,21 +140,21 @@ class _Blends:
         Angles between them (rad).
     """
 
-    corners: FloatArray
-    before: FloatArray
-    after: FloatArray
-    turns: FloatArray
+    corners: Array
+    before: Array
+    after: Array
+    turns: Array
 
 
 # Lengths (k,) of pieces in their parameter, and powers (d + 1, k, 3) of the parameter in them.
-_Pieces = tuple[FloatArray, FloatArray]
+_Pieces = tuple[Array, Array]
 
 
-def _turns(directions: FloatArray) -> FloatArray:
+def _turns(directions: Array) -> Array:
     """Angles between legs (rad), shape (n - 2,); refuse a way back."""
     before, after = directions[:-1], directions[1:]
     sines = np.linalg.norm(np.cross(before, after), axis=1)
-    turns: FloatArray = np.arctan2(sines, np.sum(before * after, axis=1))
+    turns: Array = np.arctan2(sines, np.sum(before * after, axis=1))
     back = np.flatnonzero(turns > math.pi - NEARLY_HALF_TURN)
     if len(back):
         k = int(back[0])
@@ -164,9 +164,7 @@ def _turns(directions: FloatArray) -> FloatArray:
     return turns
 
 
-def _cuts(
-    blend: Blend, half: FloatArray, radius: float | None, deviation: float | None
-) -> FloatArray:
+def _cuts(blend: Blend, half: Array, radius: float | None, deviation: float | None) -> Array:
     """How much of both legs (m) blends take at corners that turn by 2 half (rad), shape (c,)."""
     sine, cosine = np.sin(half), np.cos(half)
     if blend == "circular":
@@ -177,17 +175,17 @@ def _cuts(
         reach = 38.4 * _SPREAD / (6.0 - 7.0 * _SPREAD) ** 2 * sine / cosine**2
     else:
         reach = 16.0 / (16.0 - 25.0 * _SPREAD) / sine
-    cuts: FloatArray = reach * (radius if radius is not None else deviation or 0.0)
+    cuts: Array = reach * (radius if radius is not None else deviation or 0.0)
     return cuts
 
 
-def _straight(begins: FloatArray, ends: FloatArray, ways: FloatArray) -> _Pieces:
+def _straight(begins: Array, ends: Array, ways: Array) -> _Pieces:
     """Legs between points (k, 3), over their lengths (k,)."""
     rates = (ends - begins) / np.where(ways > 0.0, ways, 1.0)[:, None]
     return ways, np.stack([begins, rates])
 
 
-def _arcs(blends: _Blends) -> tuple[_Pieces, FloatArray]:
+def _arcs(blends: _Blends) -> tuple[_Pieces, Array]:
     """Centres of arcs, over their angles, and their radii (2, c, 3): to the beginning, along."""
     axes = np.cross(blends.before, blends.after)
     inward = np.cross(axes, blends.before)
@@ -199,7 +197,7 @@ def _arcs(blends: _Blends) -> tuple[_Pieces, FloatArray]:
     return (blends.turns, centres[None]), np.stack([-sizes * inward, along])
 
 
-def _polynomials(blend: Blend, blends: _Blends) -> tuple[_Pieces, FloatArray]:
+def _polynomials(blend: Blend, blends: _Blends) -> tuple[_Pieces, Array]:
     """Parabolas or quintics over the lengths of their control polygons; no radii (2, c, 3)."""
     parts = [0.0, 1.0] if blend == "parabolic" else [0.0, _SPREAD, 2.0 * _SPREAD]
     enter, leave = blends.corners - blends.before, blends.corners + blends.after
@@ -216,7 +214,7 @@ def _polynomials(blend: Blend, blends: _Blends) -> tuple[_Pieces, FloatArray]:
 
 
 def _alternating(
-    straight: _Pieces, kept: npt.NDArray[np.bool_], bent: _Pieces, radii: FloatArray
+    straight: _Pieces, kept: BoolArray, bent: _Pieces, radii: Array
 ) -> BlendedPolyline:
     """Put the first leg, the first blend, the second leg and so on; legs that are not kept not."""
     legs, blends = len(straight[0]), len(bent[0])

@@ -16,8 +16,8 @@ from robomech_ros.trajectory.paths.curve_arguments import (
     as_positive,
     as_vector,
 )
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import COINCIDENT, COLLINEAR
+from robomech_ros.typing import Array
 
 
 def line(start: npt.ArrayLike, end: npt.ArrayLike) -> FunctionCurve:
@@ -43,7 +43,7 @@ def line(start: npt.ArrayLike, end: npt.ArrayLike) -> FunctionCurve:
     length = float(np.linalg.norm(last - first))
     direction = (last - first) / length
 
-    def rows(u: FloatArray) -> FloatArray:
+    def rows(u: Array) -> Array:
         values = np.zeros((5, len(u), 3))
         values[0], values[1] = first + u[:, None] * direction, direction
         return values
@@ -172,7 +172,7 @@ def helix(
     a, b = as_positive("radius", radius), as_number("rise", rise)
     first, turn = as_number("start", start), as_positive("angle", angle)
 
-    def rows(u: FloatArray) -> FloatArray:
+    def rows(u: Array) -> Array:
         climb = np.zeros((5, len(u)))
         climb[0], climb[1] = b * u, b
         return np.stack([a * _cosines(u), a * _sines(u), climb], axis=-1)
@@ -236,7 +236,7 @@ def viviani(
     ends = np.array([as_number("start", start), as_number("end", end)])
     halves = 0.5 ** np.arange(5.0)[:, None]
 
-    def rows(u: FloatArray) -> FloatArray:
+    def rows(u: Array) -> Array:
         x = a * _cosines(u)
         x[0] += a
         return np.stack([x, a * _sines(u), 2.0 * a * halves * _sines(0.5 * u)], axis=-1)
@@ -301,7 +301,7 @@ def cylinder_intersection(
         raise BadValueError("small + |offset|", r + abs(d), f"less than large, {R:.9g}")
     ends = np.array([as_number("start", start), as_number("end", end)])
 
-    def rows(u: FloatArray) -> FloatArray:
+    def rows(u: Array) -> Array:
         y = r * _sines(u)
         height = _root_of(_height_squared(R, d, y))
         return np.stack([r * _cosines(u), y, height], axis=-1)
@@ -309,7 +309,7 @@ def cylinder_intersection(
     return FunctionCurve(rows, ends, _placement(pose))
 
 
-def _height_squared(R: float, d: float, y: FloatArray) -> FloatArray:
+def _height_squared(R: float, d: float, y: Array) -> Array:
     """Give R^2 - (y - d)^2 and four derivatives from y (5, m) and its derivatives."""
     e = y.copy()
     e[0] -= d
@@ -324,7 +324,7 @@ def _height_squared(R: float, d: float, y: FloatArray) -> FloatArray:
     )
 
 
-def _root_of(w: FloatArray) -> FloatArray:
+def _root_of(w: Array) -> Array:
     """Give the square root z of w (5, m) and its derivatives, from those of z z = w."""
     z = np.empty_like(w)
     z[0] = np.sqrt(w[0])
@@ -335,19 +335,19 @@ def _root_of(w: FloatArray) -> FloatArray:
     return z
 
 
-def _cosines(u: FloatArray) -> FloatArray:
+def _cosines(u: Array) -> Array:
     """Cosine and its four derivatives, shape (5, m)."""
     c, s = np.cos(u), np.sin(u)
     return np.stack([c, -s, -c, s, c])
 
 
-def _sines(u: FloatArray) -> FloatArray:
+def _sines(u: Array) -> Array:
     """Sine and its four derivatives, shape (5, m)."""
     c, s = np.cos(u), np.sin(u)
     return np.stack([s, c, -s, -c, s])
 
 
-def _frame(origin: FloatArray, z: FloatArray, x: FloatArray) -> FloatArray:
+def _frame(origin: Array, z: Array, x: Array) -> Array:
     """Place a frame with z along one vector and x along another, orthogonal to it."""
     pose = np.eye(4)
     pose[:3, 2] = z / np.linalg.norm(z)
@@ -357,5 +357,5 @@ def _frame(origin: FloatArray, z: FloatArray, x: FloatArray) -> FloatArray:
     return pose
 
 
-def _placement(pose: npt.ArrayLike | None) -> FloatArray:
+def _placement(pose: npt.ArrayLike | None) -> Array:
     return np.eye(4) if pose is None else real_array("pose", pose)

@@ -15,8 +15,8 @@ from robomech_ros.spatial.poses import as_pose
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.curve_arguments import as_breaks, as_parameters
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import COINCIDENT
+from robomech_ros.typing import Array
 
 # Position and four derivatives: the fourth gives the rate of the torsion.
 ORDERS = 5
@@ -26,10 +26,10 @@ class Curve(Protocol):
     """A curve in space over a parameter u, of any unit, from ``breaks[0]`` to ``breaks[-1]``."""
 
     @property
-    def breaks(self) -> FloatArray:
+    def breaks(self) -> Array:
         """Parameters of the ends and of all places where a derivative steps, shape (k + 1,)."""
 
-    def derivatives(self, u: npt.ArrayLike) -> FloatArray:
+    def derivatives(self, u: npt.ArrayLike) -> Array:
         """Position (m) and its first four derivatives with respect to u.
 
         Parameters
@@ -64,9 +64,9 @@ class FunctionCurve:
         returns is checked whenever it is called.
     """
 
-    function: Callable[[FloatArray], Sequence[npt.ArrayLike] | FloatArray]
-    breaks: FloatArray
-    pose: FloatArray = None  # type: ignore[assignment]
+    function: Callable[[Array], Sequence[npt.ArrayLike] | Array]
+    breaks: Array
+    pose: Array = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         if not callable(self.function):
@@ -77,11 +77,11 @@ class FunctionCurve:
             raise WrongSizeError("pose", pose.shape, (4, 4))
         object.__setattr__(self, "pose", pose)
 
-    def derivatives(self, u: npt.ArrayLike) -> FloatArray:
+    def derivatives(self, u: npt.ArrayLike) -> Array:
         """Position (m) and four derivatives, shape (5, 3) or (5, m, 3), as for any `Curve`."""
         return evaluated(self.breaks, u, self._rows)
 
-    def _rows(self, u: FloatArray) -> FloatArray:
+    def _rows(self, u: Array) -> Array:
         what = "derivatives of the curve"
         expected = "position and four derivatives, arrays of shape (m, 3)"
         given = listed(what, self.function(u), expected)
@@ -95,7 +95,7 @@ class FunctionCurve:
             rows[k] = array
         if not np.isfinite(rows).all():
             raise NonFiniteError(what, rows)
-        placed: FloatArray = rows @ self.pose[:3, :3].T
+        placed: Array = rows @ self.pose[:3, :3].T
         placed[0] += self.pose[:3, 3]
         return placed
 
@@ -113,15 +113,15 @@ class PolynomialCurve:
     pieces: PiecewisePolynomial
 
     @property
-    def breaks(self) -> FloatArray:
+    def breaks(self) -> Array:
         """Parameters of the ends and of the knots, shape (k + 1,)."""
         return self.pieces.breaks
 
-    def derivatives(self, u: npt.ArrayLike) -> FloatArray:
+    def derivatives(self, u: npt.ArrayLike) -> Array:
         """Position (m) and four derivatives, shape (5, 3) or (5, m, 3), as for any `Curve`."""
         return evaluated(self.breaks, u, self._rows)
 
-    def _rows(self, u: FloatArray) -> FloatArray:
+    def _rows(self, u: Array) -> Array:
         rate = PiecewisePolynomial(self.pieces.breaks, self.pieces.derivative(1))
         return np.stack([*sample_many(self.pieces, u), sample_many(rate, u).jerk])
 
@@ -138,10 +138,10 @@ class JoinedCurve:
     """
 
     curves: tuple[Curve, ...]
-    starts: FloatArray
+    starts: Array
 
     @property
-    def breaks(self) -> FloatArray:
+    def breaks(self) -> Array:
         """Parameters of all breaks of the curves and of the joints between them."""
         inner = [
             start + curve.breaks[:-1] - curve.breaks[0]
@@ -149,11 +149,11 @@ class JoinedCurve:
         ]
         return np.concatenate([*inner, self.starts[-1:]])
 
-    def derivatives(self, u: npt.ArrayLike) -> FloatArray:
+    def derivatives(self, u: npt.ArrayLike) -> Array:
         """Position (m) and four derivatives, shape (5, 3) or (5, m, 3), as for any `Curve`."""
         return evaluated(self.starts, u, self._rows)
 
-    def _rows(self, u: FloatArray) -> FloatArray:
+    def _rows(self, u: Array) -> Array:
         last = len(self.curves) - 1
         owner = np.minimum(np.searchsorted(self.starts, u, side="right") - 1, last)
         rows = np.empty((ORDERS, len(u), 3))
@@ -210,9 +210,7 @@ def as_curve(what: str, value: object) -> Curve:
     return value  # type: ignore[return-value]
 
 
-def evaluated(
-    breaks: FloatArray, u: npt.ArrayLike, rows: Callable[[FloatArray], FloatArray]
-) -> FloatArray:
+def evaluated(breaks: Array, u: npt.ArrayLike, rows: Callable[[Array], Array]) -> Array:
     """Check parameters and evaluate rows (k, m, 3) for them; (k, 3) for a single parameter."""
     inside = as_parameters("parameter", u, float(breaks[0]), float(breaks[-1]))
     values = rows(np.atleast_1d(inside))

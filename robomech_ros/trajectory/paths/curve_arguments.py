@@ -8,13 +8,13 @@ import numpy.typing as npt
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array, real_number
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import COINCIDENT, PARAMETER_SLACK
+from robomech_ros.typing import Array
 
 
-def as_breaks(what: str, value: npt.ArrayLike) -> FloatArray:
+def as_breaks(what: str, value: npt.ArrayLike) -> Array:
     """Check numbers that increase strictly, at least two; give a copy."""
-    breaks: FloatArray = real_array(what, value).copy()
+    breaks: Array = real_array(what, value).copy()
     if breaks.ndim != 1 or len(breaks) < 2:
         raise WrongSizeError(what, breaks.shape, "(k,) with at least two numbers")
     if not np.isfinite(breaks).all():
@@ -26,7 +26,7 @@ def as_breaks(what: str, value: npt.ArrayLike) -> FloatArray:
     return breaks
 
 
-def as_points(what: str, value: npt.ArrayLike, least: int) -> FloatArray:
+def as_points(what: str, value: npt.ArrayLike, least: int) -> Array:
     """Check points (m), shape (k, 3), at least this many, neighbours apart from each other."""
     points = real_array(what, value)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < least:
@@ -47,7 +47,7 @@ def as_points(what: str, value: npt.ArrayLike, least: int) -> FloatArray:
     return points
 
 
-def as_parameters(what: str, value: npt.ArrayLike, start: float, end: float) -> FloatArray:
+def as_parameters(what: str, value: npt.ArrayLike, start: float, end: float) -> Array:
     """Check parameters within a range, shape () or (m,); those off by rounding are put on it."""
     numbers = real_array(what, value)
     if numbers.ndim > 1:
@@ -64,7 +64,7 @@ def as_parameters(what: str, value: npt.ArrayLike, start: float, end: float) -> 
     return np.clip(numbers, start, end)
 
 
-def as_vector(what: str, value: npt.ArrayLike, shape: tuple[int, ...] = (3,)) -> FloatArray:
+def as_vector(what: str, value: npt.ArrayLike, shape: tuple[int, ...] = (3,)) -> Array:
     """Check finite numbers of exactly one shape, none above 1e6."""
     numbers = real_array(what, value)
     if numbers.shape != shape:

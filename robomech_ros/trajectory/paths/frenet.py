@@ -10,7 +10,7 @@ import numpy.typing as npt
 from robomech_ros.trajectory.paths.arc_length import by_unit_speed, dot
 from robomech_ros.trajectory.paths.curve import Curve, as_curve
 from robomech_ros.trajectory.paths.curve_arguments import as_parameters
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array, BoolArray
 
 # Curvature times length below which a curve is straight there: nine digits of its second
 # derivative are gone, and no normal is left in the others.
@@ -43,24 +43,24 @@ class FrenetSerret:
     frenet_serret : what makes it, with the formulas.
     """
 
-    frame: FloatArray
-    speed: FloatArray
-    curvature: FloatArray
-    torsion: FloatArray
-    curvature_rate: FloatArray
-    torsion_rate: FloatArray
+    frame: Array
+    speed: Array
+    curvature: Array
+    torsion: Array
+    curvature_rate: Array
+    torsion_rate: Array
 
     @property
-    def darboux(self) -> FloatArray:
+    def darboux(self) -> Array:
         """Darboux vector tau e_t + kappa e_b (rad/m), shape (m, 3): the frame's turn per length."""
         return self._along(self.torsion, self.curvature)
 
     @property
-    def darboux_rate(self) -> FloatArray:
+    def darboux_rate(self) -> Array:
         """Its derivative tau' e_t + kappa' e_b (rad/m^2), shape (m, 3)."""
         return self._along(self.torsion_rate, self.curvature_rate)
 
-    def _along(self, tangent: FloatArray, binormal: FloatArray) -> FloatArray:
+    def _along(self, tangent: Array, binormal: Array) -> Array:
         return (
             tangent[..., None] * self.frame[..., :, 0] + binormal[..., None] * self.frame[..., :, 2]
         )
@@ -133,7 +133,7 @@ def frenet_serret(curve: Curve, u: npt.ArrayLike) -> FrenetSerret:
     return FrenetSerret(*(getattr(found, name)[0] for name in FrenetSerret.__dataclass_fields__))
 
 
-def _frames(curve: Curve, u: FloatArray) -> FrenetSerret:
+def _frames(curve: Curve, u: Array) -> FrenetSerret:
     rows = curve.derivatives(u)
     p = by_unit_speed(rows)
     curved = _is_curved(curve, rows, p)
@@ -156,14 +156,14 @@ def _frames(curve: Curve, u: FloatArray) -> FrenetSerret:
     )
 
 
-def _is_curved(curve: Curve, rows: FloatArray, p: FloatArray) -> npt.NDArray[np.bool_]:
+def _is_curved(curve: Curve, rows: Array, p: Array) -> BoolArray:
     """Where the curvature (1/m) is more than rounding, seen over the length of the curve."""
     length = np.linalg.norm(rows[1], axis=-1) * (curve.breaks[-1] - curve.breaks[0])
-    curved: npt.NDArray[np.bool_] = np.linalg.norm(p[2], axis=-1) * length > STRAIGHT
+    curved: BoolArray = np.linalg.norm(p[2], axis=-1) * length > STRAIGHT
     return curved
 
 
-def _carried_normals(curve: Curve, u: FloatArray, tangents: FloatArray) -> FloatArray:
+def _carried_normals(curve: Curve, u: Array, tangents: Array) -> Array:
     """Find normals at straight places, carried over from curved ones."""
     table = _places(curve)
     _, _, curved = _normals(curve, table)
@@ -177,7 +177,7 @@ def _carried_normals(curve: Curve, u: FloatArray, tangents: FloatArray) -> Float
     return _carried(normals, from_tangents, tangents)
 
 
-def _edge(curve: Curve, curved: FloatArray, straight: FloatArray) -> FloatArray:
+def _edge(curve: Curve, curved: Array, straight: Array) -> Array:
     """Halve towards the straight places; give the nearest curved ones."""
     for _ in range(_HALVINGS):
         middle = 0.5 * (curved + straight)
@@ -187,7 +187,7 @@ def _edge(curve: Curve, curved: FloatArray, straight: FloatArray) -> FloatArray:
     return curved
 
 
-def _normals(curve: Curve, u: FloatArray) -> tuple[FloatArray, FloatArray, npt.NDArray[np.bool_]]:
+def _normals(curve: Curve, u: Array) -> tuple[Array, Array, BoolArray]:
     """Tangents, normals (of any length where straight), and whether the curve is curved."""
     rows = curve.derivatives(u)
     p = by_unit_speed(rows)
@@ -195,7 +195,7 @@ def _normals(curve: Curve, u: FloatArray) -> tuple[FloatArray, FloatArray, npt.N
     return p[1], p[2] / np.where(length > 0.0, length, 1.0), _is_curved(curve, rows, p)
 
 
-def _places(curve: Curve) -> FloatArray:
+def _places(curve: Curve) -> Array:
     """Places inside every part between two breaks, and both its ends from within."""
     breaks = curve.breaks
     inner = (np.arange(_PLACES) + 0.5) / _PLACES
@@ -204,11 +204,11 @@ def _places(curve: Curve) -> FloatArray:
     return np.concatenate([breaks[:-1, None], spread, ends], axis=1).ravel()
 
 
-def _carried(vectors: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray:
+def _carried(vectors: Array, before: Array, after: Array) -> Array:
     """Turn vectors by the least rotation from one direction to another; make them normal to it."""
     between = before + after
     scale = np.maximum(1.0 + dot(before, after), np.finfo(np.float64).tiny)
     turned = vectors - between * (dot(vectors, after) / scale)[:, None]
     turned -= after * dot(turned, after)[:, None]
-    normal: FloatArray = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
+    normal: Array = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
     return normal

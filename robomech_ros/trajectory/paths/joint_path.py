@@ -12,8 +12,9 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.curve_arguments import as_parameters
 from robomech_ros.trajectory.paths.pose_path import PosePath
-from robomech_ros.trajectory.sample import FloatArray, Sample, Trajectory, checked_times
+from robomech_ros.trajectory.sample import Sample, Trajectory, checked_times
 from robomech_ros.trajectory.tolerances import PARAMETER_SLACK
+from robomech_ros.typing import Array
 
 # Speed of a time law, over its mean, that is rest where the path has a corner.
 AT_REST = 1e-6
@@ -36,7 +37,7 @@ class JointPath:
     """
 
     pieces: PiecewisePolynomial
-    stops: FloatArray
+    stops: Array
 
     @property
     def length(self) -> float:
@@ -48,7 +49,7 @@ class JointPath:
         """Number of joints."""
         return self.pieces.joints
 
-    def derivatives(self, s: npt.ArrayLike) -> FloatArray:
+    def derivatives(self, s: npt.ArrayLike) -> Array:
         """Joint values and their first three derivatives with respect to s.
 
         Parameters
@@ -176,7 +177,7 @@ def _check_law(path: JointPath, law: Trajectory) -> None:
         raise BadValueError(what, float(speeds[k]), "0: the path has a corner there")
 
 
-def _speeds_at(law: Trajectory, coordinates: FloatArray) -> FloatArray:
+def _speeds_at(law: Trajectory, coordinates: Array) -> Array:
     """Speed with which a law passes coordinates, shape (m,)."""
     if not len(coordinates):
         return coordinates

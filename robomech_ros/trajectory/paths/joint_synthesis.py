@@ -19,7 +19,7 @@ from robomech_ros.trajectory.paths.joint_path import JointPath, check_follows
 from robomech_ros.trajectory.paths.pose_path import PosePath, PoseSample
 from robomech_ros.trajectory.paths.posture import corrected, posture
 from robomech_ros.trajectory.paths.spline_curves import as_ends
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 # Joint values (rad, m) that differ by less where a path closes are the same: what correcting each
 # leaves open near a singularity.
@@ -85,7 +85,7 @@ def joint_spline(
     return JointPath(PiecewisePolynomial(breaks, coefficients), joints.stops)
 
 
-def tracking_error(path: PosePath, arm: Arm, joints: JointPath, s: npt.ArrayLike) -> FloatArray:
+def tracking_error(path: PosePath, arm: Arm, joints: JointPath, s: npt.ArrayLike) -> Array:
     """Measure how far the poses of a joint path are off a pose path.
 
     Parameters
@@ -119,7 +119,7 @@ def tracking_error(path: PosePath, arm: Arm, joints: JointPath, s: npt.ArrayLike
 
 
 def _part(
-    path: PosePath, arm: Arm, joints: JointPath, knots: FloatArray, ends: Ends
+    path: PosePath, arm: Arm, joints: JointPath, knots: Array, ends: Ends
 ) -> PiecewisePolynomial:
     """Spline between two stops; the rates at its ends are those from within."""
     at = knots.copy()

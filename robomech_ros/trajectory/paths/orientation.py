@@ -20,8 +20,8 @@ from robomech_ros.trajectory.paths.curve import Curve, as_curve
 from robomech_ros.trajectory.paths.curve_arguments import as_breaks, as_parameters
 from robomech_ros.trajectory.paths.frenet import frenet_serret
 from robomech_ros.trajectory.paths.rotation_vectors import applied
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import NEARLY_HALF_TURN
+from robomech_ros.typing import Array
 
 # Turn (rad) of a moving frame within the least interval looked at that is a jump.
 TURN_STEP = 1e-3
@@ -43,19 +43,19 @@ class Turning(NamedTuple):
         Its derivative.
     """
 
-    rotation: FloatArray
-    velocity: FloatArray
-    acceleration: FloatArray
+    rotation: Array
+    velocity: Array
+    acceleration: Array
 
 
 class Orientation(Protocol):
     """An orientation as a function of a parameter, the same as that of a curve."""
 
     @property
-    def breaks(self) -> FloatArray:
+    def breaks(self) -> Array:
         """Ends of the range and places where a derivative steps; empty if it has no ends."""
 
-    def turning(self, u: FloatArray) -> Turning:
+    def turning(self, u: Array) -> Turning:
         """Orientation and its rates at parameters, shape (m,)."""
 
 
@@ -71,15 +71,15 @@ class PiecewiseRotation:
         In segment k the rotation vector (rad) from ``rotations[k]``, in its own axes.
     """
 
-    rotations: FloatArray
+    rotations: Array
     vectors: PiecewisePolynomial
 
     @property
-    def breaks(self) -> FloatArray:
+    def breaks(self) -> Array:
         """The knots, shape (n,)."""
         return self.vectors.breaks
 
-    def turning(self, u: FloatArray) -> Turning:
+    def turning(self, u: Array) -> Turning:
         """Orientation and its rates at parameters, shape (m,)."""
         inside = as_parameters("parameter", u, float(self.breaks[0]), float(self.breaks[-1]))
         segment = np.searchsorted(self.breaks, inside, side="right") - 1
@@ -94,14 +94,14 @@ class PiecewiseRotation:
 class ConstantOrientation:
     """The same orientation everywhere."""
 
-    rotation: FloatArray
+    rotation: Array
 
     @property
-    def breaks(self) -> FloatArray:
+    def breaks(self) -> Array:
         """None."""
         return np.empty(0)
 
-    def turning(self, u: FloatArray) -> Turning:
+    def turning(self, u: Array) -> Turning:
         """Orientation, and rates of zero, at parameters, shape (m,)."""
         still = np.zeros((len(u), 3))
         return Turning(np.broadcast_to(self.rotation, (len(u), 3, 3)), still, still)
@@ -120,14 +120,14 @@ class FrenetOrientation:
     """
 
     curve: Curve
-    offset: FloatArray
+    offset: Array
 
     @property
-    def breaks(self) -> FloatArray:
+    def breaks(self) -> Array:
         """Those of the curve."""
         return self.curve.breaks
 
-    def turning(self, u: FloatArray) -> Turning:
+    def turning(self, u: Array) -> Turning:
         """Orientation and its rates at parameters, shape (m,).
 
         omega = s' delta and alpha = s'' delta + s'^2 delta', with the Darboux vector delta and the
@@ -223,9 +223,7 @@ def frenet_orientation(curve: Curve, offset: npt.ArrayLike | None = None) -> Fre
     return FrenetOrientation(curve, turn)
 
 
-def as_rotations(
-    what: str, rotations: npt.ArrayLike, knots: npt.ArrayLike
-) -> tuple[FloatArray, FloatArray]:
+def as_rotations(what: str, rotations: npt.ArrayLike, knots: npt.ArrayLike) -> tuple[Array, Array]:
     """Check rotations (n, 3, 3), at least two, and as many knots."""
     given = as_rotation(rotations, what=what)
     if given.ndim != 3 or len(given) < 2:
@@ -236,7 +234,7 @@ def as_rotations(
     return given, parameters
 
 
-def turns_between(what: str, rotations: FloatArray) -> FloatArray:
+def turns_between(what: str, rotations: Array) -> Array:
     """Rotation vectors (n - 1, 3) from each to the next, in its own axes; refuse opposite ones."""
     turns = rotation_vector_from_matrix(np.swapaxes(rotations[:-1], -1, -2) @ rotations[1:])
     angles = np.linalg.norm(turns, axis=-1)
@@ -251,7 +249,7 @@ def turns_between(what: str, rotations: FloatArray) -> FloatArray:
     return turns
 
 
-def _one_rotation(what: str, value: npt.ArrayLike) -> FloatArray:
+def _one_rotation(what: str, value: npt.ArrayLike) -> Array:
     rotation = as_rotation(value, what=what)
     if rotation.shape != (3, 3):
         raise WrongSizeError(what, rotation.shape, (3, 3))
@@ -277,7 +275,7 @@ def _check_continuous(curve: Curve) -> None:
         low, high = np.append(low, middle), np.append(middle, high)
 
 
-def _raise_jump(curve: Curve, low: FloatArray, high: FloatArray) -> None:
+def _raise_jump(curve: Curve, low: Array, high: Array) -> None:
     """Name the first jump of the frame between neighbouring numbers."""
     k = int(np.argmin(low))
     raise BadValueError(
@@ -287,10 +285,10 @@ def _raise_jump(curve: Curve, low: FloatArray, high: FloatArray) -> None:
     )
 
 
-def _angle(curve: Curve, low: FloatArray, high: FloatArray) -> FloatArray:
+def _angle(curve: Curve, low: Array, high: Array) -> Array:
     """Angle (rad) between the frames at pairs of places."""
     between = (
         np.swapaxes(frenet_serret(curve, low).frame, -1, -2) @ frenet_serret(curve, high).frame
     )
-    angles: FloatArray = np.linalg.norm(rotation_vector_from_matrix(between), axis=-1)
+    angles: Array = np.linalg.norm(rotation_vector_from_matrix(between), axis=-1)
     return angles

@@ -24,8 +24,8 @@ from robomech_ros.trajectory.paths.rotation_vectors import (
     turning_acceleration,
 )
 from robomech_ros.trajectory.paths.spline_curves import as_ends
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import COINCIDENT
+from robomech_ros.typing import Array
 
 # Newton steps for a rotation spline; convergence is quadratic.
 SPLINE_STEPS = 50
@@ -107,18 +107,16 @@ class _System:
     ``-6 turn / h^2 + 2 J w[k] / h + 4 w[k + 1] / h + N(A w[k + 1])`` with a quadratic N.
     """
 
-    def __init__(
-        self, h: FloatArray, turns: FloatArray, ends: Ends, rates: FloatArray | None
-    ) -> None:
+    def __init__(self, h: Array, turns: Array, ends: Ends, rates: Array | None) -> None:
         self.h, self.turns, self.ends, self.rates = h, turns, ends, rates
         self.to_body = body_rate_matrix(turns)
         self.to_vector = np.linalg.inv(self.to_body).astype(np.float64, copy=False)
-        self.back: FloatArray = np.swapaxes(matrix_from_rotation_vector(turns), -1, -2)
+        self.back: Array = np.swapaxes(matrix_from_rotation_vector(turns), -1, -2)
 
-    def solution(self) -> FloatArray:
+    def solution(self) -> Array:
         """Solve by Newton's method, if need be with the quadratic term brought in by parts."""
         for parts in _PARTS:
-            w: FloatArray | None = np.zeros((len(self.h) + 1, 3))
+            w: Array | None = np.zeros((len(self.h) + 1, 3))
             for part in range(1, parts + 1):
                 w = None if w is None else self._newton(w, part / parts)
             if w is not None:
@@ -129,7 +127,7 @@ class _System:
             "smaller turns between neighbours: no smooth motion through all was found",
         )
 
-    def _newton(self, w: FloatArray, weight: float) -> FloatArray | None:
+    def _newton(self, w: Array, weight: float) -> Array | None:
         """Solve with the quadratic term times a weight; None where the steps do not converge."""
         scale = float((np.linalg.norm(self.turns, axis=1) / self.h).max())
         if self.rates is not None:
@@ -144,7 +142,7 @@ class _System:
                 return None
         return None
 
-    def _step(self, w: FloatArray, weight: float) -> FloatArray:
+    def _step(self, w: Array, weight: float) -> Array:
         begin, end = self._accelerations(w, weight)
         h = self.h[:, None, None]
         here = 4.0 / h * np.eye(3)
@@ -153,7 +151,7 @@ class _System:
         missing = None if self.rates is None else (self.rates - w[[0, -1]])[:, :, None]
         return matched(start, stop, self.ends, missing)[:, :, 0]
 
-    def _accelerations(self, w: FloatArray, weight: float) -> tuple[FloatArray, FloatArray]:
+    def _accelerations(self, w: Array, weight: float) -> tuple[Array, Array]:
         """Angular accelerations (n - 1, 3) at the beginning and at the end of the segments."""
         h = self.h[:, None]
         last = applied(self.to_vector, w[1:])
@@ -162,10 +160,10 @@ class _System:
         linear = 2.0 / h * applied(self.to_body, w[:-1]) + 4.0 / h * w[1:] - mean
         return begin, linear + weight * self._quadratic(last)
 
-    def _quadratic(self, vector: FloatArray) -> FloatArray:
+    def _quadratic(self, vector: Array) -> Array:
         return applied(self.back, turning_acceleration(self.turns, vector))
 
-    def _slopes(self, w: FloatArray) -> FloatArray:
+    def _slopes(self, w: Array) -> Array:
         """Differentiate the quadratic term, (n - 1, 3, 3); its differences are exact."""
         last = applied(self.to_vector, w[1:])
         # Differences as large as the vector itself keep its digits.
@@ -179,7 +177,7 @@ class _System:
         return np.stack(columns, axis=-1) @ self.to_vector
 
 
-def _closed(rotations: FloatArray) -> FloatArray:
+def _closed(rotations: Array) -> Array:
     """Put the last orientation on the first, where it is up to rounding."""
     if len(rotations) < 4:
         raise WrongSizeError("rotations", rotations.shape, "(n, 3, 3) with n at least 4, if closed")
@@ -191,7 +189,7 @@ def _closed(rotations: FloatArray) -> FloatArray:
     return np.concatenate([rotations[:-1], rotations[:1]])
 
 
-def _end_rates(given: npt.ArrayLike | None, ends: Ends, rotations: FloatArray) -> FloatArray | None:
+def _end_rates(given: npt.ArrayLike | None, ends: Ends, rotations: Array) -> Array | None:
     """Check angular velocities at the ends; give them in the axes of their knots."""
     if ends != "clamped":
         if given is not None:

@@ -12,7 +12,6 @@ from functools import lru_cache
 from typing import TypeGuard
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.spatial.rotations.axis_angle import (
     matrix_from_rotation_vector,
@@ -22,7 +21,7 @@ from robomech_ros.spatial.rotations.rates import rotation_rates
 from robomech_ros.trajectory.paths.arms import SerialArm, Tracked, checked_array
 from robomech_ros.trajectory.paths.joint_path import JointPath
 from robomech_ros.trajectory.paths.pose_path import PoseSample
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array, IntArray
 
 # Moves (rad, m) between which the rates along a path are compared for their derivative.
 _MOVE = 1e-5
@@ -49,16 +48,16 @@ def partial_rank(arm: SerialArm, joints: int) -> int:
     return rank
 
 
-def partial_deviation(arm: SerialArm, q: FloatArray, pose: FloatArray) -> FloatArray:
+def partial_deviation(arm: SerialArm, q: Array, pose: Array) -> Array:
     """Return what is left of the k held components (rad, m), in the axes of the pose."""
     actual = checked_array("pose of the arm", arm.forward(q), (4, 4))
     R = pose[:3, :3]
     turn = rotation_vector_from_matrix(R.T @ actual[:3, :3])
-    left: FloatArray = -np.concatenate([turn, R.T @ (actual[:3, 3] - pose[:3, 3])])[arm.held]
+    left: Array = -np.concatenate([turn, R.T @ (actual[:3, 3] - pose[:3, 3])])[arm.held]
     return left
 
 
-def least_turn(target: FloatArray, actual: FloatArray, rows: npt.NDArray[np.int64]) -> FloatArray:
+def least_turn(target: Array, actual: Array, rows: IntArray) -> Array:
     """Return the least rotation vector (rad, base axes) that brings what is held of a rotation.
 
     Parameters
@@ -76,20 +75,18 @@ def least_turn(target: FloatArray, actual: FloatArray, rows: npt.NDArray[np.int6
     axis, wanted = actual[:, ~held][:, 0], target[:, ~held][:, 0]
     normal = np.cross(axis, wanted)
     sine = float(np.linalg.norm(normal))
-    turn: FloatArray = normal * (math.atan2(sine, float(axis @ wanted)) / max(sine, 1e-300))
+    turn: Array = normal * (math.atan2(sine, float(axis @ wanted)) / max(sine, 1e-300))
     return turn
 
 
-def partial_step(arm: SerialArm, q: FloatArray, pose: FloatArray) -> FloatArray:
+def partial_step(arm: SerialArm, q: Array, pose: Array) -> Array:
     """Return the Newton step (n,) towards a posture whose held components are those of a pose."""
     A = _equations(arm, q, PoseSample(pose, np.zeros(6), np.zeros(6)))[:, :-1]
     freedom = _freedom(arm, q)
     return freedom * least_solution(A * freedom, partial_deviation(arm, q, pose))
 
 
-def partial_rates(
-    arm: SerialArm, q: FloatArray, place: PoseSample
-) -> tuple[FloatArray, FloatArray, float]:
+def partial_rates(arm: SerialArm, q: Array, place: PoseSample) -> tuple[Array, Array, float]:
     """Return the first two derivatives (n,) of joint values along a path, and the condition number.
 
     Parameters
@@ -110,27 +107,27 @@ def partial_rates(
     return first, (ahead - behind) / (2.0 * h), condition
 
 
-def tip_rates(arm: SerialArm, joints: JointPath) -> Callable[[FloatArray], FloatArray]:
+def tip_rates(arm: SerialArm, joints: JointPath) -> Callable[[Array], Array]:
     """Return a function that gives the twists (m, 6) of the tool at coordinates (m,) of a path."""
 
-    def twists(s: FloatArray) -> FloatArray:
+    def twists(s: Array) -> Array:
         q, first = joints.derivatives(np.clip(s, 0.0, joints.length))[:2]
         return np.array([arm.jacobian(row) @ rate for row, rate in zip(q, first, strict=True)])
 
     return twists
 
 
-def least_solution(A: FloatArray, b: FloatArray) -> FloatArray:
+def least_solution(A: Array, b: Array) -> Array:
     """Return the least vector with the least error of A x = b."""
     return np.linalg.lstsq(A, b, rcond=None)[0].astype(np.float64, copy=False)
 
 
-def _least_rates(arm: SerialArm, q: FloatArray, place: PoseSample) -> FloatArray:
+def _least_rates(arm: SerialArm, q: Array, place: PoseSample) -> Array:
     system, freedom = _equations(arm, q, place), _freedom(arm, q)
     return freedom * least_solution(system[:, :-1] * freedom, system[:, -1])
 
 
-def _equations(arm: SerialArm, q: FloatArray, place: PoseSample) -> FloatArray:
+def _equations(arm: SerialArm, q: Array, place: PoseSample) -> Array:
     """Return [A b], shape (k, n + 1), of the equations A q' = b."""
     J = checked_array("jacobian", arm.jacobian(q), (6, len(q)))
     actual = checked_array("pose of the arm", arm.forward(q), (4, 4))
@@ -143,7 +140,7 @@ def _equations(arm: SerialArm, q: FloatArray, place: PoseSample) -> FloatArray:
         turn = rotation_vector_from_matrix(R.T @ actual[:3, :3])
         turns = np.tile(turn, (turning.shape[1], 1))
         turning = rotation_rates(turns, "rotation-vector", turning.T)[0].T
-    system: FloatArray = np.concatenate([turning, moving])[arm.held]
+    system: Array = np.concatenate([turning, moving])[arm.held]
     return system
 
 
@@ -155,12 +152,12 @@ def _moved(place: PoseSample, h: float) -> PoseSample:
     return PoseSample(pose, place.twist + h * place.twist_rate, place.twist_rate)
 
 
-def _freedom(arm: SerialArm, q: FloatArray) -> FloatArray:
+def _freedom(arm: SerialArm, q: Array) -> Array:
     """Return the factors (n,) of the rates, which fall smoothly near the limits of joints."""
     if arm.bounds is None:
         return np.ones(len(q))
     lower, upper = arm.bounds
     near = np.clip(_NEAR * (upper - lower), np.finfo(np.float64).tiny, _NEAR_AT_MOST)
     x = np.clip(np.minimum(q - lower, upper - q) / near, 0.0, 1.0)
-    factors: FloatArray = _LEAST + (1.0 - _LEAST) * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+    factors: Array = _LEAST + (1.0 - _LEAST) * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
     return factors

@@ -3,14 +3,13 @@
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.trajectory.curves.bounds import first_above, hull
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.paths.joint_path import JointPath
 from robomech_ros.trajectory.paths.tracking_result import PathCut, PathTrackingStatus
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
+from robomech_ros.typing import Array, BoolArray
 
 # Places looked at along a path at least, and halvings between two of them.
 PLACES, _HALVINGS = 500, 40
@@ -22,7 +21,7 @@ _BEYOND = 1e-6
 
 def last_good_place(
     joints: JointPath,
-    wrong: Callable[[FloatArray], npt.NDArray[np.bool_]],
+    wrong: Callable[[Array], BoolArray],
     *,
     count: int = PLACES,
     part: tuple[float, float] | None = None,
@@ -84,10 +83,10 @@ def limit_cut(joints: JointPath, limits: Limits) -> PathCut | None:
         for limit, outer in ((limits.lower, np.minimum), (limits.upper, np.maximum))
     )
 
-    def excess(q: FloatArray) -> FloatArray:
+    def excess(q: Array) -> Array:
         return np.maximum(lower - q, q - upper)
 
-    def outside(q: FloatArray) -> npt.NDArray[np.bool_]:
+    def outside(q: Array) -> BoolArray:
         return np.asarray((excess(q) > _SLACK).any(axis=1))
 
     s = last_good_place(joints, outside)
@@ -103,9 +102,7 @@ def limit_cut(joints: JointPath, limits: Limits) -> PathCut | None:
     return PathCut(s, PathTrackingStatus.LIMIT, text, joint)
 
 
-def _part_outside(
-    joints: JointPath, lower: FloatArray, upper: FloatArray
-) -> tuple[float, float] | None:
+def _part_outside(joints: JointPath, lower: Array, upper: Array) -> tuple[float, float] | None:
     """Find the first piece (m, m) of a joint path that is outside limits (n,) for sure."""
     coefficients, breaks = hull(joints.pieces, 0), joints.pieces.breaks
     found = [

@@ -30,7 +30,7 @@ from robomech_ros.trajectory.paths.posture import (
     posture,
 )
 from robomech_ros.trajectory.paths.tracking_result import PathTracking, PathTrackingStatus
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 # A joint that moves farther than this (rad, m) between two postures has jumped: they lie closer.
 JUMP = 0.5
@@ -146,7 +146,7 @@ def _limits_of(limits: JointLimits | Any, joints: int) -> Limits:
 def _tracked(
     path: PosePath,
     arm: Tracked,
-    begin: FloatArray,
+    begin: Array,
     bounds: tuple[float, float],
     limits: Limits | None,
 ) -> PathTracking:
@@ -177,7 +177,7 @@ class _Nodes(NamedTuple):
 def _followed(
     path: PosePath,
     arm: Tracked,
-    q: FloatArray,
+    q: Array,
     part: tuple[float, float],
     tolerance: float,
     limit: float,
@@ -233,7 +233,7 @@ def _stepped(
     return there, float(np.abs(pose_deviation(arm, between, middle.pose)).max())
 
 
-def _reached(arm: Tracked, guess: FloatArray, place: PoseSample) -> Posture | None:
+def _reached(arm: Tracked, guess: Array, place: PoseSample) -> Posture | None:
     """Posture at a place of the path from predicted joint values; None where there is none."""
     q = corrected(arm, guess, place.pose) if np.isfinite(guess).all() else None
     return None if q is None else posture(arm, q, place)
@@ -291,9 +291,7 @@ def _cut_short(
     return PathTracking(_assembled(path, parts), reached, status, reason, path.length, joint, jump)
 
 
-def _start(
-    path: PosePath, arm: Tracked, near: FloatArray, limits: Limits | None
-) -> FloatArray | None:
+def _start(path: PosePath, arm: Tracked, near: Array, limits: Limits | None) -> Array | None:
     """Joint values at the start of the path: near themselves if they are there."""
     pose = path.sample(0.0).pose
     if np.abs(pose_deviation(arm, near, pose)).max() < AT_START:
@@ -304,9 +302,7 @@ def _start(
     return None if found is None else corrected(arm, found, pose)
 
 
-def _nearest(
-    arm: Tracked, pose: FloatArray, near: FloatArray, limits: Limits | None
-) -> FloatArray | None:
+def _nearest(arm: Tracked, pose: Array, near: Array, limits: Limits | None) -> Array | None:
     """Ask the arm for joint values at a pose, near others that are put within the limits."""
     seed = near if limits is None else np.clip(near, limits.lower, limits.upper)
     found = arm.inverse(pose, seed)

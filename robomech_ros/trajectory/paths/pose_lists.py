@@ -25,8 +25,8 @@ from robomech_ros.trajectory.paths.orientation import (
 )
 from robomech_ros.trajectory.paths.orientation_spline import orientation_spline
 from robomech_ros.trajectory.paths.pose_path import PosePath, pose_path
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import COINCIDENT
+from robomech_ros.typing import Array
 
 # What a turn counts in the coordinate of a path through poses (m/rad): about the distance at which
 # a tool of the usual size touches its work.
@@ -116,7 +116,7 @@ def spline_path(poses: npt.ArrayLike, *, radius: float = TURN_RADIUS) -> PosePat
         raise BadValueError(f"poses[{k}]", given[k, :3, 3].tolist(), expected) from None
 
 
-def _turning_back(poses: FloatArray) -> int | None:
+def _turning_back(poses: Array) -> int | None:
     """Find the inner pose at which the way goes straight back most nearly, if any."""
     legs = np.diff(poses[:, :3, 3], axis=0)
     along = (legs[1:] * legs[:-1]).sum(axis=1)
@@ -174,7 +174,7 @@ def arc_path(
     return pose_path(curve, turning, radius=weight)
 
 
-def _arc(k: int, poses: list[FloatArray]) -> tuple[FunctionCurve, PiecewiseRotation]:
+def _arc(k: int, poses: list[Array]) -> tuple[FunctionCurve, PiecewiseRotation]:
     """Arc number k through three poses, and the orientation along it."""
     first, middle, last = (pose[:3, 3] for pose in poses)
     try:
@@ -191,7 +191,7 @@ def _arc(k: int, poses: list[FloatArray]) -> tuple[FunctionCurve, PiecewiseRotat
     return curve, turning
 
 
-def _joined_rotations(parts: list[PiecewiseRotation], starts: FloatArray) -> PiecewiseRotation:
+def _joined_rotations(parts: list[PiecewiseRotation], starts: Array) -> PiecewiseRotation:
     """Put orientations one after another, each from its start on."""
     knots = [part.breaks[:-1] + begin for part, begin in zip(parts, starts, strict=False)]
     rotations = [part.rotations[:-1] for part in parts] + [parts[-1].rotations[-1:]]
@@ -200,7 +200,7 @@ def _joined_rotations(parts: list[PiecewiseRotation], starts: FloatArray) -> Pie
     return PiecewiseRotation(np.concatenate(rotations), PiecewisePolynomial(breaks, coefficients))
 
 
-def _one_pose(what: str, value: npt.ArrayLike) -> FloatArray:
+def _one_pose(what: str, value: npt.ArrayLike) -> Array:
     pose = as_pose(value, what=what)
     if pose.shape != (4, 4):
         raise WrongSizeError(what, pose.shape, (4, 4))
@@ -208,7 +208,7 @@ def _one_pose(what: str, value: npt.ArrayLike) -> FloatArray:
     return pose
 
 
-def _checked(poses: npt.ArrayLike, radius: float) -> tuple[FloatArray, FloatArray, float]:
+def _checked(poses: npt.ArrayLike, radius: float) -> tuple[Array, Array, float]:
     """Check poses; give them, knots as far apart as they are, and the radius."""
     weight = as_positive("radius", radius)
     given = as_pose(poses, what="poses")
@@ -226,7 +226,7 @@ def _checked(poses: npt.ArrayLike, radius: float) -> tuple[FloatArray, FloatArra
     return given, np.concatenate([[0.0], np.cumsum(apart)]), weight
 
 
-def _check_size(what: str, poses: FloatArray) -> None:
+def _check_size(what: str, poses: Array) -> None:
     places = np.abs(poses[:, :3, 3])
     if places.max() > LARGEST_LENGTH:
         expected = f"coordinates of at most {LARGEST_LENGTH:g} m"

@@ -15,8 +15,8 @@ from robomech_ros.trajectory.paths.arc_length import ArcLength, dot, measured
 from robomech_ros.trajectory.paths.curve import Curve, as_curve
 from robomech_ros.trajectory.paths.curve_arguments import as_number, as_parameters
 from robomech_ros.trajectory.paths.orientation import Orientation
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import PARAMETER_SLACK
+from robomech_ros.typing import Array
 
 # Step of a twist, over a unit of the path and turned into lengths by the path's own, that is no
 # rounding: second derivatives of blends of a millimetre keep eight digits.
@@ -37,9 +37,9 @@ class PoseSample(NamedTuple):
         Its derivative with respect to the path coordinate.
     """
 
-    pose: FloatArray
-    twist: FloatArray
-    twist_rate: FloatArray
+    pose: Array
+    twist: Array
+    twist_rate: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +71,8 @@ class PosePath:
     orientation: Orientation
     radius: float
     measure: ArcLength
-    parameters: FloatArray
-    waypoints: FloatArray | None = None
+    parameters: Array
+    waypoints: Array | None = None
 
     @property
     def length(self) -> float:
@@ -80,12 +80,12 @@ class PosePath:
         return self.measure.length
 
     @cached_property
-    def breaks(self) -> FloatArray:
+    def breaks(self) -> Array:
         """Coordinates of the ends and of all places where the twist or a derivative steps (m)."""
         return self.measure.lengths[np.searchsorted(self.measure.parameters, self.parameters)]
 
     @cached_property
-    def stops(self) -> FloatArray:
+    def stops(self) -> Array:
         """Those of the inner breaks at which the twist itself steps: a robot must rest there."""
         inner = self.breaks[1:-1]
         if not len(inner):
@@ -95,7 +95,7 @@ class PosePath:
         scale = np.array([self.length] * 3 + [1.0] * 3)
         step = np.abs((after - before) * scale).max(axis=1)
         size = np.maximum(np.abs(after * scale).max(axis=1), 1.0)
-        stops: FloatArray = inner[step > RATE_STEP * size]
+        stops: Array = inner[step > RATE_STEP * size]
         return stops
 
     def sample(self, s: npt.ArrayLike) -> PoseSample:
@@ -164,7 +164,7 @@ def pose_path(curve: Curve, orientation: Orientation, *, radius: float = 0.0) ->
         raise BadValueError("radius", weight, "at least 0")
     parameters = _common_breaks(curve.breaks, orientation.breaks)
 
-    def speed(u: FloatArray) -> FloatArray:
+    def speed(u: Array) -> Array:
         linear = curve.derivatives(u)[1]
         if weight == 0.0:
             return np.sqrt(dot(linear, linear))
@@ -176,7 +176,7 @@ def pose_path(curve: Curve, orientation: Orientation, *, radius: float = 0.0) ->
     return PosePath(curve, orientation, weight, measured(speed, parameters, expected), parameters)
 
 
-def _common_breaks(curve: FloatArray, orientation: FloatArray) -> FloatArray:
+def _common_breaks(curve: Array, orientation: Array) -> Array:
     """Unite the breaks of both; refuse an orientation that ends before the curve."""
     start, end = float(curve[0]), float(curve[-1])
     slack = PARAMETER_SLACK * (end - start)

@@ -15,7 +15,7 @@ from robomech_ros.trajectory.paths.partial_poses import (
     partial_step,
 )
 from robomech_ros.trajectory.paths.pose_path import PoseSample
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 # Change of joint values (rad, m, relative beyond 1) by a Newton step that ends the correction of a
 # posture: convergence is quadratic, the next one would be rounding.
@@ -41,13 +41,13 @@ class Posture:
         one.
     """
 
-    q: FloatArray
-    first: FloatArray
-    second: FloatArray
+    q: Array
+    first: Array
+    second: Array
     condition: float
 
 
-def posture(arm: Tracked, q: FloatArray, place: PoseSample) -> Posture:
+def posture(arm: Tracked, q: Array, place: PoseSample) -> Posture:
     """Find the derivatives of joint values that are on a path.
 
     q' = J^-1 t' and q'' = J^-1 (t'' - J' q').  For an arm of fewer than six joints, on a path that
@@ -89,14 +89,14 @@ def posture(arm: Tracked, q: FloatArray, place: PoseSample) -> Posture:
     return Posture(q, first, second, condition)
 
 
-def is_redundant(arm: Tracked, q: FloatArray) -> bool:
+def is_redundant(arm: Tracked, q: Array) -> bool:
     """Whether an arm with joint values (n,) has more joints than a path holds freedoms."""
     if is_partial(arm):
         return len(q) > partial_rank(arm, len(q))
     return max(arm.joints) > 6 if isinstance(arm, JoinedArms) else len(q) > 6
 
 
-def corrected(arm: Tracked, q: FloatArray, pose: FloatArray) -> FloatArray | None:
+def corrected(arm: Tracked, q: Array, pose: Array) -> Array | None:
     """Correct joint values to a pose by Newton steps.
 
     The error of the orientation is the axial vector of the rotation that is left, e sin(phi).
@@ -139,7 +139,7 @@ def corrected(arm: Tracked, q: FloatArray, pose: FloatArray) -> FloatArray | Non
     return None
 
 
-def pose_deviation(arm: Tracked, q: FloatArray, pose: FloatArray) -> FloatArray:
+def pose_deviation(arm: Tracked, q: Array, pose: Array) -> Array:
     """Rotation left to a pose as e sin(phi), beyond a right angle as e, and distance, (6,).
 
     In rad and m, in the base frame; of k joined arms one after the other, (6 k,).  Of an arm with a

@@ -13,8 +13,8 @@ from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
 from robomech_ros.trajectory.curves.quintic_spline import Ends, quintic_spline
 from robomech_ros.trajectory.paths.curve import PolynomialCurve
 from robomech_ros.trajectory.paths.curve_arguments import as_breaks, as_points
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import COINCIDENT
+from robomech_ros.typing import Array
 
 # Fewest points by degree and ends; of a closed curve the first point counts twice.
 _FEWEST = {
@@ -94,7 +94,7 @@ def as_ends(value: object) -> Ends:
     return cast("Ends", as_choice("ends", value, get_args(Ends)))
 
 
-def close(points: FloatArray) -> None:
+def close(points: Array) -> None:
     """Put the last point on the first, where it is up to rounding, or raise BadValueError."""
     gap = float(np.linalg.norm(points[-1] - points[0]))
     if gap > COINCIDENT * max(1.0, float(np.abs(points).max())):
@@ -103,7 +103,7 @@ def close(points: FloatArray) -> None:
     points[-1] = points[0]
 
 
-def _knots(given: str | npt.ArrayLike, points: FloatArray) -> FloatArray:
+def _knots(given: str | npt.ArrayLike, points: Array) -> Array:
     if isinstance(given, str):
         if given not in _KNOTS:
             raise BadValueError("knots", given, "numbers, or one of " + ", ".join(_KNOTS))
@@ -115,9 +115,7 @@ def _knots(given: str | npt.ArrayLike, points: FloatArray) -> FloatArray:
     return knots
 
 
-def _end_rates(
-    given: npt.ArrayLike | None, ends: Ends, shape: tuple[int, ...]
-) -> FloatArray | None:
+def _end_rates(given: npt.ArrayLike | None, ends: Ends, shape: tuple[int, ...]) -> Array | None:
     if given is None:
         if ends == "clamped":
             expected = "derivatives at the ends, since they are clamped"

@@ -3,21 +3,19 @@
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.limits import JointLimits
 from robomech_ros.trajectory.paths.curve_arguments import as_positive
 from robomech_ros.trajectory.plans.sampled_plan import SampledPlan
 from robomech_ros.trajectory.plans.via_motions import sampled_through_points, through_points
+from robomech_ros.typing import Array
 
 _SHORTEST = "shortest duration within the scaled limits"
 
 
 def fitting_plan(
     limits: JointLimits,
-    points: NDArray[np.float64],
+    points: Array,
     *,
     wanted_period: float,
     usual_period: float,

@@ -18,8 +18,8 @@ from robomech_ros.trajectory.curves.time_scaling import fitted
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.profiles.jerk_limited import JerkLimited, planned_between
 from robomech_ros.trajectory.profiles.ruckig_phases import failure
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.time_optimal_motions import time_optimal_through
+from robomech_ros.typing import Array
 
 # Steps of the search, in parts of the velocity limits, and how often all points are tried.
 _STEPS = (0.5, 0.25, 0.12, 0.06, 0.03, 0.015)
@@ -44,7 +44,7 @@ class JerkLimitedThrough(MotionThrough):
 
 
 def jerk_limited_through(
-    points: FloatArray, limits: Limits, duration: float | None = None
+    points: Array, limits: Limits, duration: float | None = None
 ) -> JerkLimitedThrough:
     """Plan from rest to rest through via points.
 
@@ -83,7 +83,7 @@ def jerk_limited_through(
     return JerkLimitedThrough(places[-1], exact, knots[np.cumsum(distinct) - 1])
 
 
-def _searched(places: FloatArray, limits: Limits) -> tuple[PiecewisePolynomial, FloatArray]:
+def _searched(places: Array, limits: Limits) -> tuple[PiecewisePolynomial, Array]:
     """Plan with the velocities that a search finds; halve them where the motion swings out."""
     velocities = _Search(places, limits).velocities()
     still = np.zeros_like(velocities)
@@ -100,8 +100,8 @@ def _searched(places: FloatArray, limits: Limits) -> tuple[PiecewisePolynomial, 
 
 
 def _shorter(
-    places: FloatArray, limits: Limits, pieces: PiecewisePolynomial, knots: FloatArray
-) -> tuple[PiecewisePolynomial, FloatArray]:
+    places: Array, limits: Limits, pieces: PiecewisePolynomial, knots: Array
+) -> tuple[PiecewisePolynomial, Array]:
     """Pass the points in the states of the time-optimal motion, if that takes less time."""
     try:
         motion = time_optimal_through(places, limits)
@@ -119,7 +119,7 @@ def _shorter(
 class _Search:
     """Velocities at the via points that make the pieces short."""
 
-    def __init__(self, places: FloatArray, limits: Limits) -> None:
+    def __init__(self, places: Array, limits: Limits) -> None:
         self._places, self._limits = places, limits
         n = places.shape[1]
         self._solver = ruckig.Ruckig(n)
@@ -131,7 +131,7 @@ class _Search:
         self._v = np.zeros_like(places)
         self._planned = 0
 
-    def velocities(self) -> FloatArray:
+    def velocities(self) -> Array:
         """Find the velocities (m, n); they are zero at both ends."""
         inner = range(1, len(self._places) - 1)
         costs = [self._cost(k, self._v[k], self._v[k + 1]) for k in range(len(self._places) - 1)]
@@ -155,7 +155,7 @@ class _Search:
             if front + back < (costs[k - 1] + costs[k]) * (1.0 - _GAIN):
                 self._v[k], costs[k - 1], costs[k] = trial, front, back
 
-    def _changes(self, k: int, step: float) -> list[FloatArray]:
+    def _changes(self, k: int, step: float) -> list[Array]:
         limits = self._limits.velocity
         along = self._places[k + 1] - self._places[k - 1]
         fastest = np.abs(along / limits).max()
@@ -167,7 +167,7 @@ class _Search:
                 changes.append(change)
         return changes
 
-    def _cost(self, k: int, before: FloatArray, after: FloatArray) -> float:
+    def _cost(self, k: int, before: Array, after: Array) -> float:
         """Duration (s) of the piece behind point k, and a little of what each joint needs alone."""
         self._planned += 1
         request = self._request
@@ -181,8 +181,8 @@ class _Search:
 
 
 def _joined(
-    places: FloatArray, velocities: FloatArray, accelerations: FloatArray, limits: Limits
-) -> tuple[PiecewisePolynomial, FloatArray]:
+    places: Array, velocities: Array, accelerations: Array, limits: Limits
+) -> tuple[PiecewisePolynomial, Array]:
     """Plan all pieces and put them one behind the other; give the knots (m,), too."""
     pieces = []
     for k in range(len(places) - 1):

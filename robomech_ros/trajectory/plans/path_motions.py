@@ -24,11 +24,11 @@ from robomech_ros.trajectory.paths.partial_poses import is_partial, tip_rates
 from robomech_ros.trajectory.paths.path_tracking import track_path
 from robomech_ros.trajectory.paths.pose_path import PosePath
 from robomech_ros.trajectory.paths.tracking_result import PathTracking
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, checked_list
 from robomech_ros.trajectory.timing.path_sections import jump
 from robomech_ros.trajectory.timing.section_timing import SECTION_TIMINGS, PathSection
 from robomech_ros.trajectory.tolerances import DURATION_ROUNDING
+from robomech_ros.typing import Array
 
 # How the path coordinate may be run through from corner to corner.
 PATH_PROFILES = tuple(SECTION_TIMINGS)
@@ -228,7 +228,7 @@ def along_joint_path(
     return PathMotion(joints.derivatives(joints.length)[0], curve, tracking)
 
 
-def _resting(start: FloatArray, tracking: PathTracking) -> PathMotion:
+def _resting(start: Array, tracking: PathTracking) -> PathMotion:
     """Stand still at joint values (n,), where a path cannot even begin."""
     return PathMotion(start, PiecewisePolynomial(np.zeros(1), start[None, None]), tracking)
 
@@ -259,18 +259,16 @@ def _edges(joints: JointPath, needs_smooth: bool) -> list[tuple[float, float]]:
     return list(pairwise(rests.tolist()))
 
 
-def _speed_limits(
-    twists: Callable[[FloatArray], FloatArray], most: TipSpeeds | None
-) -> list[SpeedLimit]:
+def _speed_limits(twists: Callable[[Array], Array], most: TipSpeeds | None) -> list[SpeedLimit]:
     """Limit the speeds of the tool, whose twists (m, 6) over the path coordinate are given."""
     if most is None:
         return []
     if not isinstance(most, TipSpeeds):
         raise BadValueError("speeds", most, "a TipSpeeds")
 
-    def rate(part: slice) -> Callable[[FloatArray], FloatArray]:
-        def of(s: FloatArray) -> FloatArray:
-            magnitude: FloatArray = np.linalg.norm(twists(s)[:, part], axis=1)
+    def rate(part: slice) -> Callable[[Array], Array]:
+        def of(s: Array) -> Array:
+            magnitude: Array = np.linalg.norm(twists(s)[:, part], axis=1)
             return magnitude
 
         return of

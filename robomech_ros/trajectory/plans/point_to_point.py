@@ -22,9 +22,9 @@ from robomech_ros.trajectory.profiles.rest_to_rest import (
     Polynomial4567,
 )
 from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS, Trapezoidal
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.time_optimal_motions import TimeOptimalMotion
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
+from robomech_ros.typing import Array
 
 _both_within = direct(time_straight.both_within)
 # Least scale of a limit: a motion at a millionth of the speed takes weeks, and the powers of its
@@ -52,12 +52,12 @@ class Profile(Protocol):
     @classmethod
     def plan(
         cls,
-        start: FloatArray,
-        goal: FloatArray,
+        start: Array,
+        goal: Array,
         limits: Limits,
         duration: float | None = None,
-        start_velocity: FloatArray | None = None,
-        start_acceleration: FloatArray | None = None,
+        start_velocity: Array | None = None,
+        start_acceleration: Array | None = None,
     ) -> PiecewiseTrajectory:
         """Plan from `start` to rest at `goal` (n,), within `limits`."""
 
@@ -224,7 +224,7 @@ def _rates_at_start(
     velocity: npt.ArrayLike | None,
     acceleration: npt.ArrayLike | None,
     shape: tuple[int, ...],
-) -> dict[str, FloatArray]:
+) -> dict[str, Array]:
     """Check the rates (n,) at the start, those that are given."""
     moving = {}
     for what, values in (("start_velocity", velocity), ("start_acceleration", acceleration)):
@@ -234,7 +234,7 @@ def _rates_at_start(
     return moving
 
 
-def _check_at_rest(profile: str, moving: dict[str, FloatArray]) -> None:
+def _check_at_rest(profile: str, moving: dict[str, Array]) -> None:
     able = [name for name, method in sorted(PROFILES.items()) if method.STARTS_MOVING]
     for what, values in moving.items():
         if values.any():

@@ -22,7 +22,7 @@ from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
 from robomech_ros.trajectory.limits import JointLimits
 from robomech_ros.trajectory.plans.spline_motions import Spline, spline_through
 from robomech_ros.trajectory.profiles.laws import CYCLOIDAL, POLY345, POLY4567, Law
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 _LAWS = {"poly345": POLY345, "poly4567": POLY4567, "cycloidal": CYCLOIDAL}
 _MOST_KNOTS = 1000
@@ -86,7 +86,7 @@ def spline_like(
     return spline_through(points, limits=limits, spacing="uniform", duration=duration)
 
 
-def _least_deviation(law: Law, count: int) -> FloatArray:
+def _least_deviation(law: Law, count: int) -> Array:
     """Values (count,) at even knots of the spline from 0 to 1 that is nearest to a law."""
     x = np.linspace(0.0, 1.0, count)
     tau = (np.arange(_PARTS * (count - 1)) + 0.5) / (_PARTS * (count - 1))

@@ -22,13 +22,13 @@ from robomech_ros.trajectory.plans.point_to_point import (
     scaled_limits,
 )
 from robomech_ros.trajectory.plans.verification import Verification, verify
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import (
     PiecewiseTrajectory,
     Waypoints,
     discretise,
     position_rounding,
 )
+from robomech_ros.typing import Array
 
 Planner = Callable[[Limits], PiecewiseTrajectory]
 
@@ -207,7 +207,7 @@ def check_can_be_sampled(profile: str) -> None:
         raise BadValueError("profile", profile, expected)
 
 
-def _tighten(factors: FloatArray, ratios: FloatArray, *, stagger: bool) -> None:
+def _tighten(factors: Array, ratios: Array, *, stagger: bool) -> None:
     """Reduce the factors (3, n) of the limits after the ratios (3, n) of a plan within them."""
     if stagger and ratios.max() > _SMALL_EXCESS:
         joints = factors.shape[1]
@@ -216,11 +216,11 @@ def _tighten(factors: FloatArray, ratios: FloatArray, *, stagger: bool) -> None:
     factors /= 1.0 + 1.1 * np.maximum(ratios - 1.0, 0.0) + MARGIN
 
 
-def _tightened(limits: Limits, factors: FloatArray) -> Limits:
+def _tightened(limits: Limits, factors: Array) -> Limits:
     return limits.scaled(velocity=factors[0], acceleration=factors[1], jerk=factors[2])
 
 
-def _ratios(verification: Verification) -> FloatArray:
+def _ratios(verification: Verification) -> Array:
     return np.array(
         [
             verification.peak_velocity_ratio,
@@ -230,7 +230,7 @@ def _ratios(verification: Verification) -> FloatArray:
     )
 
 
-def _shown_ratios(plan: SampledPlan, limits: Limits) -> FloatArray:
+def _shown_ratios(plan: SampledPlan, limits: Limits) -> Array:
     """Find the ratios (3, n) of velocity, acceleration and jerk to their limits, as sampled.
 
     A verification forgives what may be rounding; who receives the samples need not, so that here
@@ -239,7 +239,7 @@ def _shown_ratios(plan: SampledPlan, limits: Limits) -> FloatArray:
     if not _rounding_shows(plan.waypoints, limits):
         return _ratios(plan.verification)
     low, high = extremes(plan.waypoints.curve)
-    ratios: FloatArray = np.maximum(-low, high)[1:] / limits.rates
+    ratios: Array = np.maximum(-low, high)[1:] / limits.rates
     return ratios
 
 

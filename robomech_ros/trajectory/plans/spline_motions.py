@@ -25,7 +25,8 @@ from robomech_ros.trajectory.curves.quintic_spline import Ends, quintic_spline
 from robomech_ros.trajectory.curves.time_scaling import checked_duration, fitted
 from robomech_ros.trajectory.joint_points import joint_points
 from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.sample import FloatArray, Sample
+from robomech_ros.trajectory.sample import Sample
+from robomech_ros.typing import Array
 
 _QUINTIC_ENDS = ("natural", "clamped", "rest", "periodic")
 # Spacings that look at the limits.
@@ -48,8 +49,8 @@ class Spline:
         The curve; between two knots there is one more break beside an end at rest of a cubic one.
     """
 
-    points: FloatArray
-    knots: FloatArray
+    points: Array
+    knots: Array
     ends: CubicEnds
     pieces: PiecewisePolynomial
 
@@ -207,7 +208,7 @@ def spline_through(
     return Spline(places, shape.knots * (pieces.duration / shape.duration), ends, pieces)
 
 
-def _check_options(places: FloatArray, ends: str, degree: int, spacing: str) -> None:
+def _check_options(places: Array, ends: str, degree: int, spacing: str) -> None:
     if real_number("degree", degree, "3 or 5") not in (3.0, 5.0):
         raise BadValueError("degree", degree, "3 or 5")
     as_choice("ends", ends, get_args(CubicEnds) if degree == 3 else _QUINTIC_ENDS)
@@ -222,7 +223,7 @@ def _check_options(places: FloatArray, ends: str, degree: int, spacing: str) -> 
         raise BadValueError(f"points[{len(places) - 1}]", places[-1].tolist(), expected)
 
 
-def _slopes(slopes: npt.ArrayLike | None, ends: str, n: int, timed: bool) -> FloatArray:
+def _slopes(slopes: npt.ArrayLike | None, ends: str, n: int, timed: bool) -> Array:
     if slopes is None:
         return np.zeros((2, n))
     if ends != "clamped" or not timed:
@@ -235,7 +236,7 @@ def _slopes(slopes: npt.ArrayLike | None, ends: str, n: int, timed: bool) -> Flo
     return rates
 
 
-def _knots(times: npt.ArrayLike, count: int) -> FloatArray:
+def _knots(times: npt.ArrayLike, count: int) -> Array:
     knots = real_array("times", times).copy()
     if knots.shape != (count,):
         raise WrongSizeError("times", knots.shape, (count,))
@@ -248,9 +249,7 @@ def _knots(times: npt.ArrayLike, count: int) -> FloatArray:
     return knots
 
 
-def _spline(
-    places: FloatArray, knots: FloatArray, ends: CubicEnds, degree: int, slopes: FloatArray
-) -> Spline:
+def _spline(places: Array, knots: Array, ends: CubicEnds, degree: int, slopes: Array) -> Spline:
     if degree == 3:
         return Spline(places, knots, ends, cubic_spline(knots, places, ends, slopes))
     rates = np.stack([slopes, np.zeros_like(slopes)], axis=1)

@@ -16,9 +16,9 @@ from robomech_ros.trajectory.curves.checked_pieces import checked_pieces
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, JointLimits, Limits, Rate
 from robomech_ros.trajectory.plans.violations import Violation, end_violations, violations_between
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import LIMIT_SLACK, POSITION_SLACK
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory, Waypoints
+from robomech_ros.typing import Array
 
 # Of piecewise polynomials, as they are documented.
 _LARGEST_ORDER = 9
@@ -41,11 +41,11 @@ class Verification:
         certain; rounding where the acceleration is continuous.
     """
 
-    peak_velocity_ratio: FloatArray
-    peak_acceleration_ratio: FloatArray
-    peak_jerk_ratio: FloatArray
+    peak_velocity_ratio: Array
+    peak_acceleration_ratio: Array
+    peak_jerk_ratio: Array
     violation: Violation | None
-    largest_acceleration_step: FloatArray
+    largest_acceleration_step: Array
 
     @property
     def ok(self) -> bool:
@@ -185,7 +185,7 @@ def _first(found: list[Violation]) -> Violation | None:
 
 def _curve_and_doubts(
     trajectory: Waypoints | PiecewiseTrajectory | PiecewisePolynomial, limits: Limits
-) -> tuple[PiecewisePolynomial, FloatArray]:
+) -> tuple[PiecewisePolynomial, Array]:
     """Find the curve, and by how much its rates 0 to 3 may be rounded, (4, s, n)."""
     curve, rounded = _curve_of(trajectory)
     if curve.joints != len(limits.joint_names):
@@ -212,7 +212,7 @@ def _curve_of(
 
 def _allowed_steps(
     trajectory: object, curve: PiecewisePolynomial, limits: Limits, rates: Sequence[Rate]
-) -> FloatArray:
+) -> Array:
     """Find how far position, velocity and acceleration may step, shape (3, n)."""
     allowed = np.empty((3, curve.joints))
     allowed[0], allowed[1:] = POSITION_SLACK, np.inf
@@ -226,7 +226,7 @@ def _allowed_steps(
     return allowed
 
 
-def _rounding(curve: PiecewisePolynomial) -> FloatArray:
+def _rounding(curve: PiecewisePolynomial) -> Array:
     """Bound what the rounding of samples to floating point does to derivatives 0 to 3, (4, s, n).
 
     The quintic through samples h apart multiplies errors of position by up to 60 / h^3 in its

@@ -28,19 +28,19 @@ from robomech_ros.trajectory.plans.sampled_plan import (
 )
 from robomech_ros.trajectory.plans.spline_motions import Spline, spline_through
 from robomech_ros.trajectory.plans.via_polynomials import MOST_VIAS, via_polynomial
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.time_optimal_motions import time_optimal_through
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
+from robomech_ros.typing import Array
 
 # Through more points than these the search for the best knots takes long.
 _OPTIMISED = 20
 
-Through = Callable[[FloatArray, Limits, FloatArray | None, float | None], PiecewiseTrajectory]
+Through = Callable[[Array, Limits, Array | None, float | None], PiecewiseTrajectory]
 
 
 def _polynomial(profile: str) -> Through:
     def through(
-        points: FloatArray, limits: Limits, at: FloatArray | None, duration: float | None
+        points: Array, limits: Limits, at: Array | None, duration: float | None
     ) -> PiecewiseTrajectory:
         if len(points) > MOST_VIAS + 2:
             expected = f"at most {MOST_VIAS} for {profile}; cubic_spline passes more"
@@ -51,7 +51,7 @@ def _polynomial(profile: str) -> Through:
 
 
 def _spline(
-    points: FloatArray, limits: Limits, at: FloatArray | None, duration: float | None
+    points: Array, limits: Limits, at: Array | None, duration: float | None
 ) -> PiecewiseTrajectory:
     spacing = "optimal" if len(points) <= _OPTIMISED else "balanced"
     try:
@@ -68,7 +68,7 @@ def _spline(
 
 
 def _inside_limits(
-    points: FloatArray, limits: Limits, at: FloatArray | None, duration: float | None
+    points: Array, limits: Limits, at: Array | None, duration: float | None
 ) -> Spline | None:
     """Plan a spline that the position limits hold back between the points."""
     if at is None:
@@ -85,10 +85,10 @@ def _inside_limits(
 
 
 def _finding_instants(
-    profile: str, plan: Callable[[FloatArray, Limits, float | None], PiecewiseTrajectory]
+    profile: str, plan: Callable[[Array, Limits, float | None], PiecewiseTrajectory]
 ) -> Through:
     def through(
-        points: FloatArray, limits: Limits, at: FloatArray | None, duration: float | None
+        points: Array, limits: Limits, at: Array | None, duration: float | None
     ) -> PiecewiseTrajectory:
         if at is not None:
             expected = f"none for {profile}, which finds the instants itself"
@@ -178,7 +178,7 @@ def through_points(
 
 
 def _planned(
-    places: FloatArray,
+    places: Array,
     allowed: Limits,
     profile: str,
     at: npt.ArrayLike | None,

@@ -21,8 +21,8 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import checked_duration, fitted
 from robomech_ros.trajectory.joint_points import joint_points
 from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
+from robomech_ros.typing import Array
 
 # The motion from 0 to 1 without via points, by powers of the part of the duration that is over, and
 # the derivatives that vanish at both ends.
@@ -130,7 +130,7 @@ def via_polynomial(
     return ViaPolynomial(places[-1], pieces, knots * pieces.duration)
 
 
-def _fastest(places: FloatArray, profile: str, limits: Limits) -> FloatArray:
+def _fastest(places: Array, profile: str, limits: Limits) -> Array:
     """Find the knots (m,), from 0 to 1, of the fastest polynomial inside the position limits."""
     vias = len(places) - 2
     best = spaced_knots(places, "centripetal", limits.velocity)
@@ -154,12 +154,12 @@ def _fastest(places: FloatArray, profile: str, limits: Limits) -> FloatArray:
     return best
 
 
-def _grid(axis: FloatArray, dimensions: int) -> FloatArray:
+def _grid(axis: Array, dimensions: int) -> Array:
     """Give all points with coordinates of an axis, shape (k, dimensions)."""
     return np.stack(np.meshgrid(*[axis] * dimensions), axis=-1).reshape(-1, dimensions)
 
 
-def _costs(places: FloatArray, knots: FloatArray, profile: str, limits: Limits) -> FloatArray:
+def _costs(places: Array, knots: Array, profile: str, limits: Limits) -> Array:
     """Shortest durations (k,) in s by k choices of knots (k, m).
 
     Behind all of them come those that leave the position limits, the farther the later, and those
@@ -174,11 +174,11 @@ def _costs(places: FloatArray, knots: FloatArray, profile: str, limits: Limits) 
     swing = np.abs(unit.coefficients[1:]).reshape(-1, *low.shape[1:]).max(axis=(0, 2))
     swing /= np.abs(places - places[0]).max()
     outside = np.maximum(outside, np.where(swing > _LARGEST_SWING, swing, 0.0))
-    ranked: FloatArray = np.where(outside > POSITION_SLACK, _OUTSIDE * (1.0 + outside), costs)
+    ranked: Array = np.where(outside > POSITION_SLACK, _OUTSIDE * (1.0 + outside), costs)
     return ranked
 
 
-def _through(places: FloatArray, knots: FloatArray, profile: str) -> PiecewisePolynomial:
+def _through(places: Array, knots: Array, profile: str) -> PiecewisePolynomial:
     """Lay polynomials over a duration of 1 through places (m, n), for k choices of knots (k, m).
 
     Their joints stand side by side, k n of them.  To the motion without via points a product is

@@ -11,8 +11,8 @@ from robomech_ros.spatial.arrays import as_flag, real_array, real_number
 from robomech_ros.trajectory.curves.bounds import first_above, hull, steps
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import LIMIT_SLACK, POSITION_SLACK
+from robomech_ros.typing import Array
 
 _QUANTITIES = ("position", *RATES)
 
@@ -61,8 +61,8 @@ class Violation:
 def violations_between(
     curve: PiecewisePolynomial,
     limits: Limits,
-    doubts: FloatArray,
-    allowed: FloatArray,
+    doubts: Array,
+    allowed: Array,
     rates: Sequence[Rate],
 ) -> list[Violation]:
     """List what is wrong between start and end, the first of each kind."""
@@ -116,9 +116,9 @@ def _worst(
     limits: Limits,
     order: int,
     time: float,
-    values: FloatArray,
-    wanted: FloatArray,
-    slack: FloatArray | float,
+    values: Array,
+    wanted: Array,
+    slack: Array | float,
 ) -> Iterable[Violation]:
     excess = np.abs(values - wanted) - slack
     joint = int(excess.argmax()) if len(excess) else 0
@@ -135,15 +135,15 @@ def _position_violations(curve: PiecewisePolynomial, limits: Limits) -> Iterable
             yield _described(curve, 0, limits, place, sign, bound)
 
 
-def _steps(curve: PiecewisePolynomial, doubts: FloatArray) -> FloatArray:
+def _steps(curve: PiecewisePolynomial, doubts: Array) -> Array:
     """Find how far position, velocity and acceleration step for certain, shape (3, s - 1, n)."""
     rounding = np.maximum(doubts[:3, 1:], doubts[:3, :-1])
-    certain: FloatArray = np.maximum(np.abs(steps(curve, (0, 1, 2))) - rounding, 0.0)
+    certain: Array = np.maximum(np.abs(steps(curve, (0, 1, 2))) - rounding, 0.0)
     return certain
 
 
 def _step_violations(
-    curve: PiecewisePolynomial, limits: Limits, certain: FloatArray, allowed: FloatArray
+    curve: PiecewisePolynomial, limits: Limits, certain: Array, allowed: Array
 ) -> Iterable[Violation]:
     """Yield the first step of each derivative that is larger than allowed."""
     too_large = ~(certain <= allowed[:, None])
@@ -157,7 +157,7 @@ def _step_violations(
 
 
 def _rate_violations(
-    curve: PiecewisePolynomial, limits: Limits, order: int, rate: Rate, doubt: FloatArray
+    curve: PiecewisePolynomial, limits: Limits, order: int, rate: Rate, doubt: Array
 ) -> Iterable[Violation]:
     bound = getattr(limits, rate)
     allowed = bound * (1.0 + LIMIT_SLACK) + doubt
@@ -174,7 +174,7 @@ def _described(
     limits: Limits,
     place: tuple[int, int],
     sign: float,
-    bound: FloatArray,
+    bound: Array,
 ) -> Violation:
     """Describe the worst of one joint in one segment."""
     segment, joint = place

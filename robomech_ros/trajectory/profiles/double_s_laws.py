@@ -4,7 +4,7 @@ import numpy as np
 
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.profiles.velocity_profiles import along_line
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 
 def unit_double_s(ramp: float, rounding: float) -> PiecewisePolynomial:
@@ -21,9 +21,7 @@ def unit_double_s(ramp: float, rounding: float) -> PiecewisePolynomial:
     return along_line(np.zeros(1), np.ones(1), (step, ramp - 2.0 * step), 1.0)
 
 
-def unit_double_s_samples(
-    ramps: FloatArray, roundings: FloatArray, inside: FloatArray
-) -> FloatArray:
+def unit_double_s_samples(ramps: Array, roundings: Array, inside: Array) -> Array:
     """Sample many double-S profiles over a way of 1 in a time of 1.
 
     Parameters
@@ -58,7 +56,7 @@ def unit_double_s_samples(
     return samples.reshape(4, len(ramps), -1)
 
 
-def _unit_phases(ramps: FloatArray, roundings: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _unit_phases(ramps: Array, roundings: Array) -> tuple[Array, Array]:
     """Give lengths and jerks of the seven phases of profiles over a way and a time of 1."""
     step = 0.5 * ramps * roundings
     jerk = 1.0 / ((1.0 - ramps) * (ramps - step) * step)

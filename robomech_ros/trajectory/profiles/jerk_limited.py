@@ -23,8 +23,9 @@ from robomech_ros.trajectory.profiles.ruckig_phases import (
     phases_from_rest,
     rest_to_rest,
 )
-from robomech_ros.trajectory.sample import FloatArray, Sample
+from robomech_ros.trajectory.sample import Sample
 from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, LIMIT_SLACK, SHORTEST_TRAJECTORY
+from robomech_ros.typing import Array
 
 # Power k of x + c is _SHIFTS[i, k] c^_SHIFTED[i, k] times power i of x, summed; for k = 3, 4, 5.
 _SHIFTS = np.array([[math.comb(k, i) for k in range(3, 6)] for i in range(6)], float)
@@ -54,14 +55,12 @@ class JerkLimited:
         The way from the start on; from Ruckig, in s, rad and m, only from rest to rest.
     """
 
-    start: FloatArray
-    goal: FloatArray
+    start: Array
+    goal: Array
     limits: Limits
     course: Phases | Any
 
-    def __init__(
-        self, start: FloatArray, goal: FloatArray, limits: Limits, course: Phases | Any
-    ) -> None:
+    def __init__(self, start: Array, goal: Array, limits: Limits, course: Phases | Any) -> None:
         # What a frozen dataclass does for this takes a tenth of the time of a whole plan.
         fields = self.__dict__
         fields["start"], fields["goal"] = start, goal
@@ -74,12 +73,12 @@ class JerkLimited:
     @classmethod
     def plan(
         cls,
-        start: FloatArray,
-        goal: FloatArray,
+        start: Array,
+        goal: Array,
         limits: Limits,
         duration: float | None = None,
-        start_velocity: FloatArray | None = None,
-        start_acceleration: FloatArray | None = None,
+        start_velocity: Array | None = None,
+        start_acceleration: Array | None = None,
     ) -> JerkLimited:
         """Compute the fastest motion, or one that takes a wanted time.
 
@@ -170,7 +169,7 @@ class JerkLimited:
         # What Ruckig gives cannot be copied or stored, its phases can.
         return vars(self) | {"course": self.phases}
 
-    def _check_duration(self, wanted: float, alone: FloatArray, limits: Limits) -> None:
+    def _check_duration(self, wanted: float, alone: Array, limits: Limits) -> None:
         """Refuse where Ruckig needed longer than wanted."""
         slack = DURATION_ROUNDING * (1.0 + wanted)
         if self.duration <= max(wanted, SHORTEST_TRAJECTORY) + slack:
@@ -191,7 +190,7 @@ def binding_rates(pieces: PiecewisePolynomial, limits: Limits, joint: int) -> st
     return " and ".join(binding) or "jerk"
 
 
-def check_state(end: str, limits: Limits, velocity: FloatArray, acceleration: FloatArray) -> None:
+def check_state(end: str, limits: Limits, velocity: Array, acceleration: Array) -> None:
     """Raise `LimitExceededError` where the rates (n,) at an end of a motion are over a limit."""
     for order, (rate, values) in enumerate(
         (("velocity", velocity), ("acceleration", acceleration)), start=1
@@ -206,12 +205,12 @@ def check_state(end: str, limits: Limits, velocity: FloatArray, acceleration: Fl
 
 
 def planned_between(
-    start: FloatArray,
-    goal: FloatArray,
+    start: Array,
+    goal: Array,
     limits: Limits,
     least: float,
-    begin: tuple[FloatArray, FloatArray],
-    end: tuple[FloatArray, FloatArray],
+    begin: tuple[Array, Array],
+    end: tuple[Array, Array],
 ) -> tuple[Phases, PiecewisePolynomial]:
     """Plan from state to state, with room for what makes up for a goal that Ruckig misses.
 
@@ -255,7 +254,7 @@ def planned_between(
 
 
 def curve_of(
-    phases: Phases, start: FloatArray, goal: FloatArray, final_velocity: FloatArray
+    phases: Phases, start: Array, goal: Array, final_velocity: Array
 ) -> PiecewisePolynomial:
     """Let the phases begin at the start and end at the goal exactly.
 

@@ -23,7 +23,7 @@ from robomech_ros.trajectory.curves.bounds import extremes
 from robomech_ros.trajectory.curves.hermite import septic
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Rate
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 # Septic polynomials that stand for the cycloidal motion: they differ from it by 1e-13.
 _CYCLOIDAL_SEGMENTS = 32
@@ -32,9 +32,9 @@ _CYCLOIDAL_SEGMENTS = 32
 class Rates(NamedTuple):
     """First three derivatives of s, shaped like tau."""
 
-    velocity: FloatArray
-    acceleration: FloatArray
-    jerk: FloatArray
+    velocity: Array
+    acceleration: Array
+    jerk: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +53,8 @@ class Law:
         s(tau) as one joint.
     """
 
-    progress: Callable[[FloatArray], FloatArray]
-    rates: Callable[[FloatArray], Rates]
+    progress: Callable[[Array], Array]
+    rates: Callable[[Array], Rates]
     peaks: dict[Rate, float]
     pieces: PiecewisePolynomial
 
@@ -75,10 +75,10 @@ def _one_piece(*coefficients: float) -> PiecewisePolynomial:
 def law_of(pieces: PiecewisePolynomial) -> Law:
     """Make a law of its pieces: from 0 to 1 in a time of 1, from rest to rest, and symmetric."""
 
-    def progress(tau: FloatArray) -> FloatArray:
+    def progress(tau: Array) -> Array:
         return pieces.sample(tau).position.reshape(np.shape(tau))
 
-    def rates(tau: FloatArray) -> Rates:
+    def rates(tau: Array) -> Rates:
         # Counted from the nearer end, so that both ends are at rest exactly.
         back = np.asarray(tau) > 0.5
         sample = pieces.sample(np.where(back, 1.0 - tau, tau))
@@ -91,20 +91,20 @@ def law_of(pieces: PiecewisePolynomial) -> Law:
     return Law(progress, rates, peaks, pieces)
 
 
-def _progress345(tau: FloatArray) -> FloatArray:
+def _progress345(tau: Array) -> Array:
     return tau * tau * tau * (10.0 + tau * (6.0 * tau - 15.0))
 
 
-def _rates345(tau: FloatArray) -> Rates:
+def _rates345(tau: Array) -> Rates:
     both = tau * (1.0 - tau)
     return Rates(30.0 * both**2, 60.0 * both * (1.0 - 2.0 * tau), 60.0 - 360.0 * both)
 
 
-def _progress4567(tau: FloatArray) -> FloatArray:
+def _progress4567(tau: Array) -> Array:
     return tau**4 * (35.0 + tau * (tau * (70.0 - 20.0 * tau) - 84.0))
 
 
-def _rates4567(tau: FloatArray) -> Rates:
+def _rates4567(tau: Array) -> Rates:
     both = tau * (1.0 - tau)
     return Rates(
         140.0 * both**3,
@@ -113,14 +113,14 @@ def _rates4567(tau: FloatArray) -> Rates:
     )
 
 
-def _progress_cycloidal(tau: FloatArray) -> FloatArray:
+def _progress_cycloidal(tau: Array) -> Array:
     turn = 2.0 * math.pi
     # The difference loses its digits near zero; there the next term is below rounding.
     small = (turn * tau) ** 3 / (6.0 * turn) * (1.0 - (turn * tau) ** 2 / 20.0)
     return np.where(tau < 1e-4, small, tau - np.sin(turn * tau) / turn)
 
 
-def _rates_cycloidal(tau: FloatArray) -> Rates:
+def _rates_cycloidal(tau: Array) -> Rates:
     # Counted from the nearer end, so that both ends are at rest exactly.
     angle = 2.0 * math.pi * np.where(tau < 0.5, tau, tau - 1.0)
     return Rates(
@@ -130,14 +130,14 @@ def _rates_cycloidal(tau: FloatArray) -> Rates:
     )
 
 
-def _progress_cubic(tau: FloatArray) -> FloatArray:
+def _progress_cubic(tau: Array) -> Array:
     left = 0.5 - tau
     late = 0.5 - left * (2.0 - 16.0 / 3.0 * left**2)
     late = np.where(tau > 0.75, 1.0 - 16.0 / 3.0 * (1.0 - tau) ** 3, late)
     return np.where(tau < 0.25, 16.0 / 3.0 * tau**3, late)
 
 
-def _rates_cubic(tau: FloatArray) -> Rates:
+def _rates_cubic(tau: Array) -> Rates:
     # Since the nearer end, or until the middle.
     since = np.minimum(tau, 1.0 - tau)
     left = 0.5 - since

@@ -20,8 +20,9 @@ from robomech_ros.trajectory.profiles.jerk_limited import (
     check_state,
     planned_between,
 )
-from robomech_ros.trajectory.sample import FloatArray, Sample
+from robomech_ros.trajectory.sample import Sample
 from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, SHORTEST_TRAJECTORY
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +165,7 @@ def state_to_state(
     return StateToState(Sample(goal, *end, np.zeros(n)), pieces)
 
 
-def _checked(what: str, values: npt.ArrayLike | None, n: int) -> FloatArray:
+def _checked(what: str, values: npt.ArrayLike | None, n: int) -> Array:
     """Copy one finite number for each joint, shape (n,), zeros for None."""
     array = np.zeros(n) if values is None else joint_values(what, values, (n,))
     check_numbers(what, array)

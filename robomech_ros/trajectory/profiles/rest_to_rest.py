@@ -20,7 +20,8 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.profiles.laws import CUBIC, CYCLOIDAL, POLY345, POLY4567, Law
 from robomech_ros.trajectory.profiles.straight_motion import StraightMotion
-from robomech_ros.trajectory.sample import FloatArray, Sample, checked_times, held_outside
+from robomech_ros.trajectory.sample import Sample, checked_times, held_outside
+from robomech_ros.typing import Array
 
 _M = TypeVar("_M", bound="RestToRest")
 
@@ -44,11 +45,11 @@ class RestToRest(StraightMotion):
         T in s.
     """
 
-    start: FloatArray
-    goal: FloatArray
+    start: Array
+    goal: Array
     duration: float
 
-    def __init__(self, start: FloatArray, goal: FloatArray, duration: float) -> None:
+    def __init__(self, start: Array, goal: Array, duration: float) -> None:
         # What a frozen dataclass does for this takes a sixth of the time of a whole plan.
         fields = self.__dict__
         fields["start"], fields["goal"], fields["duration"] = start, goal, duration
@@ -56,22 +57,20 @@ class RestToRest(StraightMotion):
     LAW: ClassVar[Law]
 
     @classmethod
-    def _fastest(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[float, None]:
+    def _fastest(cls, start: Array, goal: Array, limits: Limits) -> tuple[float, None]:
         velocity, acceleration, jerk = cls.LAW.magnitudes
         least = _shortest_duration(start, goal, limits.inverses, velocity, acceleration, jerk)
         return least, None
 
     @classmethod
-    def _binding(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[Rate, int]:
+    def _binding(cls, start: Array, goal: Array, limits: Limits) -> tuple[Rate, int]:
         shares = np.abs(goal - start) * limits.inverses * np.array(cls.LAW.magnitudes)[:, None]
         needed = shares ** (1.0 / np.arange(1.0, 4.0))[:, None]
         order, joint = np.unravel_index(int(np.argmax(needed)), needed.shape)
         return RATES[order], int(joint)
 
     @classmethod
-    def _lasting(
-        cls: type[_M], start: FloatArray, goal: FloatArray, duration: float, shape: None
-    ) -> _M:
+    def _lasting(cls: type[_M], start: Array, goal: Array, duration: float, shape: None) -> _M:
         return cls(start, goal, duration)
 
     def sample(self, t: npt.ArrayLike) -> Sample:

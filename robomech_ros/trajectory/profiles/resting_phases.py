@@ -5,13 +5,13 @@ import numpy as np
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.profiles.ruckig_phases import JointPhases, Phases, common_phases
 from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS, along_line
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 # Powers of time times these are derivatives.
 _FACTORIALS = np.array([1.0, 1.0, 2.0, 6.0])
 
 
-def resting_phases(rise: FloatArray, limits: Limits, shortest: float) -> Phases:
+def resting_phases(rise: Array, limits: Limits, shortest: float) -> Phases:
     """Compute the fastest motion from rest to rest that takes at least a given time.
 
     Every joint follows the double-S profile of its own way, slowed down to the duration of all.

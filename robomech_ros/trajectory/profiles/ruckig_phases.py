@@ -17,7 +17,7 @@ import ruckig
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.limits import Limits
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 # Ruckig refuses durations of more than 7600 of its units of time; this leaves room for a detour.
 _LONG = 1000.0
@@ -38,7 +38,7 @@ _SAME_BREAK = 2e-15
 _SAME_LIMIT = 1e-12
 
 # Phases of one joint: when each begins (p,), and [q, v, a, jerk] there (p, 4).
-JointPhases = tuple[FloatArray, FloatArray]
+JointPhases = tuple[Array, Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,9 +55,9 @@ class Phases:
         How long each joint would take if it did not wait for the others, in s.
     """
 
-    breaks: FloatArray
-    coefficients: FloatArray
-    alone: FloatArray
+    breaks: Array
+    coefficients: Array
+    alone: Array
 
     @property
     def duration(self) -> float:
@@ -85,7 +85,7 @@ class _Solver(NamedTuple):
     bearable: float
 
 
-def rest_to_rest(rise: FloatArray, limits: Limits, shortest: float) -> Any:
+def rest_to_rest(rise: Array, limits: Limits, shortest: float) -> Any:
     """Compute the fastest motion from rest to rest that takes at least a given time.
 
     No joint goes beyond its start or its goal on the way.  The phases are left to
@@ -126,7 +126,7 @@ def rest_to_rest(rise: FloatArray, limits: Limits, shortest: float) -> Any:
     return motion
 
 
-def phases_from_rest(motion: Any, rise: FloatArray, limits: Limits) -> Phases:
+def phases_from_rest(motion: Any, rise: Array, limits: Limits) -> Phases:
     """Give the phases of what `rest_to_rest` found; positions count from the start."""
     still = np.zeros_like(rise)
     return _phases_of(motion, _request(rise, still, still, limits, 1.0, 1.0), 1.0)
@@ -141,13 +141,13 @@ def _solver(limits: Limits, shortest: float) -> _Solver:
 
 
 def jerk_phases(
-    rise: FloatArray,
-    velocity: FloatArray,
-    acceleration: FloatArray,
+    rise: Array,
+    velocity: Array,
+    acceleration: Array,
     limits: Limits,
     shortest: float,
-    final_velocity: FloatArray | None = None,
-    final_acceleration: FloatArray | None = None,
+    final_velocity: Array | None = None,
+    final_acceleration: Array | None = None,
 ) -> Phases:
     """Compute the fastest motion that takes at least a given time.
 
@@ -202,12 +202,12 @@ def jerk_phases(
     return rough
 
 
-def _starting_time(limits: Limits) -> FloatArray:
+def _starting_time(limits: Limits) -> Array:
     """Time from rest to full speed (n,) in s; the limits may not let a joint get there."""
     return limits.velocity / limits.acceleration + limits.acceleration / limits.jerk
 
 
-def _rough_duration(way: FloatArray, limits: Limits) -> float:
+def _rough_duration(way: Array, limits: Limits) -> float:
     """Bound from below the time for a way (n,) from rest to rest, in s."""
     by_limit = (
         way / limits.velocity,
@@ -217,9 +217,7 @@ def _rough_duration(way: FloatArray, limits: Limits) -> float:
     return float(np.max(by_limit, initial=0.0))
 
 
-def _units(
-    way: FloatArray, duration: float, limits: Limits
-) -> Iterator[tuple[float, FloatArray | float]]:
+def _units(way: Array, duration: float, limits: Limits) -> Iterator[tuple[float, Array | float]]:
     """Yield units of time (s) and length (n,) to try.
 
     Ruckig's tolerances are absolute, so that it cannot do with SI units where motions are tiny
@@ -232,12 +230,12 @@ def _units(
 
 
 def _request(
-    rise: FloatArray,
-    velocity: FloatArray,
-    acceleration: FloatArray,
+    rise: Array,
+    velocity: Array,
+    acceleration: Array,
     limits: Limits,
     time: float,
-    length: FloatArray | float,
+    length: Array | float,
 ) -> Any:
     request = ruckig.InputParameter(len(rise))
     request.synchronization = ruckig.Synchronization.Phase
@@ -282,17 +280,17 @@ def _refuse(reason: str, limits: Limits) -> NoReturn:
     raise BadValueError(f"motion{joint}", reason, "one that Ruckig can compute")
 
 
-def _miss(phases: Phases, rise: FloatArray) -> FloatArray:
+def _miss(phases: Phases, rise: Array) -> Array:
     """Jerk (n,) of the 3-4-5 polynomial that makes up for missing the goal."""
     if not phases.duration > 0.0:
         return np.where(rise == 0.0, 0.0, np.inf)
     span = phases.breaks[-1] - phases.breaks[-2]
     end = span ** np.arange(4.0) @ phases.coefficients[:, -1]
-    jerk: FloatArray = _MISS_JERK * np.abs(end - rise) / phases.breaks[-1] ** 3
+    jerk: Array = _MISS_JERK * np.abs(end - rise) / phases.breaks[-1] ** 3
     return jerk
 
 
-def _phases_of(motion: Any, request: Any, length: FloatArray | float) -> Phases:
+def _phases_of(motion: Any, request: Any, length: Array | float) -> Phases:
     alone = np.array(motion.independent_min_durations)
     profiles = motion.profiles[0]
     if not profiles:
@@ -326,9 +324,9 @@ def _on_one_course(profiles: list[Any], leader: int, request: Any) -> list[Joint
     ]
 
 
-def _peaks(begin: FloatArray, states: FloatArray) -> FloatArray:
+def _peaks(begin: Array, states: Array) -> Array:
     """Largest speed, acceleration and jerk (magnitudes) of the phases of one joint."""
-    peaks: FloatArray = np.abs(states[:, 1:]).max(axis=0)
+    peaks: Array = np.abs(states[:, 1:]).max(axis=0)
     _, velocity, acceleration, jerk = states[:-1].T
     # Inside a phase the speed is largest where the acceleration passes through zero.
     turns = (jerk != 0.0) & (acceleration * (acceleration + jerk * np.diff(begin)) < 0.0)
@@ -337,7 +335,7 @@ def _peaks(begin: FloatArray, states: FloatArray) -> FloatArray:
     return peaks
 
 
-def common_phases(phases: list[JointPhases], duration: float) -> tuple[FloatArray, FloatArray]:
+def common_phases(phases: list[JointPhases], duration: float) -> tuple[Array, Array]:
     """Bring the phases of all joints onto common breaks (s + 1,); coefficients (4, s, n)."""
     same = _SAME_BREAK * duration
     courses = {id(begin): begin for begin, _ in phases}
@@ -366,7 +364,7 @@ def common_phases(phases: list[JointPhases], duration: float) -> tuple[FloatArra
     return breaks, coefficients
 
 
-def _gentler(states: FloatArray, spans: FloatArray) -> FloatArray:
+def _gentler(states: Array, spans: Array) -> Array:
     """Lower jerks (p, n) that would lead beyond the next of the states (p + 1, 4, n).
 
     Phases last longer or shorter by the rounding of their instants; where these are short beside
@@ -375,7 +373,7 @@ def _gentler(states: FloatArray, spans: FloatArray) -> FloatArray:
     acceleration, jerk = states[:, 2], states[:-1, 3]
     with np.errstate(divide="ignore", invalid="ignore"):
         enough = np.abs(np.diff(acceleration, axis=0)) / spans[:, None]
-    gentler: FloatArray = np.copysign(np.fmin(np.abs(jerk), enough), jerk)
+    gentler: Array = np.copysign(np.fmin(np.abs(jerk), enough), jerk)
     return gentler
 
 

@@ -7,8 +7,8 @@ from typing import Any, ClassVar, TypeVar
 
 from robomech_ros.errors import DurationTooShortError
 from robomech_ros.trajectory.limits import Limits, Rate
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, SHORTEST_TRAJECTORY
+from robomech_ros.typing import Array
 
 _M = TypeVar("_M", bound="StraightMotion")
 
@@ -23,12 +23,12 @@ class StraightMotion(ABC):
     @classmethod
     def plan(
         cls: type[_M],
-        start: FloatArray,
-        goal: FloatArray,
+        start: Array,
+        goal: Array,
         limits: Limits,
         duration: float | None = None,
-        start_velocity: FloatArray | None = None,
-        start_acceleration: FloatArray | None = None,
+        start_velocity: Array | None = None,
+        start_acceleration: Array | None = None,
     ) -> _M:
         """Plan the fastest motion within the limits, or the one that takes a wanted time.
 
@@ -62,17 +62,15 @@ class StraightMotion(ABC):
 
     @classmethod
     @abstractmethod
-    def _fastest(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[float, Any]:
+    def _fastest(cls, start: Array, goal: Array, limits: Limits) -> tuple[float, Any]:
         """Give the shortest duration (s), 0 for no way at all, and what `_lasting` needs."""
 
     @classmethod
     @abstractmethod
-    def _binding(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[Rate, int]:
+    def _binding(cls, start: Array, goal: Array, limits: Limits) -> tuple[Rate, int]:
         """Find which limit of which joint makes the motion last as long as it does."""
 
     @classmethod
     @abstractmethod
-    def _lasting(
-        cls: type[_M], start: FloatArray, goal: FloatArray, duration: float, shape: Any
-    ) -> _M:
+    def _lasting(cls: type[_M], start: Array, goal: Array, duration: float, shape: Any) -> _M:
         """Make the motion of a duration (s) that is possible."""

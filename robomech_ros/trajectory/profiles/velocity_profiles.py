@@ -21,7 +21,7 @@ from robomech_ros.trajectory.curves.motion_to_rest import MotionToRest
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.profiles.straight_motion import StraightMotion
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 _M = TypeVar("_M", bound="_Straight")
 
@@ -40,7 +40,7 @@ class _Straight(MotionToRest, StraightMotion):
 
     @classmethod
     def _fastest(
-        cls, start: FloatArray, goal: FloatArray, limits: Limits
+        cls, start: Array, goal: Array, limits: Limits
     ) -> tuple[float, tuple[Ramp, float] | None]:
         shares = (np.abs(goal - start) * limits.inverses).max(axis=1, initial=0.0).tolist()
         if not any(shares):
@@ -49,7 +49,7 @@ class _Straight(MotionToRest, StraightMotion):
         return duration, (ramp, duration)
 
     @classmethod
-    def _binding(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[Rate, int]:
+    def _binding(cls, start: Array, goal: Array, limits: Limits) -> tuple[Rate, int]:
         shares = np.abs(goal - start) * limits.inverses
         largest = shares.max(axis=1)[: len(cls.REQUIRED)]
         _, _, rate = cls.shape(*(1.0 / share for share in largest))
@@ -58,8 +58,8 @@ class _Straight(MotionToRest, StraightMotion):
     @classmethod
     def _lasting(
         cls: type[_M],
-        start: FloatArray,
-        goal: FloatArray,
+        start: Array,
+        goal: Array,
         duration: float,
         shape: tuple[Ramp, float] | None,
     ) -> _M:
@@ -113,9 +113,7 @@ class DoubleS(_Straight):
         return (step, ramp - 2.0 * step), 2.0 * ramp + cruise, binding
 
 
-def along_line(
-    start: FloatArray, rise: FloatArray, ramp: Ramp, duration: float
-) -> PiecewisePolynomial:
+def along_line(start: Array, rise: Array, ramp: Ramp, duration: float) -> PiecewisePolynomial:
     """Lay a motion from rest to rest over a duration (s) on the line from `start` along `rise`.
 
     The highest derivative, of an order above the number of phases in `ramp` by one, is constant in

@@ -12,9 +12,9 @@ import numpy.typing as npt
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array, IntArray
 
-Dynamics = Callable[[FloatArray, FloatArray, FloatArray], npt.ArrayLike]
+Dynamics = Callable[[Array, Array, Array], npt.ArrayLike]
 # Of the rates of all joints; or, of a `DrivenRobot`, of all joint values and the rates of drives.
 Friction = Callable[..., npt.ArrayLike]
 
@@ -26,15 +26,15 @@ class DrivenRobot(Protocol):
     """
 
     @property
-    def drives_at(self) -> npt.NDArray[np.int64]:
+    def drives_at(self) -> IntArray:
         """Where the drives are among the joints, shape (m,)."""
         ...
 
-    def checked_posture(self, q: FloatArray, what: str) -> FloatArray:
+    def checked_posture(self, q: Array, what: str) -> Array:
         """Give joint values (n,) whose loops are closed, with the same drives, or raise."""
         ...
 
-    def inverse(self, q: FloatArray, rates: FloatArray, accelerations: FloatArray) -> npt.ArrayLike:
+    def inverse(self, q: Array, rates: Array, accelerations: Array) -> npt.ArrayLike:
         """Compute the efforts of the drives (k, m) for joints (k, n) and motions of the drives."""
         ...
 
@@ -70,12 +70,12 @@ class DrivenPath:
         robot: Any = self.robot
         return robot.drives_at.tolist() if _is_robot(robot) else list(range(self.path.joints))
 
-    def on_path(self, s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def on_path(self, s: Array) -> tuple[Array, Array, Array]:
         """Joint values (k, n), and two derivatives of the drives (k, m) over s."""
         at, drives = self.path.sample(s), self.drives
         return self.closed(at.position), at.velocity[:, drives], at.acceleration[:, drives]
 
-    def posture(self, s: FloatArray, drives: FloatArray) -> FloatArray:
+    def posture(self, s: Array, drives: Array) -> Array:
         """Joint values (k, n) where the drives have values (k, m) at places of the path."""
         if not _is_robot(self.robot):
             return drives
@@ -83,14 +83,14 @@ class DrivenPath:
         near[:, self.drives] = drives
         return self.closed(near)
 
-    def closed(self, q: FloatArray) -> FloatArray:
+    def closed(self, q: Array) -> Array:
         """Joint values (k, n) with closed loops: those of a path close them but nearly."""
         robot: Any = self.robot
         if not _is_robot(robot):
             return q
         return np.array([robot.checked_posture(row, "path") for row in q])
 
-    def torques(self, q: FloatArray, rates: FloatArray, accelerations: FloatArray) -> FloatArray:
+    def torques(self, q: Array, rates: Array, accelerations: Array) -> Array:
         """Torques or forces of the drives (k, m), without friction."""
         robot: Any = self.robot
         inverse = robot.inverse if _is_robot(robot) else robot
@@ -98,7 +98,7 @@ class DrivenPath:
             "torques of inverse_dynamics", inverse(q, rates, accelerations), accelerations.shape
         )
 
-    def lost(self, q: FloatArray, rates: FloatArray) -> FloatArray:
+    def lost(self, q: Array, rates: Array) -> Array:
         """Torques or forces of the drives (k, m) that friction takes."""
         assert self.friction is not None
         found = self.friction(q, rates) if _is_robot(self.robot) else self.friction(rates)
@@ -115,7 +115,7 @@ def _is_robot(given: object) -> bool:
     return hasattr(given, "drives_at") and not isinstance(given, type)
 
 
-def _rows(what: str, given: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+def _rows(what: str, given: npt.ArrayLike, shape: tuple[int, ...]) -> Array:
     array = real_array(what, given)
     if array.shape != shape:
         raise WrongSizeError(what, array.shape, shape)

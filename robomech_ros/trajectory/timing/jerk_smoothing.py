@@ -30,10 +30,10 @@ from robomech_ros.trajectory.curves.bounds import hull
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS, along_line
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.path_sections import jump
 from robomech_ros.trajectory.timing.path_speed import fastest
 from robomech_ros.trajectory.timing.speed_profile import PathLimits, SpeedProfile, Timed
+from robomech_ros.typing import Array
 
 # Windows that are tried, as multiples of the largest ratio of acceleration to jerk limit; in each
 # the accelerations are limited to what the jerk reaches within it.
@@ -51,7 +51,7 @@ _POWER, _LEAST_PART = 1.5, 1e-3
 _IN_WINDOW, _IN_ALL, _MOST = 12, 300, 20_000
 
 
-def smoothed(path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray) -> Timed:
+def smoothed(path: PiecewisePolynomial, limits: PathLimits, jerk: Array) -> Timed:
     """Pass a path from rest to rest in nearly the shortest time within limits of jerk as well.
 
     Parameters
@@ -97,7 +97,7 @@ def _is_straight(path: PiecewisePolynomial) -> bool:
     return not bent and not jump(path, 1).any()
 
 
-def _double_s(path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray) -> Timed:
+def _double_s(path: PiecewisePolynomial, limits: PathLimits, jerk: Array) -> Timed:
     """Pass a straight path by the double-S profile, exactly."""
     start, slope = path.coefficients[:2, 0]
     way = np.abs(slope) * path.duration
@@ -113,9 +113,7 @@ def _double_s(path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray) -
     return timed.within(limits.velocity, limits.acceleration, jerk)
 
 
-def _kept(
-    path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray, attempt: "_Attempt"
-) -> Timed:
+def _kept(path: PiecewisePolynomial, limits: PathLimits, jerk: Array, attempt: "_Attempt") -> Timed:
     """Turn an attempt into a motion that keeps to all limits."""
     mean = attempt.clock.mean(attempt.instants)
     timed = _along(path, attempt.instants, mean)
@@ -146,15 +144,15 @@ class _Caps:
         Path coordinates, not decreasing, and the bounds there.
     """
 
-    places: FloatArray
-    values: FloatArray
+    places: Array
+    values: Array
 
-    def __call__(self, nodes: FloatArray) -> FloatArray:
-        bounds: FloatArray = np.interp(nodes, self.places, self.values)
+    def __call__(self, nodes: Array) -> Array:
+        bounds: Array = np.interp(nodes, self.places, self.values)
         return bounds
 
 
-def _jerk_bound(path: PiecewisePolynomial, jerk: FloatArray) -> _Caps:
+def _jerk_bound(path: PiecewisePolynomial, jerk: Array) -> _Caps:
     """Bound the speed by the jerk q''' s'^3 of the path itself, piece by piece."""
     third = np.abs(hull(path, 3)).max(axis=0) / jerk
     with np.errstate(divide="ignore"):
@@ -192,14 +190,14 @@ class _Clock:
         rising[0, 1:, 0] = np.cumsum(total)[:-1]
         return PiecewisePolynomial(self.curve.breaks, rising)
 
-    def mean(self, t: FloatArray) -> FloatArray:
+    def mean(self, t: Array) -> Array:
         """Sample the mean and its first three derivatives, shape (4, m)."""
         now, before = self._integrals(t), self._integrals(t - self.window)
-        mean: FloatArray = (now - before) / self.window
+        mean: Array = (now - before) / self.window
         mean[0] += self.start
         return mean
 
-    def _integrals(self, t: FloatArray) -> FloatArray:
+    def _integrals(self, t: Array) -> Array:
         """Sample the integral, the coordinate since the start, and two rates, shape (4, m)."""
         inside = np.clip(t, 0.0, self.curve.duration)
         values = np.stack(self.integral.sample(inside))[:, :, 0]
@@ -227,7 +225,7 @@ def _clock(profile: SpeedProfile, window: float) -> _Clock:
     return _Clock(line.timed(2.0 / rates.max(keepdims=True), 1e-6).pieces, window)
 
 
-def _instants(clock: _Clock) -> FloatArray:
+def _instants(clock: _Clock) -> Array:
     """Choose when to sample the mean: evenly, and where its jerk steps."""
     duration = clock.curve.duration + clock.window
     count = max(_IN_ALL, int(_IN_WINDOW * duration / clock.window))
@@ -250,7 +248,7 @@ def _instants(clock: _Clock) -> FloatArray:
     return np.unique(np.concatenate([last, even[inner], [duration]]))
 
 
-def _along(path: PiecewisePolynomial, instants: FloatArray, mean: FloatArray) -> Timed:
+def _along(path: PiecewisePolynomial, instants: Array, mean: Array) -> Timed:
     """Lay quintic pieces through the motion of the joints at the given instants."""
     place = path.sample(np.clip(mean[0], path.breaks[0], path.breaks[-1]))
     rate, bow = mean[1][:, None], mean[2][:, None]
@@ -275,8 +273,8 @@ class _Attempt:
     """
 
     clock: _Clock
-    instants: FloatArray
-    factors: FloatArray
+    instants: Array
+    factors: Array
 
     @property
     def duration(self) -> float:
@@ -284,9 +282,7 @@ class _Attempt:
         return float(self.instants[-1]) * max(float(self.factors.max()), 1.0)
 
 
-def _factors(
-    path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray, mean: FloatArray
-) -> FloatArray:
+def _factors(path: PiecewisePolynomial, limits: PathLimits, jerk: Array, mean: Array) -> Array:
     """Give by which factor the speed is too high at samples (4, m) of the mean, shape (2, m).
 
     First for all that depends on speed and acceleration along the path, then for all jerk.
@@ -310,7 +306,7 @@ def _factors(
 def _best_of_rounds(
     path: PiecewisePolynomial,
     limits: PathLimits,
-    jerk: FloatArray,
+    jerk: Array,
     window: float,
     duration: float,
 ) -> _Attempt | None:
@@ -359,9 +355,9 @@ def _slowed(limits: PathLimits, profile: SpeedProfile, attempt: _Attempt) -> Pat
     return replace(limits, square=_Caps(here, np.minimum(known, lower)), slowdown=_Caps(here, part))
 
 
-def _spread(factors: FloatArray, reach: int) -> FloatArray:
+def _spread(factors: Array, reach: int) -> Array:
     """Take the largest factor nearby, then the mean nearby: the motion must change gently."""
     padded = np.pad(factors, 2 * reach, constant_values=1.0)
     largest = sliding_window_view(np.maximum(padded, 1.0), 2 * reach + 1).max(axis=1)
-    mean: FloatArray = sliding_window_view(largest, 2 * reach + 1).mean(axis=1)
+    mean: Array = sliding_window_view(largest, 2 * reach + 1).mean(axis=1)
     return mean

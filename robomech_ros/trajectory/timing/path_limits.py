@@ -12,7 +12,7 @@ import numpy.typing as npt
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, real_array, real_number
 from robomech_ros.trajectory.limits import SMALLEST_LIMIT
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 # A cell is sampled at these five places; the ends a little inside it, because the coefficients of
 # a path may step where two of its pieces meet.
@@ -51,7 +51,7 @@ class SpeedLimit:
         if not _is_function(self.rate):
             object.__setattr__(self, "rate", _interpolated("rate of a speed limit", self.rate, ()))
 
-    def powers(self, nodes: FloatArray) -> FloatArray:
+    def powers(self, nodes: Array) -> Array:
         """Give the rate over the limit in every cell, in powers of sigma, shape (m, 5)."""
         values = _values("rate of a speed limit", self.rate, nodes, ())
         return _in_powers(values / self.limit)
@@ -77,8 +77,8 @@ class TorqueLimits:
     """
 
     coefficients: Any
-    lower: FloatArray
-    upper: FloatArray
+    lower: Array
+    upper: Array
 
     def __post_init__(self) -> None:
         lower = np.atleast_1d(real_array("lower torque limits", self.lower))
@@ -102,7 +102,7 @@ class TorqueLimits:
         """Number of quantities."""
         return len(self.lower)
 
-    def powers(self, nodes: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def powers(self, nodes: Array) -> tuple[Array, Array, Array]:
         """Give a, b and c in every cell, scaled to limits of -1 and 1, each of shape (m, l, 5)."""
         given = self.coefficients(_places(nodes))
         if not isinstance(given, tuple | list) or len(given) != 3:
@@ -131,13 +131,13 @@ def _is_function(given: object) -> bool:
     return callable(given) and not isinstance(given, type)
 
 
-def _places(nodes: FloatArray) -> FloatArray:
+def _places(nodes: Array) -> Array:
     """List the five sampled path coordinates of every cell, one cell after the other."""
-    places: FloatArray = (nodes[:-1, None] + np.diff(nodes)[:, None] * _PLACES).ravel()
+    places: Array = (nodes[:-1, None] + np.diff(nodes)[:, None] * _PLACES).ravel()
     return places
 
 
-def _checked(what: str, given: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+def _checked(what: str, given: npt.ArrayLike, shape: tuple[int, ...]) -> Array:
     values = real_array(what, given)
     wanted = (shape[0] * shape[1], *shape[2:])
     if values.shape != wanted:
@@ -148,20 +148,18 @@ def _checked(what: str, given: npt.ArrayLike, shape: tuple[int, ...]) -> FloatAr
 
 
 def _values(
-    what: str, rate: Callable[[FloatArray], npt.ArrayLike], nodes: FloatArray, tail: tuple[int, ...]
-) -> FloatArray:
+    what: str, rate: Callable[[Array], npt.ArrayLike], nodes: Array, tail: tuple[int, ...]
+) -> Array:
     return _checked(what, rate(_places(nodes)), (len(nodes) - 1, 5, *tail))
 
 
-def _in_powers(values: FloatArray) -> FloatArray:
+def _in_powers(values: Array) -> Array:
     """Turn five samples (..., 5) into the powers of the quartic through them."""
-    powers: FloatArray = np.ascontiguousarray(values @ _QUARTIC.T)
+    powers: Array = np.ascontiguousarray(values @ _QUARTIC.T)
     return powers
 
 
-def _interpolated(
-    what: str, given: object, tail: tuple[int, ...]
-) -> Callable[[FloatArray], FloatArray]:
+def _interpolated(what: str, given: object, tail: tuple[int, ...]) -> Callable[[Array], Array]:
     expected = "a callable, or a pair of arrays: path coordinates and rates"
     if not isinstance(given, tuple | list) or len(given) != 2:
         raise BadValueError(what, given, expected)
@@ -172,7 +170,7 @@ def _interpolated(
     return lambda s: np.interp(s, where, values)
 
 
-def _coordinates(what: str, given: npt.ArrayLike) -> FloatArray:
+def _coordinates(what: str, given: npt.ArrayLike) -> Array:
     where = as_finite(f"path coordinates of the {what}", given, ())
     if where.ndim != 1 or len(where) < 2 or not (np.diff(where) > 0.0).all():
         expected = "at least two increasing path coordinates"
@@ -180,7 +178,7 @@ def _coordinates(what: str, given: npt.ArrayLike) -> FloatArray:
     return where
 
 
-def _table(given: object, count: int) -> Callable[[FloatArray], tuple[FloatArray, ...]]:
+def _table(given: object, count: int) -> Callable[[Array], tuple[Array, ...]]:
     what = "coefficients of torque limits"
     if not isinstance(given, tuple | list) or len(given) != 4:
         raise BadValueError(what, given, "a callable, or four arrays: path coordinates, a, b and c")
@@ -192,7 +190,7 @@ def _table(given: object, count: int) -> Callable[[FloatArray], tuple[FloatArray
             raise WrongSizeError(f"{name} of torque limits", table.shape, (len(where), count))
         tables.append(table)
 
-    def interpolate(s: FloatArray) -> tuple[FloatArray, ...]:
+    def interpolate(s: Array) -> tuple[Array, ...]:
         return tuple(
             np.stack([np.interp(s, where, column) for column in table.T], axis=1)
             for table in tables

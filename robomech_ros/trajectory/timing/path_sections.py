@@ -8,8 +8,8 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.curves.bounds import hull
 from robomech_ros.trajectory.curves.checked_pieces import checked_pieces
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import PATH_STANDSTILL, PATH_STEP
+from robomech_ros.typing import Array
 
 _LARGEST_ORDER = 5
 _MOST_PIECES = 100_000
@@ -80,7 +80,7 @@ def _moves(curve: PiecewisePolynomial) -> np.ndarray:
     if len(curve.breaks) < 2:
         return np.zeros(1, bool)
     way = np.abs(hull(curve, 1)).max(axis=0) * curve.spans[:, None]
-    rounding: FloatArray = np.finfo(np.float64).eps * np.abs(curve.coefficients[0]).max(axis=0)
+    rounding: Array = np.finfo(np.float64).eps * np.abs(curve.coefficients[0]).max(axis=0)
     moving: np.ndarray = (way > np.maximum(rounding, PATH_STANDSTILL)).any(axis=1)
     return moving
 

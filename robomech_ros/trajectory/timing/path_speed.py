@@ -1,7 +1,6 @@
 """The largest speed along a path within limits, on a grid that refines itself."""
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros._kernels.timing import bends as time_bends
 from robomech_ros._kernels.timing import bounds as time_bounds
@@ -10,9 +9,9 @@ from robomech_ros._kernels.timing import rows as time_rows
 from robomech_ros._kernels.timing.planar_program import ROW_SLACK
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.speed_profile import TIMING_MARGIN, PathLimits, SpeedProfile
 from robomech_ros.trajectory.tolerances import LIMIT_SLACK, PATH_STEP
+from robomech_ros.typing import Array, IntArray
 
 # Cells of the first grid: in a piece of the path, and in a path of few pieces.
 _CELLS_IN_PIECE = 16
@@ -75,7 +74,7 @@ def fastest(
     return best
 
 
-def _first_grid(breaks: FloatArray) -> FloatArray:
+def _first_grid(breaks: Array) -> Array:
     pieces = len(breaks) - 1
     wanted = max(_CELLS_IN_PIECE, -(-_FEWEST_CELLS // pieces))
     count = max(min(wanted, _MOST_CELLS // pieces), 1)
@@ -88,7 +87,7 @@ def _first_grid(breaks: FloatArray) -> FloatArray:
     return np.concatenate([inner[:1], begin, inner[1:], end, breaks[-1:]])
 
 
-def _refined(profile: SpeedProfile) -> tuple[FloatArray, FloatArray]:
+def _refined(profile: SpeedProfile) -> tuple[Array, Array]:
     cells = len(profile.spans)
     bends = np.empty(cells)
     given = profile.squares, profile.spans, profile.binding
@@ -103,8 +102,8 @@ def _refined(profile: SpeedProfile) -> tuple[FloatArray, FloatArray]:
 def _profile(
     path: PiecewisePolynomial,
     limits: PathLimits,
-    nodes: FloatArray,
-    bends: FloatArray,
+    nodes: Array,
+    bends: Array,
     begin: float,
     end: float,
 ) -> SpeedProfile:
@@ -127,23 +126,23 @@ def _profile(
     return SpeedProfile(nodes, local, bends, squares, binding)
 
 
-def _square(speed: float, rate: FloatArray) -> float:
+def _square(speed: float, rate: Array) -> float:
     """Give the wanted square of the speed at an end; any, -1, if the joints rest there anyway."""
     return -1.0 if speed == 0.0 and not rate.any() else speed * speed
 
 
-def _last_rate(local: FloatArray, spans: FloatArray) -> FloatArray:
+def _last_rate(local: Array, spans: Array) -> Array:
     """Give the derivatives of the joints at the end of the path, zero if only rounding is left."""
     powers = np.arange(1.0, local.shape[2])
     terms = local[-1, :, 1:] * powers * spans[-1] ** (powers - 1.0)
-    rate: FloatArray = terms.sum(axis=1)
+    rate: Array = terms.sum(axis=1)
     rate[np.abs(rate) <= PATH_STEP * np.abs(terms).max(axis=1)] = 0.0
     return rate
 
 
 def _passes(
-    rows: tuple[FloatArray, FloatArray, FloatArray, FloatArray], begin: float, end: float
-) -> tuple[FloatArray, int | None]:
+    rows: tuple[Array, Array, Array, Array], begin: float, end: float
+) -> tuple[Array, int | None]:
     """Find the squares of the speed at the nodes, and the cell that cannot be passed, if any."""
     lowest, highest, squares = np.empty((3, len(rows[3])))
     where = np.zeros(1, np.int64)
@@ -191,9 +190,7 @@ def _check_ends(profile: SpeedProfile, begin: float, end: float) -> None:
             raise BadValueError(f"{which} path speed", wanted, expected)
 
 
-def _bounds(
-    limits: PathLimits, nodes: FloatArray, spans: FloatArray, local: FloatArray, bends: FloatArray
-) -> FloatArray:
+def _bounds(limits: PathLimits, nodes: Array, spans: Array, local: Array, bends: Array) -> Array:
     """Bound the squares of the speed at the nodes by the limits of speeds, shape (m + 1,)."""
     bounds = np.full(len(nodes), ((nodes[-1] - nodes[0]) / _INSTANT) ** 2)
     rates = np.empty((*local.shape[:2], local.shape[2] - 1))
@@ -209,8 +206,8 @@ def _bounds(
 
 
 def _rows(
-    limits: PathLimits, nodes: FloatArray, spans: FloatArray, local: FloatArray, bends: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, npt.NDArray[np.int64]]:
+    limits: PathLimits, nodes: Array, spans: Array, local: Array, bends: Array
+) -> tuple[Array, Array, Array, IntArray]:
     """Write all limits of accelerations and torques as rows, and to which quantity each belongs."""
     cells, joints, size = local.shape
     start = joints * size

@@ -32,13 +32,14 @@ from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, lasting_pieces
 from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.sample import FloatArray, Sample
+from robomech_ros.trajectory.sample import Sample
 from robomech_ros.trajectory.timing.jerk_smoothing import smoothed
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits, checked_list
 from robomech_ros.trajectory.timing.path_sections import checked_path, sections
 from robomech_ros.trajectory.timing.path_speed import fastest
 from robomech_ros.trajectory.timing.speed_profile import PathLimits, Timed
 from robomech_ros.trajectory.tolerances import SHORTEST_TRAJECTORY
+from robomech_ros.typing import Array
 
 # The pieces in time of a time-optimal motion give back the accelerations of the path up to this
 # part.
@@ -61,8 +62,8 @@ class TimeOptimal:
     """
 
     pieces: PiecewisePolynomial
-    coordinates: FloatArray
-    speeds: FloatArray
+    coordinates: Array
+    speeds: Array
 
     @property
     def duration(self) -> float:
@@ -205,7 +206,7 @@ def _joined(motions: list[Timed], curve: PiecewisePolynomial) -> TimeOptimal:
         times = np.array([0.0, SHORTEST_TRAJECTORY])
         pieces = PiecewisePolynomial(times, coefficients)
         return TimeOptimal(pieces, curve.breaks[[0, -1]], np.zeros(2))
-    starts: FloatArray = np.cumsum([0.0, *(motion.pieces.duration for motion in motions)])
+    starts: Array = np.cumsum([0.0, *(motion.pieces.duration for motion in motions)])
     instants = [m.pieces.breaks[:-1] + start for m, start in zip(motions, starts, strict=False)]
     pieces, lasting = lasting_pieces(
         np.append(np.concatenate(instants), starts[-1]),

@@ -20,10 +20,10 @@ from robomech_ros.trajectory.profiles.laws import (
     Law,
     law_of,
 )
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit
 from robomech_ros.trajectory.timing.path_timing import time_optimal
 from robomech_ros.trajectory.timing.time_optimal_motions import with_ramps
+from robomech_ros.typing import Array
 
 # Instants of a section to begin with, and at most; between them the joints follow quintics.
 _FEWEST, _MOST = 32, 4096
@@ -68,12 +68,12 @@ class PathSection:
         """Length (m)."""
         return self.high - self.low
 
-    def at(self, done: FloatArray) -> FloatArray:
+    def at(self, done: Array) -> Array:
         """Path coordinates where parts of the section are done.
 
         At the end it is the limit from the left: the next part begins with other derivatives.
         """
-        s: FloatArray = np.minimum(self.low + self.length * done, np.nextafter(self.high, self.low))
+        s: Array = np.minimum(self.low + self.length * done, np.nextafter(self.high, self.low))
         return s
 
     def pieces(self) -> PiecewisePolynomial:
@@ -123,7 +123,7 @@ def _along_law(section: PathSection, law: Law) -> PiecewisePolynomial:
     return curve.stretched(max(least / curve.duration, 1.0))
 
 
-def _instants(law: Law, count: int) -> FloatArray:
+def _instants(law: Law, count: int) -> Array:
     """Divide a duration of 1 into about `count` parts, at the breaks of the law, too."""
     edges = law.pieces.breaks
     counts = np.ceil(np.diff(edges) * count * (1.0 - 1e-9)).astype(int)
@@ -134,7 +134,7 @@ def _instants(law: Law, count: int) -> FloatArray:
     return np.concatenate([*parts, edges[-1:]])
 
 
-def _coordinates(section: PathSection, law: Law, tau: FloatArray) -> tuple[FloatArray, ...]:
+def _coordinates(section: PathSection, law: Law, tau: Array) -> tuple[Array, ...]:
     """Path coordinate and its first two rates over a duration of 1, shape (m, 1)."""
     done = np.where(tau < 0.5, law.progress(tau), 1.0 - law.progress(1.0 - tau))
     rates = law.rates(tau)
@@ -142,7 +142,7 @@ def _coordinates(section: PathSection, law: Law, tau: FloatArray) -> tuple[Float
     return section.at(done)[:, None], velocity[:, None], acceleration[:, None]
 
 
-def _unit_motion(section: PathSection, law: Law, tau: FloatArray) -> PiecewisePolynomial:
+def _unit_motion(section: PathSection, law: Law, tau: Array) -> PiecewisePolynomial:
     """Interpolate the joints over a duration of 1, by exact values and rates at instants (m,)."""
     s, v, a = _coordinates(section, law, tau)
     q, first, second, _ = section.joints.derivatives(s[:, 0])
@@ -150,22 +150,22 @@ def _unit_motion(section: PathSection, law: Law, tau: FloatArray) -> PiecewisePo
     return interpolant(tau, q, first * v, second * v**2 + first * a)
 
 
-def _deviations(unit: PiecewisePolynomial, section: PathSection, law: Law) -> FloatArray:
+def _deviations(unit: PiecewisePolynomial, section: PathSection, law: Law) -> Array:
     """How far (rad or m) the joints are off the path in the middle between instants, (m - 1,)."""
     middle = 0.5 * (unit.breaks[1:] + unit.breaks[:-1])
     exact = section.joints.derivatives(_coordinates(section, law, middle)[0][:, 0])[0]
-    off: FloatArray = np.abs(unit.sample(middle).position - exact).max(axis=1)
+    off: Array = np.abs(unit.sample(middle).position - exact).max(axis=1)
     return off
 
 
-def _least_duration(section: PathSection, law: Law, instants: FloatArray) -> float:
+def _least_duration(section: PathSection, law: Law, instants: Array) -> float:
     """Shortest time (s) for a section in which other speeds are kept."""
     tau = np.sort(np.concatenate([instants, 0.5 * (instants[1:] + instants[:-1])]))
     s, v, _ = _coordinates(section, law, tau)
     return max((_largest(speed, s[:, 0], v[:, 0]) for speed in section.speeds), default=0.0)
 
 
-def _largest(speed: SpeedLimit, s: FloatArray, v: FloatArray) -> float:
+def _largest(speed: SpeedLimit, s: Array, v: Array) -> float:
     return float(np.max(np.asarray(speed.rate(s)) * v)) / speed.limit
 
 
@@ -198,8 +198,8 @@ def _all_speeds(section: PathSection) -> SpeedLimit:
 
 
 def _shape_durations(
-    section: PathSection, ramps: FloatArray, roundings: FloatArray, speed: SpeedLimit
-) -> FloatArray:
+    section: PathSection, ramps: Array, roundings: Array, speed: SpeedLimit
+) -> Array:
     """Estimate how long the section takes by each of k shapes, shape (k,)."""
     samples = unit_double_s_samples(ramps, roundings, _IN_PHASE)
     s = section.at(np.clip(samples[0], 0.0, 1.0))
@@ -213,7 +213,7 @@ def _shape_durations(
         for order, (rate, values) in enumerate(zip(RATES, rates, strict=True), 1)
     ]
     needed.append((speed.rate(s) * v[..., 0]).max(axis=1))
-    durations: FloatArray = np.max(needed, axis=0)
+    durations: Array = np.max(needed, axis=0)
     return durations
 
 

@@ -5,13 +5,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros._kernels.timing import peaks as time_peaks
 from robomech_ros._kernels.timing import pieces as time_pieces
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, lasting_pieces
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
+from robomech_ros.typing import Array, IntArray
 
 # Time-optimal motions are planned within the limits less this part; with TIMING_ACCURACY, by which
 # their pieces in time may miss, it is less than LIMIT_SLACK.
@@ -20,7 +19,7 @@ TIMING_MARGIN = 2e-7
 _ROUNDING = 1e-10
 
 
-Bound = Callable[[FloatArray], FloatArray]
+Bound = Callable[[Array], Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,20 +40,20 @@ class PathLimits:
         Of path coordinates (m,) in the middle of the cells, parts of all accelerations to use.
     """
 
-    velocity: FloatArray
-    acceleration: FloatArray
+    velocity: Array
+    acceleration: Array
     speeds: list[SpeedLimit] = field(default_factory=list)
     torques: list[TorqueLimits] = field(default_factory=list)
     square: Bound | None = None
     slowdown: Bound | None = None
 
     @cached_property
-    def velocity_scales(self) -> FloatArray:
+    def velocity_scales(self) -> Array:
         """One over the velocity limits, with a margin for rounding, shape (n,)."""
         return (1.0 + TIMING_MARGIN) / self.velocity
 
     @cached_property
-    def acceleration_scales(self) -> FloatArray:
+    def acceleration_scales(self) -> Array:
         """One over the acceleration limits, with a margin for rounding, shape (n,)."""
         return (1.0 + TIMING_MARGIN) / self.acceleration
 
@@ -77,14 +76,14 @@ class SpeedProfile:
         Which row of limits binds in each cell.
     """
 
-    nodes: FloatArray
-    local: FloatArray
-    bends: FloatArray
-    squares: FloatArray
-    binding: npt.NDArray[np.int64]
+    nodes: Array
+    local: Array
+    bends: Array
+    squares: Array
+    binding: IntArray
 
     @cached_property
-    def spans(self) -> FloatArray:
+    def spans(self) -> Array:
         """Lengths of the cells, shape (m,)."""
         return np.diff(self.nodes)
 
@@ -93,7 +92,7 @@ class SpeedProfile:
         """Duration in s."""
         return float(time_pieces.total_time(self.spans, self.bends, self.squares))
 
-    def timed(self, scales: FloatArray, accuracy: float) -> "Timed":
+    def timed(self, scales: Array, accuracy: float) -> "Timed":
         """Turn the profile into a motion whose accelerations are right within `accuracy`.
 
         It counts in parts of one over `scales` (n,); where that is 0 in those of the joint's peak.
@@ -107,7 +106,7 @@ class SpeedProfile:
         time_pieces.piece_counts(*given, scales, accuracy, counts)
         return self._in_pieces(counts)
 
-    def _in_pieces(self, counts: npt.NDArray[np.int64]) -> "Timed":
+    def _in_pieces(self, counts: IntArray) -> "Timed":
         """Divide each cell into a number of pieces, shape (m,)."""
         total = int(counts.sum())
         times, coordinates, speeds = np.empty((3, total + 1))
@@ -132,10 +131,10 @@ class Timed:
     """
 
     pieces: PiecewisePolynomial
-    coordinates: FloatArray
-    speeds: FloatArray
+    coordinates: Array
+    speeds: Array
 
-    def within(self, *limits: FloatArray) -> "Timed":
+    def within(self, *limits: Array) -> "Timed":
         """Stretch the time until velocity, acceleration (and jerk) keep to limits (n,) each.
 
         All peaks are found between the samples as well.

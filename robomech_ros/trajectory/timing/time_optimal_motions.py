@@ -22,8 +22,8 @@ from robomech_ros.trajectory.curves.sums import summed
 from robomech_ros.trajectory.curves.time_scaling import fitted
 from robomech_ros.trajectory.limits import Limits, Rate
 from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.path_timing import TimeOptimal, time_optimal
+from robomech_ros.typing import Array
 
 # Shortest time (s) in which an acceleration rises from zero to its limit, where no jerk limit says
 # so, and along curved paths, of which shorter ramps would need thousands of samples per second.
@@ -69,12 +69,12 @@ class TimeOptimalMotion(MotionToRest):
     @classmethod
     def plan(
         cls,
-        start: FloatArray,
-        goal: FloatArray,
+        start: Array,
+        goal: Array,
         limits: Limits,
         duration: float | None = None,
-        start_velocity: FloatArray | None = None,
-        start_acceleration: FloatArray | None = None,
+        start_velocity: Array | None = None,
+        start_acceleration: Array | None = None,
     ) -> TimeOptimalMotion:
         """Compute the fastest motion, slowed down as a whole where wanted.
 
@@ -104,7 +104,7 @@ class TimeOptimalThrough(MotionThrough):
 
 
 def time_optimal_through(
-    points: FloatArray, limits: Limits, duration: float | None = None
+    points: Array, limits: Limits, duration: float | None = None
 ) -> TimeOptimalThrough:
     """Plan from rest to rest along the natural cubic spline through all points.
 
@@ -149,7 +149,7 @@ def time_optimal_through(
     return TimeOptimalThrough(places[-1], exact, knots[owners])
 
 
-def _distinct(points: FloatArray) -> tuple[list[int], list[int]]:
+def _distinct(points: Array) -> tuple[list[int], list[int]]:
     """List start, goal, and the points between that are not where the one before is.
 
     Returns
@@ -173,7 +173,7 @@ def _distinct(points: FloatArray) -> tuple[list[int], list[int]]:
     return kept, [*owners, len(kept) - 1]
 
 
-def _path_through(places: FloatArray, limits: Limits) -> tuple[FloatArray, PiecewisePolynomial]:
+def _path_through(places: Array, limits: Limits) -> tuple[Array, PiecewisePolynomial]:
     """Lay the natural spline; give its parameters (m,) at the places (m, n), too.
 
     A kink takes time, but swings out less; with more knots nothing swings out.
@@ -192,7 +192,7 @@ def _path_through(places: FloatArray, limits: Limits) -> tuple[FloatArray, Piece
     return centripetal, path if inside is None else inside
 
 
-def _without_kinks(knots: FloatArray) -> FloatArray:
+def _without_kinks(knots: Array) -> Array:
     """Lengthen segments that are short beside a neighbour; knots go from 0 to 1 again."""
     spans = np.diff(knots)
     if (
@@ -204,11 +204,11 @@ def _without_kinks(knots: FloatArray) -> FloatArray:
         for k in order:
             a, b = spans[k - 1], spans[k]
             spans[k - 1 : k + 1] = max(a, _SHORTEST_BESIDE * b), max(b, _SHORTEST_BESIDE * a)
-    longer: FloatArray = np.concatenate([[0.0], np.cumsum(spans)]) / spans.sum()
+    longer: Array = np.concatenate([[0.0], np.cumsum(spans)]) / spans.sum()
     return longer
 
 
-def _passed(timed: TimeOptimal, parameters: FloatArray, places: FloatArray) -> FloatArray:
+def _passed(timed: TimeOptimal, parameters: Array, places: Array) -> Array:
     """Find when places (m, n) at path coordinates (m,) are passed, in s."""
     # Rounding may let the coordinates step back by a little; they never do.
     coordinates = np.maximum.accumulate(timed.coordinates)
@@ -229,7 +229,7 @@ def _passed(timed: TimeOptimal, parameters: FloatArray, places: FloatArray) -> F
 
 
 def _exactly_through(
-    places: FloatArray, knots: FloatArray, curve: PiecewisePolynomial
+    places: Array, knots: Array, curve: PiecewisePolynomial
 ) -> PiecewisePolynomial:
     """Add to a curve what it misses places (m, n) by at the knots (m,), by a spline."""
     missed = places - curve.sample(knots).position

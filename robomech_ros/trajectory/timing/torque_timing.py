@@ -35,7 +35,6 @@ from robomech_ros.trajectory.curves.bounds import hull
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.driven_path import (
     DrivenPath,
     DrivenRobot,
@@ -46,6 +45,7 @@ from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
 from robomech_ros.trajectory.timing.path_sections import checked_path
 from robomech_ros.trajectory.timing.path_timing import TimeOptimal, time_optimal
 from robomech_ros.trajectory.tolerances import PATH_STANDSTILL
+from robomech_ros.typing import Array
 
 # The largest part of a torque limit that a sampled motion may take.
 _ACCURACY = 1e-6
@@ -171,7 +171,7 @@ class _Model:
     """What a robot takes on a path, of those joints that have an effort limit."""
 
     driven: DrivenPath
-    effort: FloatArray
+    effort: Array
     joints: list[int]
 
     @cached_property
@@ -188,7 +188,7 @@ class _Model:
         """Limits with friction's tangent at a speed, and the part of the efforts to use."""
         joints = np.isfinite(self.effort)
 
-        def coefficients(s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        def coefficients(s: Array) -> tuple[Array, Array, Array]:
             q, rates, rises = self.driven.on_path(s)
             rest = np.zeros_like(rates)
             c = self.driven.torques(q, rest, rest)
@@ -202,7 +202,7 @@ class _Model:
         bound = part * self.effort[joints]
         return TorqueLimits(coefficients, -bound, bound)
 
-    def first_speed(self, velocity: FloatArray) -> _Speed:
+    def first_speed(self, velocity: Array) -> _Speed:
         """Give so little of the speed that the velocity limits allow that only dry friction counts.
 
         A tangent at too high a speed would ask for torques that no slow motion takes.
@@ -225,9 +225,7 @@ class _Model:
             speed *= 0.5
         return _Speed(middles, speed**2)
 
-    def tangent(
-        self, q: FloatArray, rates: FloatArray, s: FloatArray, speed: _Speed
-    ) -> tuple[FloatArray, ...]:
+    def tangent(self, q: Array, rates: Array, s: Array, speed: _Speed) -> tuple[Array, ...]:
         """Friction as ``value + slope square`` of the square of the speed along the path."""
         now = np.maximum(speed(s), PATH_STANDSTILL)[:, None]
         least = np.maximum(now, _LEAST_SPEED * speed.highest)
@@ -258,13 +256,11 @@ def _columns(curve: PiecewisePolynomial, joints: list[int]) -> PiecewisePolynomi
     return PiecewisePolynomial(curve.breaks, np.ascontiguousarray(curve.coefficients[:, :, joints]))
 
 
-def _coordinates(motion: TimeOptimal) -> FloatArray:
+def _coordinates(motion: TimeOptimal) -> Array:
     """Path coordinates at the places in each piece of a motion, shape (p, places)."""
     begin, end = motion.speeds[:-1, None], motion.speeds[1:, None]
     gone = begin * _PLACES + 0.5 * (end - begin) * _PLACES**2
-    places: FloatArray = (
-        motion.coordinates[:-1, None] + np.diff(motion.pieces.breaks)[:, None] * gone
-    )
+    places: Array = motion.coordinates[:-1, None] + np.diff(motion.pieces.breaks)[:, None] * gone
     return np.clip(places, motion.coordinates[0], motion.coordinates[-1])
 
 
@@ -272,11 +268,11 @@ def _coordinates(motion: TimeOptimal) -> FloatArray:
 class _Speed:
     """Squares of the speed along a path at increasing coordinates, linear in between."""
 
-    coordinates: FloatArray
-    squares: FloatArray
+    coordinates: Array
+    squares: Array
 
-    def __call__(self, s: FloatArray) -> FloatArray:
-        speeds: FloatArray = np.sqrt(np.interp(s, self.coordinates, self.squares))
+    def __call__(self, s: Array) -> Array:
+        speeds: Array = np.sqrt(np.interp(s, self.coordinates, self.squares))
         return speeds
 
     @property
@@ -313,13 +309,13 @@ def _at_reversals(curve: PiecewisePolynomial) -> PiecewisePolynomial:
 
 def _efforts(
     limits: object, known: Limits, drives: list[int], effort: npt.ArrayLike | None
-) -> FloatArray:
+) -> Array:
     """Give the effort limits of the drives, infinite for none, shape (m,)."""
     names, given = [known.joint_names[k] for k in drives], effort
     if effort is None and (own := getattr(limits, "effort", None)) is not None:
         given = _sized(own, len(known.joint_names))[drives]
     array = np.full(len(names), np.inf) if given is None else _sized(given, len(names))
-    values: FloatArray = np.where(np.isnan(array), np.inf, array)
+    values: Array = np.where(np.isnan(array), np.inf, array)
     for name, value in zip(names, values.tolist(), strict=True):
         if not value > 0.0:
             raise BadValueError(f"effort of joint '{name}'", value, "a positive number")
@@ -328,7 +324,7 @@ def _efforts(
     return values
 
 
-def _sized(effort: npt.ArrayLike, count: int) -> FloatArray:
+def _sized(effort: npt.ArrayLike, count: int) -> Array:
     array = real_array("effort", effort)
     if array.shape != (count,):
         raise WrongSizeError("effort", array.shape, (count,))

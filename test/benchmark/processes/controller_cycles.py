@@ -8,13 +8,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_ros.robots import SerialChain
+from robomech_ros.typing import Array
 
 CONTROLLER = "joint_trajectory_controller"
 RATE = 500.0
@@ -96,14 +96,14 @@ class Watcher:
             if not alive() or time.monotonic() > deadline:
                 raise SystemExit(f"no joint states of {CONTROLLER} within {PATIENCE:g} s")
 
-    def measure(self, seconds: float = SECONDS) -> NDArray[np.float64]:
+    def measure(self, seconds: float = SECONDS) -> Array:
         """Have the robot move for some time (s); returns the stamps (s) of its cycles."""
         self._publisher.publish(self._swinging(seconds + 2.0 * SETTLE_SECONDS))
         self._spin(SETTLE_SECONDS)
         self._stamps.clear()
         self._spin(seconds)
         stamps = np.array([STAMP.unpack(stamp) for stamp in self._stamps])
-        seconds_of_all: NDArray[np.float64] = stamps[:, 0] - stamps[0, 0] + 1e-9 * stamps[:, 1]
+        seconds_of_all: Array = stamps[:, 0] - stamps[0, 0] + 1e-9 * stamps[:, 1]
         return seconds_of_all
 
     def close(self) -> None:
@@ -132,7 +132,7 @@ class Watcher:
         return message
 
 
-def regularity(rounds: Sequence[NDArray[np.float64]], core: float) -> Regularity:
+def regularity(rounds: Sequence[Array], core: float) -> Regularity:
     """Judge the stamps (s) of successive cycles of several rounds, and the share of a core."""
     period = 1.0 / RATE
     apart = np.concatenate([np.diff(stamps) for stamps in rounds])

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.decoupled import layout as at
 from robomech_ros._kernels.tolerances import IDEALISED_SLACK
@@ -12,6 +11,7 @@ from robomech_ros.kinematics.tolerances import ARM_RANK, CONCURRENT, CONCURRENT_
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, joint_transform, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
+from robomech_ros.typing import Array, IntArray
 
 # Neighbouring axes of the arm this nearly parallel or meeting are solved as if they were, since
 # the general equations lose as many digits; the posture is improved afterwards.
@@ -20,7 +20,6 @@ NEARLY_SPECIAL = 1e-5
 # geometry is exact.
 CANDIDATE_SLACK = 1e-9
 
-Array = NDArray[np.float64]
 
 _KINDS = {
     "RRR": at.REVOLUTE_QUARTIC,
@@ -132,14 +131,14 @@ def _zxz(R: Array) -> tuple[float, float, float]:
     return first, middle, last
 
 
-def _largest_determinant(types: NDArray[np.int64], links: Array, data: Array) -> float:
+def _largest_determinant(types: IntArray, links: Array, data: Array) -> float:
     """Largest determinant of the wrist centre's Jacobian among some postures."""
     w = data[at.WRIST : at.WRIST + 3]
     postures = np.random.default_rng(0).uniform(-np.pi, np.pi, (32, 3))
     return max(abs(float(np.linalg.det(_jacobian(types, links, w, q)))) for q in postures)
 
 
-def _jacobian(types: NDArray[np.int64], links: Array, w: Array, q: Array) -> Array:
+def _jacobian(types: IntArray, links: Array, w: Array, q: Array) -> Array:
     pose = np.eye(4)
     frames = []
     for i in range(3):
@@ -155,7 +154,7 @@ def _jacobian(types: NDArray[np.int64], links: Array, w: Array, q: Array) -> Arr
     return np.column_stack(columns)
 
 
-def _enter_arm(data: Array, types: NDArray[np.int64], links: Array) -> bool:
+def _enter_arm(data: Array, types: IntArray, links: Array) -> bool:
     """Choose the direction and the way of solution; False where the geometry is idealised."""
     letters = "".join("RP"[kind] for kind in types)
     forward, backward = [links[0], links[1]], [rigid_inverse(links[1]), rigid_inverse(links[0])]
@@ -206,7 +205,7 @@ def _separated(link: Array) -> tuple[list[float], float]:
     return [-float(s @ g) / sine, 1.0, 1.0 / sine, 0.0, *g, cross / sine], distance
 
 
-def _side(types: NDArray[np.int64], links: Array, data: Array) -> float:
+def _side(types: IntArray, links: Array, data: Array) -> float:
     """Give the sign that makes a posture "right", 0 where shoulder and elbow have no meaning.
 
     They have one where axis 1 is perpendicular to the parallel axes 2 and 3, as nearly as

@@ -15,7 +15,6 @@ import math
 from collections.abc import Iterable, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.chain.serial import forward_one
 from robomech_ros._kernels.inverse.general import layout as at
@@ -25,8 +24,8 @@ from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, turn_about_z, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 Walks = tuple[tuple[int, int], ...]
 
 # Start of the walk round the loop, and its sense; with the target next to joint FIRST, and others,

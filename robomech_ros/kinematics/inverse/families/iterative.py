@@ -4,7 +4,6 @@ import math
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.iterative import layout as at
 from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
@@ -12,6 +11,7 @@ from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides, reach_bound
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.typing import Array
 
 # An attempt is given up when six steps have not lowered the squared error by this factor.
 STALLED = 0.5
@@ -32,7 +32,6 @@ ITERATIVE_APART_REDUNDANT = 0.1
 ITERATIVE_APART = 1e-4
 ITERATIVE_APART_MOST = 0.5
 
-Array = NDArray[np.float64]
 
 MAX_SOLUTIONS = 16
 

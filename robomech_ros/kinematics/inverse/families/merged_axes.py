@@ -12,13 +12,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, turn_about_z, unpack_chain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array, IntArray
 
 # Axes with such a sine between them are parallel, and offsets (m) of this length are none.
 _ROUNDING = 1e-9
@@ -73,7 +71,7 @@ def merged_arm(chain: SerialChain) -> MergedArm:
     return MergedArm(chain_of(np.array(links), kinds), np.array(rows).reshape(-1, chain.n))
 
 
-def _runs(constants: Array, types: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
+def _runs(constants: Array, types: IntArray) -> Iterator[tuple[int, int]]:
     """List the first and last joint of each run of parallel turns and of parallel slides."""
     first = 0
     for i in range(1, len(types) + 1):

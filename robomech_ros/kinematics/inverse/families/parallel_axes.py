@@ -10,12 +10,12 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.parallel import layout as at
 from robomech_ros.kinematics.mobility import moves_in_all_directions
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
+from robomech_ros.typing import Array
 
 # Largest sine between axes taken as parallel: nine printed digits of an angle keep within it, a
 # calibrated arm does not.  What is neglected here the polish on the true pose puts back.
@@ -23,8 +23,6 @@ PARALLEL_ANGLE = 1e-8
 # Axes of the parallel three nearer to each other than this (of the arm's size), or other axes
 # with a smaller sine to them, make an arm that loses a degree of freedom: not this family.
 PARALLEL_DISTANCE = 1e-5
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

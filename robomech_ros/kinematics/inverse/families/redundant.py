@@ -11,7 +11,6 @@ together when the first or the last joint of the arm is locked.
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.decoupled import layout as wrist_at
 from robomech_ros._kernels.inverse.redundant import layout as at
@@ -32,6 +31,7 @@ from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
 from robomech_ros.kinematics.tolerances import CONCURRENT_EXACT
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import unpack_chain
+from robomech_ros.typing import Array
 
 # Three axes of a redundant arm this near (of its size) to a common point are solved as if they met
 # there, every solution is polished, and near singular postures the general equations are asked.
@@ -47,7 +47,6 @@ SPHERICAL_SLACK = 10.0
 LOCKED_SAMPLES = 16
 ANGLE_SAMPLES = 8
 
-Array = NDArray[np.float64]
 
 # Of how many runs of six joints, from the base on, elimination is tried: each takes 0.1 s to judge.
 _ELIMINATIONS = 8

@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse import short_layout
 from robomech_ros._kernels.inverse.decoupled import layout as decoupled_layout
@@ -19,12 +18,12 @@ from robomech_ros.kinematics.inverse.families.six_joints import (
 from robomech_ros.kinematics.mobility import arm_size, mobility
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import unpack_chain
+from robomech_ros.typing import Array, IntArray
 
 # Least ratio of singular values, at the best of some postures, of an arm of which a list is called
 # complete: with less, solutions are lost in rounding.
 CERTAIN_MOBILITY = 1e-6
 
-Array = NDArray[np.float64]
 
 # Number of the family that has a kernel of its own.
 REDUNDANT = 3
@@ -54,7 +53,7 @@ class Family:
     name: str
     number: int
     data: Array
-    turns: NDArray[np.int64]
+    turns: IntArray
     limits: Array
     certain: bool
 

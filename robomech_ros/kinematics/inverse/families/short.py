@@ -12,7 +12,6 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse import short_layout as at
 from robomech_ros._kernels.inverse.decoupled import layout as decoupled_layout
@@ -32,13 +31,13 @@ from robomech_ros.robots.chain_layout import (
     turn_about_z,
     unpack_chain,
 )
+from robomech_ros.typing import Array
 
 # A completed arm with at least this determinant (lengths over the size) is taken at once.
 SHORT_REGULAR = 0.02
 # With less (lengths over the size) wherever imagined joints are at zero, it serves as the last one.
 SHORT_SINGULAR = 1e-3
 
-Array = NDArray[np.float64]
 # Transforms, types, and which joint of the arm each is (-1 for imagined ones).
 Completed = tuple[list[Array], list[int], list[int]]
 

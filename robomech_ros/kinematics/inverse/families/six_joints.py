@@ -4,15 +4,13 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.general import layout as general_layout
 from robomech_ros._kernels.inverse.six_joints import DECOUPLED, GENERAL, THREE_PARALLEL
 from robomech_ros.kinematics.inverse.families import decoupled, general, three_parallel
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import pack_chain
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Families of six-joint arms, the most special first: name, number in the kernels, recognition.
 CLOSED_FORMS: tuple[tuple[str, int, Callable[[SerialChain], Array | None]], ...] = (

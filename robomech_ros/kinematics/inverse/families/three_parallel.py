@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.parallel import layout as at
 from robomech_ros.kinematics.inverse.families.parallel_axes import (
@@ -15,6 +14,7 @@ from robomech_ros.kinematics.inverse.families.parallel_axes import (
 )
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.poses import rigid_inverse
+from robomech_ros.typing import Array
 
 # Largest distance (of the arm's size) between axes 5 and 6 taken as meeting; beyond, the general
 # equations are accurate although nearly separate.
@@ -25,8 +25,6 @@ PARALLEL_EXACT = 1e-14
 # it at first: where double roots follow each other, the rounding of one is the square root of
 # the other's, and its root again.  The polish then decides by the error of the pose.
 PARALLEL_SLACK = 1e-6
-
-Array = NDArray[np.float64]
 
 
 def match(chain: SerialChain) -> Array | None:

@@ -32,7 +32,7 @@ from robomech_ros.robots import Joint
 from robomech_ros.robots.fingers import FingerOpening, finger_ends
 from robomech_ros.robots.gripper import commanded_fingers
 from robomech_ros.trajectory.limits import Limits
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.typing import Array
 
 _PARALLEL = "parallel_gripper_controller"
 _NAME = re.compile(r"~?/?([A-Za-z_]\w*/)*[A-Za-z_]\w*", re.ASCII)
@@ -228,14 +228,14 @@ def _limits(joints: Sequence[Joint]) -> Limits:
     return Limits(tuple(joint.name for joint in joints), **rows, units=units)
 
 
-def _efforts(joints: Sequence[Joint], most: float) -> FloatArray:
+def _efforts(joints: Sequence[Joint], most: float) -> Array:
     """Give the most that each drive exerts, N m or N, shape (n,); NaN where that is not known."""
     own = np.array([joint.effort for joint in joints])
-    strongest: FloatArray = np.fmin(own, most) if most else own
+    strongest: Array = np.fmin(own, most) if most else own
     return strongest
 
 
-def _at_rest(model: RobotModel, names: Sequence[str]) -> FloatArray:
+def _at_rest(model: RobotModel, names: Sequence[str]) -> Array:
     """Give where joints stand to begin with, rad or m."""
     description = model.description
     home = {name: description.home[name] for name in names if name in description.home}

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from nav_msgs.msg import Odometry
-from numpy.typing import NDArray
 from rclpy.node import Node
 from std_msgs.msg import Float64
 
@@ -25,8 +24,7 @@ from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.rvs.model.running.followed import on_plane
 from robomech_ros.rvs.model.running.live_mover import MoverView, Stance
 from robomech_ros.spatial.arrays import as_finite
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # How often it is looked whether states are old (s).
 _SELDOM = 0.1

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics import link_poses
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.urdf.shapes import Shape
 from robomech_ros.rvs.model.ghosts import GhostPieces, Ghosts, Rgb
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Fingers nearer to each other than this are in one posture (rad or m).
 SAME = 1e-6

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.hands import (
@@ -21,8 +20,8 @@ from robomech_ros.hands import (
     is_form_closed,
 )
 from robomech_ros.hands.contacts import span
+from robomech_ros.typing import Array
 
-Array = NDArray[np.float64]
 Line = tuple[str, str]
 
 # Friction is used up from here on: forces are inside their cones to rounding.

@@ -6,11 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.solids import Solid, box, cylinder, sphere
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 SHAPES = ("ball", "cylinder", "box")
 

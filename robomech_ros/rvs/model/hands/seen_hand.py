@@ -8,7 +8,6 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.hands import Contact, Hand, grasp_postures, load_hand, whole_postures
 from robomech_ros.kinematics import InverseKinematicsResult, Status, forward_kinematics
@@ -22,8 +21,7 @@ from robomech_ros.rvs.model.moved import Travel
 from robomech_ros.rvs.model.postures import MOST_POSTURES, PoseStudy, Posture, ToldStudy
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Where the object is at first, on the way from the middle of the fingers' bases to that of their
 # tips with all joints amid their limits: short of the end, so that fingers can follow it.

@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Of a twist: its name, its unit, and its place in [w, vx, vy].
 AXES = (("turn", "rad/s", 0), ("forward", "m/s", 1), ("sideways", "m/s", 2))

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.rolling import CommandLimiter, rolling_robot
 from robomech_ros.rolling.arcs import moved
@@ -19,8 +18,7 @@ from robomech_ros.rvs.model.kinds.moving import twist_facts
 from robomech_ros.rvs.model.kinds.seen_tree import SeenTree
 from robomech_ros.rvs.model.kinds.trail import Trail, on_ground
 from robomech_ros.rvs.model.moved import Travel
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Of the steps of the simulation (s), and for how long the way ahead is drawn, in so many pieces.
 PERIOD, AHEAD, PIECES = 0.02, 3.0, 60

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import Status
@@ -13,8 +13,7 @@ from robomech_ros.robots import RobotDescription
 from robomech_ros.rvs.model.moved import Moved, Travel
 from robomech_ros.rvs.model.postures import PoseStudy, ToldStudy
 from robomech_ros.spatial import as_pose
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 class SeenTree(Moved):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import deque
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Places that are kept, apart by so much (m, rad) at least.
 MOST_PLACES, APART = 2000, 0.01

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.parallel import (
     LoopSingularity,
@@ -14,8 +13,7 @@ from robomech_ros.parallel import (
     loop_singularity,
 )
 from robomech_ros.parallel.kinetostatics.conditioning import scaled_matrices
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 ANGULAR = 3
 

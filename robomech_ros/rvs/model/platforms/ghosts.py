@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.kinematics import link_poses
 from robomech_ros.parallel import Mechanism
 from robomech_ros.rvs.model.ghosts import NOTHING, GhostPieces, Rgb
 from robomech_ros.spatial import quaternion_from_matrix
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Radius of rods, part of the size of the robot.
 RADIUS = 0.012

@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.parallel import Mechanism, ParallelRobot, dexterity
 from robomech_ros.rvs.model.moved import ROUNDING
 from robomech_ros.rvs.model.postures import MOST_POSTURES, Posture
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Other poses for the same drives, or other joints for the same pose.
 LISTS = ("assembly modes", "limb branches")

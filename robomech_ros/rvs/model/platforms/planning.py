@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.cartesian import path_through
 from robomech_ros.errors import BadValueError
@@ -13,8 +12,7 @@ from robomech_ros.rvs.motion import Motion
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 
 def plan_platform_between(

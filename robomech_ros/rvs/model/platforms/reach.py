@@ -18,8 +18,7 @@ from robomech_ros.parallel import (
 from robomech_ros.parallel.kinetostatics.workspace import PlatformWorkspace
 from robomech_ros.parallel.kinetostatics.workspace_surface import neighbours
 from robomech_ros.rvs.model.ghosts import PALETTE, Rgb
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # Directions in the space and in the plane, and of limbs of any kind, each of which takes a hundred
 # times as long; points of the arc of turns in the plane.

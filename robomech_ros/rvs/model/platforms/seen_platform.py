@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import Status
@@ -20,8 +20,7 @@ from robomech_ros.rvs.model.platforms.lists import PlatformList
 from robomech_ros.rvs.model.postures import PoseStudy, ToldStudy
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.spatial import as_pose, pose_error
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # A drive without a limit slides so many sizes of the robot at most.
 OPEN_SIZES = 2.0

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.robots import RobotDescription
 from robomech_ros.rolling.library import RollingRobot
@@ -15,11 +15,10 @@ from robomech_ros.rolling.tree import BASE_JOINTS
 from robomech_ros.rvs.model.kinds.rolling import SeenBase
 from robomech_ros.rvs.model.kinds.seen_tree import SeenTree
 from robomech_ros.rvs.model.kinds.trail import Trail
+from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from robomech_ros.walking import LeggedRobot
-
-Array = NDArray[np.float64]
 
 
 class Way(NamedTuple):

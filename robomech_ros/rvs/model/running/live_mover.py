@@ -6,16 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robomech_ros.rvs.model.jog import Beat
 from robomech_ros.rvs.model.live_robot import RunningView
+from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from robomech_ros.rvs.model.walking.support import Support
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.robots import RobotDescription, urdf_from_description
 from robomech_ros.robots.documents.guarded_xml import parse_xml
@@ -15,8 +14,7 @@ from robomech_ros.robots.urdf.elements import element, joint_element
 from robomech_ros.rolling.tree import BASE_JOINTS
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 from robomech_ros.spatial.poses import assembled, rigid_inverse
-
-Array = NDArray[np.float64]
+from robomech_ros.typing import Array
 
 # The root, and the joints of the trunk beside its level pose, as sliders have them.
 GROUND = "odom"

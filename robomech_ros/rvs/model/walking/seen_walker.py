@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.outcomes import Code
@@ -19,9 +19,8 @@ from robomech_ros.rvs.model.moved import Travel
 from robomech_ros.rvs.model.walking.placed_tree import BODY_JOINTS, placed_tree, placing
 from robomech_ros.rvs.model.walking.support import Support
 from robomech_ros.spatial import as_pose
+from robomech_ros.typing import Array
 from robomech_ros.walking import GAITS, LeggedRobot, Walker, WalkUpdate, load_legged
-
-Array = NDArray[np.float64]
 
 # In this time (s) the trunk takes a pose, unless a joint would be too fast: it follows the mouse.
 HOP = 0.05

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.kinds.trail import on_ground
+from robomech_ros.typing import Array, BoolArray
 from robomech_ros.walking import stability_margin, support_polygon
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +30,7 @@ class Support:
 
     legs: tuple[str, ...]
     feet: Array
-    contacts: NDArray[np.bool_]
+    contacts: BoolArray
     centre: Array
 
     @cached_property

@@ -1,0 +1,9 @@
+"""Names of the array types that signatures use."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+ComplexArray = NDArray[np.complex128]
+IntArray = NDArray[np.int64]
