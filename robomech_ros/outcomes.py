@@ -74,5 +74,5 @@ _NAMES = {int(code): code.name for code in Code}
 
 
 def name_of(code: int) -> str:
-    """Give the name of a code, such as ``OUT_OF_REACH`` for 201."""
+    """Return the name of a code, such as ``OUT_OF_REACH`` for 201."""
     return _NAMES.get(code, f"code {code}")

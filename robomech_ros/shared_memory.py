@@ -45,7 +45,7 @@ class Leftover(NamedTuple):
 
 
 def ports_of_domain(domain: int) -> range:
-    """Give the ports of discovery that belong to a ROS domain."""
+    """Return the ports of discovery that belong to a ROS domain."""
     return range(_FIRST_PORT + _PORTS * domain, _FIRST_PORT + _PORTS * (domain + 1))
 
 
@@ -153,7 +153,7 @@ def _hold(held: ExitStack, lock: Path, create: bool = False) -> bool:
 
 
 def _identity(file: Path) -> tuple[str, int]:
-    """Give device and number of a file as ``/proc`` shows them; of no file what nobody maps."""
+    """Return device and number of a file as ``/proc`` shows them; of no file what nobody maps."""
     try:
         facts = file.stat(follow_symlinks=False)
     except OSError:

@@ -65,7 +65,7 @@ class RunningSuite:
         return self._process.poll() is None
 
     def processes(self) -> dict[str, int]:
-        """Give the process of each node."""
+        """Return the process of each node."""
         pid, found = self._process.pid, {}
         for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
             words = Path(f"/proc/{child}/cmdline").read_bytes().decode().split("\0")

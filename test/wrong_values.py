@@ -58,7 +58,7 @@ def with_options(function, /, *given, **good):
 
 
 def answered_or_refused(call, values):
-    """Give each value in turn to a call, which must answer it or raise an error of ours.
+    """Return each value in turn to a call, which must answer it or raise an error of ours.
 
     Returns the texts of the errors.
     """

@@ -41,7 +41,7 @@ POSES = np.array(_POSES.split(), np.float64).view(np.complex128).reshape(40, 8)
 
 
 def parameters_of_pose(rotation: NDArray, position: NDArray) -> NDArray:
-    """Give the Study parameters (8,) of a pose, of unit length."""
+    """Return the Study parameters (8,) of a pose, of unit length."""
     trace = float(np.trace(rotation))
     table = np.empty((4, 4))
     table[0, 0] = 1.0 + trace

@@ -59,7 +59,7 @@ def _beyond(tracking: PathTracking, limits: Limits, part: str) -> str:
 
 
 def _speeds(joints: JointPath, places: Array, limits: Limits) -> Array:
-    """Give the speeds along a path (m/s) that joint velocities allow at places (m)."""
+    """Return the speeds along a path (m/s) that joint velocities allow at places (m)."""
     rates = np.abs(joints.derivatives(places)[1])
     with np.errstate(divide="ignore"):
         fastest: Array = np.min(limits.velocity / rates, axis=-1)

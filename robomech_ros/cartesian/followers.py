@@ -98,7 +98,7 @@ class ChainFollower:
 
 
 def as_follower(chain: SerialChain | Follower, task_mask: Sequence[bool] | None = None) -> Follower:
-    """Give a chain, or another robot that can, as what follows paths.
+    """Return a chain, or another robot that can, as what follows paths.
 
     Raises
     ------

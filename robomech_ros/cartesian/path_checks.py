@@ -104,7 +104,7 @@ def jump_cut(robot: Follower, joints: JointPath, bounds: PathBounds) -> PathCut 
 
 
 def _moves(joints: JointPath, count: int) -> tuple[Array, Array]:
-    """Give count + 1 places of a joint path (m) and how far each joint moves between them."""
+    """Return count + 1 places of a joint path (m) and how far each joint moves between them."""
     places = np.linspace(0.0, joints.length, count + 1)
     return places, np.abs(np.diff(joints.derivatives(places)[0], axis=0))
 

@@ -14,7 +14,7 @@ KEPT = 3
 
 
 def compiled(cache: Path) -> set[str]:
-    """Give the digests of the modules whose kernels were all compiled once, and are still kept.
+    """Return the digests of the modules whose kernels were all compiled once, and are still kept.
 
     Parameters
     ----------

@@ -82,7 +82,7 @@ def _run(argv: list[str], chosen: str) -> int:
 
 
 def _explained(error: Exception) -> str:
-    """Give the text of an error; of a robot of another kind than a command takes, that kind."""
+    """Return the text of an error; of a robot of another kind than a command takes, that kind."""
     from robomech_ros.errors import UnknownRobotError
     from robomech_ros.robots.kinds import kind_of
 

@@ -112,7 +112,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _box(chain: SerialChain, args: argparse.Namespace) -> tuple[list[float], list[float]]:
-    """Give the corners of the box: the given ones, or the cube that holds the whole reach."""
+    """Return the corners of the box: the given ones, or the cube that holds the whole reach."""
     if (args.lower is None) != (args.upper is None):
         lacking = "--lower" if args.lower is None else "--upper"
         raise BadValueError(lacking, None, "both corners of the box, or neither")
@@ -123,7 +123,7 @@ def _box(chain: SerialChain, args: argparse.Namespace) -> tuple[list[float], lis
 
 
 def _orientations(args: argparse.Namespace) -> Array:
-    """Give the orientations (k, 3, 3) that are tried at each point."""
+    """Return the orientations (k, 3, 3) that are tried at each point."""
     one = None if args.orientation is None else matrix_from_quaternion(args.orientation)
     if args.about is not None:
         return even_turns(args.orientations, args.about, one)

@@ -47,14 +47,14 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _arm(name: str) -> tuple[str, str, str]:
-    """Give the joints, the solver and the source of an arm."""
+    """Return the joints, the solver and the source of an arm."""
     description = load_description(name)
     chain = description.chain()
     return _letters(chain.types), family_of(chain).name, description.source or "none given"
 
 
 def _parallel(name: str) -> tuple[str, str, str]:
-    """Give limbs, family and source of a parallel robot; the drives are in brackets."""
+    """Return limbs, family and source of a parallel robot; the drives are in brackets."""
     robot = load_described(name)
     mechanism = robot.mechanism
     assert mechanism is not None
@@ -68,7 +68,7 @@ def _parallel(name: str) -> tuple[str, str, str]:
 
 
 def _rolling(name: str) -> tuple[str, str, str]:
-    """Give the wheels, the drive and the source of a rolling robot."""
+    """Return the wheels, the drive and the source of a rolling robot."""
     robot = rolling_robot(name)
     base = robot.base
     wheels = f"{len(base.wheels)} wheels"
@@ -78,7 +78,7 @@ def _rolling(name: str) -> tuple[str, str, str]:
 
 
 def _hand(name: str) -> tuple[str, str, str]:
-    """Give the fingers and the source of a hand."""
+    """Return the fingers and the source of a hand."""
     hand = load_hand(name)
     limbs = [_letters(finger.types) for finger in hand.fingers]
     kinds = (f"{limbs.count(one)} x {one}" for one in dict.fromkeys(limbs))
@@ -86,7 +86,7 @@ def _hand(name: str) -> tuple[str, str, str]:
 
 
 def _walking(name: str) -> tuple[str, str, str]:
-    """Give the legs and the source of a walking machine."""
+    """Return the legs and the source of a walking machine."""
     robot = load_legged(name)
     legs = f"{len(robot.legs)} legs x {_letters(robot.legs[0].types)}"
     return legs, "walking", robot.source

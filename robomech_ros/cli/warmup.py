@@ -103,7 +103,7 @@ def _compiled_in_parallel(modules: Sequence[str]) -> Iterator[tuple[str, float]]
 
 
 def _remaining(needs: dict[str, frozenset[str]]) -> dict[str, int]:
-    """Give the length of all that has to wait for each module, one after the other, with its own.
+    """Return the length of all that has to wait for each module, one after the other, with its own.
 
     The length of its source says well enough how long a module takes.
     """

@@ -115,7 +115,7 @@ class ChainDynamics:
         return float(self.chain.packed_bodies[:, 0].sum())
 
     def checked_posture(self, q: ArrayLike, what: str = "q") -> Array:
-        """Give joint values (n,) that are finite, or raise an error."""
+        """Return joint values (n,) that are finite, or raise an error."""
         array = as_joint_values(self.chain, q, what)
         if array.ndim != 1:
             raise WrongSizeError(what, array.shape, f"({self.chain.n},)")
@@ -124,19 +124,19 @@ class ChainDynamics:
         return array
 
     def posture(self, values: Array, near: Array) -> Array:
-        """Give the values: no joint follows from others."""
+        """Return the values: no joint follows from others."""
         return values
 
     def complement(self, q: Array) -> Array:
-        """Give the unit matrix (n, n)."""
+        """Return the unit matrix (n, n)."""
         return np.eye(self.chain.n)
 
     def joint_rates(self, q: Array, rates: Array) -> Array:
-        """Give the rates."""
+        """Return the rates."""
         return rates
 
     def tip_twist(self, q: Array, rates: Array) -> Array:
-        """Give the twist [omega; v] (6,) of the tip in the base."""
+        """Return the twist [omega; v] (6,) of the tip in the base."""
         return np.asarray(jacobian(self.chain, q) @ rates)
 
     def inverse(
@@ -170,7 +170,7 @@ class ChainDynamics:
     def compiled_forward(
         self, gravity: ArrayLike, tip_wrench: ArrayLike | None
     ) -> Callable[[Array, Array, Array, Array], int]:
-        """Give :meth:`forward` of single states without checks: accelerations into the last."""
+        """Return :meth:`forward` of single states without checks: accelerations into the last."""
         model = dynamic_model(self.chain)
         around = surroundings((self.chain.n,), gravity, tip_wrench)
 
@@ -204,5 +204,5 @@ class ChainDynamics:
         return potential_energy(self.chain, q, gravity=gravity)
 
     def with_payload(self, payload: Body) -> ChainDynamics:
-        """Give the chain that carries a load: :func:`with_payload`."""
+        """Return the chain that carries a load: :func:`with_payload`."""
         return ChainDynamics(with_payload(self.chain, payload))

@@ -20,7 +20,7 @@ _LARGEST = 1e30
 
 
 def finite_states(chain: SerialChain, **values: ArrayLike) -> tuple[Array, ...]:
-    """Give joint values, rates, accelerations or torques as float64 arrays of one shape.
+    """Return joint values, rates, accelerations or torques as float64 arrays of one shape.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def finite_states(chain: SerialChain, **values: ArrayLike) -> tuple[Array, ...]:
 
 
 def as_vector(what: str, value: ArrayLike, size: int) -> Array:
-    """Give a vector of finite real numbers, shape (size,), or raise an error that names it."""
+    """Return a vector of finite real numbers, shape (size,), or raise an error that names it."""
     vector = as_finite(what, value, (size,))
     if vector.ndim != 1:
         raise WrongSizeError(what, vector.shape, (size,))
@@ -52,7 +52,7 @@ def as_vector(what: str, value: ArrayLike, size: int) -> Array:
 
 
 def as_screw(what: str, value: ArrayLike | None) -> Array:
-    """Give a twist, its rate or a wrench as six finite numbers, shape (6,): zeros for None."""
+    """Return a twist, its rate or a wrench as six finite numbers, shape (6,): zeros for None."""
     return np.zeros(6) if value is None else as_vector(what, value, 6)
 
 

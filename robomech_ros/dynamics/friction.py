@@ -16,7 +16,9 @@ from robomech_ros.typing import Array
 
 @lru_cache(maxsize=256)
 def friction_model(chain: SerialChain) -> Array:
-    """Give what the kernels know of friction: viscous, Coulomb, excess at rest, one over its rate.
+    """Return what the kernels know of friction.
+
+    Viscous, Coulomb, excess at rest, one over its rate.
 
     Parameters
     ----------
@@ -152,7 +154,7 @@ def dissipated_power(chain: SerialChain, qd: ArrayLike) -> Array:
 
 
 def _finite(chain: SerialChain, qd: Array, result: Array) -> Array:
-    """Give a result, unless the rates are too large for a finite one."""
+    """Return a result, unless the rates are too large for a finite one."""
     if not np.isfinite(result).all():
         raise_outcome(chain, NOT_FINITE, qd=qd)
     return result

@@ -58,7 +58,7 @@ def dynamic_model(chain: SerialChain) -> Array:
 
 
 def body_parameters(chain: SerialChain) -> Array:
-    """Give the ten numbers of each body in which the torques are linear.
+    """Return the ten numbers of each body in which the torques are linear.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def body_parameters(chain: SerialChain) -> Array:
 
 
 def body_rows(packed: Array) -> Array:
-    """Give moments about the origins of bodies packed as in a chain, (n, 10).
+    """Return moments about the origins of bodies packed as in a chain, (n, 10).
 
     See Also
     --------
@@ -144,7 +144,7 @@ def surroundings(
 
 
 def _part(name: str, value: ArrayLike, tail: tuple[int, ...], batch: tuple[int, ...]) -> Array:
-    """Give rows of a vector that is one for all of a batch, or one for each."""
+    """Return rows of a vector that is one for all of a batch, or one for each."""
     array = real_array(name, value)
     if array.shape not in (tail, (*batch, *tail)):
         expected = f"{tail} or {(*batch, *tail)}" if batch else tail
@@ -160,7 +160,7 @@ _ON_EARTH.setflags(write=False)
 
 
 def positive_number(what: str, value: object) -> float:
-    """Give a finite number above 0.
+    """Return a finite number above 0.
 
     Raises
     ------

@@ -12,7 +12,7 @@ from robomech_ros.robots.chain_layout import unpack_chain
 
 
 def with_payload(chain: SerialChain, payload: Body) -> SerialChain:
-    """Give the chain that carries a load at its tip.
+    """Return the chain that carries a load at its tip.
 
     Parameters
     ----------

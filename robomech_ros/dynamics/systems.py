@@ -81,11 +81,11 @@ class DynamicSystem(Protocol):
         ...
 
     def checked_posture(self, q: ArrayLike, what: str) -> Array:
-        """Give joint values (n,) that are finite and close all loops, or raise an error."""
+        """Return joint values (n,) that are finite and close all loops, or raise an error."""
         ...
 
     def posture(self, values: Array, near: Array) -> Array:
-        """Give all joints (n,) for values of the drives (m,), in the assembly mode of ``near``.
+        """Return all joints (n,) for values of the drives (m,), in the assembly mode of ``near``.
 
         Raises
         ------
@@ -95,15 +95,15 @@ class DynamicSystem(Protocol):
         ...
 
     def complement(self, q: Array) -> Array:
-        """Give N (..., n, m), from the rates of the drives to those of all joints."""
+        """Return N (..., n, m), from the rates of the drives to those of all joints."""
         ...
 
     def joint_rates(self, q: Array, rates: Array) -> Array:
-        """Give the rates of all joints (..., n)."""
+        """Return the rates of all joints (..., n)."""
         ...
 
     def tip_twist(self, q: Array, rates: Array) -> Array:
-        """Give the twist [omega; v] (6,) of the tip in the base."""
+        """Return the twist [omega; v] (6,) of the tip in the base."""
         ...
 
     def inverse(
@@ -131,7 +131,7 @@ class DynamicSystem(Protocol):
         ...
 
     def compiled_forward(self, gravity: ArrayLike, tip_wrench: ArrayLike | None) -> CompiledForward:
-        """Give :meth:`forward` of single states without checks."""
+        """Return :meth:`forward` of single states without checks."""
         ...
 
     def compiled_servo(self, plant: Any, law: ServoLaw) -> CompiledServo:
@@ -159,12 +159,12 @@ class DynamicSystem(Protocol):
         ...
 
     def with_payload(self, payload: Body) -> DynamicSystem:
-        """Give the system that carries a load, seen in the frame of the tip."""
+        """Return the system that carries a load, seen in the frame of the tip."""
         ...
 
 
 def dynamic_system(robot: Any) -> DynamicSystem:
-    """Give what was given, with a chain as a system.
+    """Return what was given, with a chain as a system.
 
     Raises
     ------

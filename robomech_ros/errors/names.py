@@ -10,7 +10,7 @@ _MOST_COMPARED = 500
 
 
 def _near(name: str, known: Sequence[str], most: int) -> list[str]:
-    """Give the names that are like one, the nearest first."""
+    """Return the names that are like one, the nearest first."""
     candidates = [one for one in known[:_MOST_COMPARED] if len(one) < LONGEST_VALUE]
     return get_close_matches(str(name)[:LONGEST_VALUE], candidates, n=max(most, 1))
 

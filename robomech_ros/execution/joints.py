@@ -31,7 +31,7 @@ class State:
 
 
 def at_rest(position: Array) -> State:
-    """Give the state of joints that stand somewhere (rad or m)."""
+    """Return the state of joints that stand somewhere (rad or m)."""
     still = np.zeros(len(position))
     return State(np.array(position, dtype=np.float64), still, still)
 

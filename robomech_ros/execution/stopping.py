@@ -18,7 +18,7 @@ _MAX_STEPS = 400
 
 
 def pace_drop(sample: Sample, pace: float, limit: Array) -> float:
-    r"""Give how fast the pace along a curve may fall.
+    r"""Return how fast the pace along a curve may fall.
 
     The joints follow :math:`q(s(t))` with the pace :math:`\dot s = p \le 1`, so that their
     acceleration is :math:`q'' p^2 + q' \dot p`.  The path is kept, and speeds only fall.

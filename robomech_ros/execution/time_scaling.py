@@ -45,15 +45,15 @@ class TimeScaling:
         return float(self.paces[-1])
 
     def place(self, now: float) -> float:
-        """Give the place on the curve (s) at a time (s)."""
+        """Return the place on the curve (s) at a time (s)."""
         return self.after(now - self.begin)[0]
 
     def pace_at(self, now: float) -> float:
-        """Give the pace at a time (s)."""
+        """Return the pace at a time (s)."""
         return self.after(now - self.begin)[1]
 
     def after(self, time: float) -> tuple[float, float, float]:
-        """Give place, pace and its rate some time (s) after `begin`."""
+        """Return place, pace and its rate some time (s) after `begin`."""
         over = time - self.times[-1]
         if over >= 0.0:
             return float(self.places[-1] + self.pace * over), self.pace, 0.0
@@ -155,7 +155,7 @@ def paced_step(
 def _rate(
     curve: PiecewisePolynomial, place: float, pace: float, target: float, limit: Array
 ) -> float:
-    """Give how fast the pace changes (1/s), judged in the middle of the next step."""
+    """Return how fast the pace changes (1/s), judged in the middle of the next step."""
     sample = curve.sample(place + 0.5 * pace * _STEP)
     if target < pace:
         return -pace_drop(sample, pace, limit)
@@ -163,7 +163,7 @@ def _rate(
 
 
 def _pace_rise(sample: Sample, pace: float, limit: Array) -> float:
-    """Give how fast the pace may rise (1/s), as `pace_drop` how fast it may fall."""
+    """Return how fast the pace may rise (1/s), as `pace_drop` how fast it may fall."""
     speed = np.abs(sample.velocity)
     spare = limit - np.sign(sample.velocity) * sample.acceleration * pace * pace
     moving = speed > 1e-12

@@ -111,7 +111,7 @@ def internal_forces(contacts: Sequence[Contact]) -> Array:
 
 
 def null_space(A: Array) -> Array:
-    """Give orthonormal columns of the null space of a matrix, its rank by a relative bound."""
+    """Return orthonormal columns of the null space of a matrix, its rank by a relative bound."""
     _, s, Vt = np.linalg.svd(A)
     rank = int((s > _RANK * (s[0] if len(s) else 1.0)).sum())
     return np.ascontiguousarray(Vt[rank:].T)

@@ -180,24 +180,24 @@ def as_origin(origin: ArrayLike | None, contacts: Sequence[Contact]) -> Array:
 
 
 def centre(contacts: Sequence[Contact]) -> Array:
-    """Give the mean of the positions of contacts (m)."""
+    """Return the mean of the positions of contacts (m)."""
     return np.asarray(np.mean([one.position for one in contacts], axis=0), np.float64)
 
 
 def span(contacts: Sequence[Contact], origin: Array) -> float:
-    """Give the distance of the farthest contact from a point (m), 1 where all are in it."""
+    """Return the distance of the farthest contact from a point (m), 1 where all are in it."""
     middle = origin.tolist()
     farthest = max(math.dist(one.position.tolist(), middle) for one in contacts)
     return farthest if farthest > 0.0 else 1.0
 
 
 def rows_of(contacts: Sequence[Contact]) -> Array:
-    """Give contacts as kernels take them, shape (k, 15)."""
+    """Return contacts as kernels take them, shape (k, 15)."""
     return np.array([one.row for one in contacts])
 
 
 def cones_of(rows: Array, origin: Array, length: float) -> Array:
-    """Give the wrenches of a unit normal force and of its friction and torsion.
+    """Return the wrenches of a unit normal force and of its friction and torsion.
 
     Parameters
     ----------

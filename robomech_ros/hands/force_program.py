@@ -94,7 +94,7 @@ class ForceProgram:
 
 
 def force_program(used: BoolArray, d: int, largest: bool) -> ForceProgram:
-    """Give the program of contacts with given components.
+    """Return the program of contacts with given components.
 
     Parameters
     ----------

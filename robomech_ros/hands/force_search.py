@@ -111,14 +111,14 @@ def _unit(vector: Array) -> Array:
 
 
 def _of_contacts(x: Array, used: BoolArray) -> Array:
-    """Give normal forces and bounded components, 0 where a contact has none, shape (k, 4)."""
+    """Return normal forces and bounded components, 0 where a contact has none, shape (k, 4)."""
     found = np.zeros(used.shape)
     found[used] = x
     return found
 
 
 def _worst(x: Array, used: BoolArray) -> Array:
-    """Give the normal of the face that the force farthest outside its cone is outside of."""
+    """Return the normal of the face that the force farthest outside its cone is outside of."""
     found = _of_contacts(x, used)
     i = int(np.argmax(_bounded(found) - found[:, 0]))
     face = np.zeros(used.shape)
@@ -127,7 +127,7 @@ def _worst(x: Array, used: BoolArray) -> Array:
 
 
 def _bounded(found: Array) -> Array:
-    """Give how large a normal force has to be for what it bounds, shape (k,)."""
+    """Return how large a normal force has to be for what it bounds, shape (k,)."""
     sizes: Array = np.sqrt((found[:, 1:] * found[:, 1:]).sum(axis=1))
     return sizes
 
@@ -160,7 +160,7 @@ def _moved_inside(
 
 
 def _proofs(proof: Array | None, cones: Array, used: BoolArray, needed: Array) -> Iterator[Array]:
-    """Give directions that may separate, the cheapest first."""
+    """Yield directions that may separate, the cheapest first."""
     if proof is not None:
         yield proof
     for apart in (_APART, 0.0):
@@ -170,7 +170,7 @@ def _proofs(proof: Array | None, cones: Array, used: BoolArray, needed: Array) -
 
 
 def _separating(cones: Array, needed: Array, proofs: Iterator[Array]) -> Array | None:
-    """Give the first direction that no wrench is along but the one needed, or the best of all."""
+    """Return the first direction that no wrench is along but the one needed, or the best of all."""
     best, least = None, _SHARE
     for one in proofs:
         need = float(one @ needed)

@@ -151,12 +151,12 @@ def _cross(a: list[float], b: list[float]) -> list[float]:
 
 
 def _moment(r: list[float], f: list[float]) -> list[float]:
-    """Give r x f, in the plane about z."""
+    """Return r x f, in the plane about z."""
     return _cross(r, f) if len(r) == 3 else [r[0] * f[1] - r[1] * f[0]]
 
 
 def _along(n: list[float], r: list[float]) -> list[float]:
-    """Give n x r, in the plane with n along z."""
+    """Return n x r, in the plane with n along z."""
     return _cross(n, r) if len(r) == 3 else [-n[0] * r[1], n[0] * r[0]]
 
 
@@ -167,7 +167,7 @@ def _result(
     status: ForceStatus,
     direction: Array | None,
 ) -> ContactForces:
-    """Give forces (k, size) and components of normal forces and bounded parts y (k, 4)."""
+    """Return forces (k, size) and components of normal forces and bounded parts y (k, 4)."""
     size = len(contacts[0].position)
     normal, scaled = y[:, 0], y[:, 1:] * rows[:, 12:]
     parts = np.empty((len(rows), 5))

@@ -97,7 +97,7 @@ class Hand:
         return tuple(name for one in self.fingers for name in one.joint_names)
 
     def split(self, q: ArrayLike) -> list[Array]:
-        """Give the joint values (n,) of each finger."""
+        """Return the joint values (n,) of each finger."""
         values = hand_posture(self, q)
         ends = np.cumsum([one.n for one in self.fingers])[:-1]
         return [np.ascontiguousarray(part) for part in np.split(values, ends)]

@@ -99,14 +99,14 @@ def hand_jacobian(
 
 
 def _point(hand: Hand, k: int, q: Array, contact: Contact) -> Array:
-    """Give a contact in the frame of the last link of a finger."""
+    """Return a contact in the frame of the last link of a finger."""
     T = forward_kinematics(hand.fingers[k], q)
     point: Array = T[:3, :3].T @ (contact.position - T[:3, 3])
     return point
 
 
 def _rows(contact: Contact, twists: Array) -> Array:
-    """Give the components of twists (6, ...) at a contact that it hands on."""
+    """Return the components of twists (6, ...) at a contact that it hands on."""
     if contact.model == "frictionless":
         return (contact.normal @ twists[3:])[None]
     if contact.model == "soft":

@@ -26,7 +26,7 @@ def common_point(link: Array, following: Array) -> tuple[float, float, float] | 
 
 
 def nearest_points(link: Array) -> tuple[float, float, float] | None:
-    """Give the heights of nearest points on the z axes before and after a link; their distance.
+    """Return the heights of nearest points on the z axes before and after a link; their distance.
 
     None where the axes are parallel.
     """

@@ -42,7 +42,7 @@ class JointPoses:
 
     @staticmethod
     def _samples(joints: Sequence[Joint]) -> tuple[list[Any], list[Any]]:
-        """Give places at 0, pi and pi / 2, and quaternions at 0 and pi / 2, each (k, 3 or 4)."""
+        """Return places at 0, pi and pi / 2, and quaternions at 0 and pi / 2, each (k, 3 or 4)."""
         split = [
             [plain_pose(joint.pose(at)) for joint in joints] for at in (0.0, np.pi, 0.5 * np.pi)
         ]
@@ -51,7 +51,7 @@ class JointPoses:
         return places, [turns[0], turns[2]]
 
     def at(self, positions: Array) -> tuple[Array, Array]:
-        """Give places (k, 3) in m and quaternions xyzw (k, 4), at positions (k,) in rad or m."""
+        """Return places (k, 3) in m and quaternions xyzw (k, 4), at positions (k,) in rad or m."""
         angle = np.where(self._turns, positions, 0.0)[:, None]
         first, second, third = self._place
         place = first + second * np.cos(angle) + third * np.sin(angle)

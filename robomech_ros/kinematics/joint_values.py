@@ -17,7 +17,7 @@ _ARRAY, _FLOAT = np.ndarray, np.dtype(np.float64)
 
 
 def as_joint_values(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
-    """Give q as contiguous float64 of shape (..., n), without a look at whether it is finite.
+    """Return q as contiguous float64 of shape (..., n), without a look at whether it is finite.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def as_posture(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
 
 
 def as_states(chain: SerialChain, names: Sequence[str], *values: Any) -> tuple[Array, ...]:
-    """Give joint values, and what else belongs to them, as contiguous arrays of one shape.
+    """Return joint values, and what else belongs to them, as contiguous arrays of one shape.
 
     Parameters
     ----------

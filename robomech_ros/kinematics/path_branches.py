@@ -169,7 +169,7 @@ def _sampled(chain: SerialChain, targets: Array, q: Array, origin: Array | None)
 
 
 def _spread(redundancy: Redundancy, values: list[float]) -> tuple[Array, list[float]]:
-    """Give the postures at increasing values of the parameter, and at more where a branch ends.
+    """Return the postures at increasing values of the parameter, and at more where a branch ends.
 
     There the posture changes with the root of the distance from the end, so that halving it again
     and again keeps the postures about as near to each other as elsewhere.  Gives the ends, too.

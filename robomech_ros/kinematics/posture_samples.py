@@ -8,7 +8,7 @@ from robomech_ros.typing import Array, IntArray
 
 
 def low_discrepancy_strides(n: int) -> Array:
-    """Give the strides of an n-dimensional sequence that fills the unit cube evenly.
+    """Return the strides of an n-dimensional sequence that fills the unit cube evenly.
 
     They are the powers of the inverse of the root of x^(n + 1) = x + 1.
 
@@ -77,7 +77,7 @@ def spread_values(types: IntArray, lower: Array, upper: Array, count: int) -> Ar
 
 
 def reach_bound(chain: SerialChain) -> float:
-    """Give an upper bound on the distance (m) between base and tip, prismatic travel included."""
+    """Return an upper bound on the distance (m) between base and tip, prismatic travel included."""
     fixed = float(np.linalg.norm(chain.packed[:, 10:13], axis=1).sum())
     sliding = chain.types == PRISMATIC
     travel = np.maximum(np.abs(chain.lower), np.abs(chain.upper))[sliding]

@@ -102,7 +102,7 @@ def _condition(chain: SerialChain, q: Array, length: float) -> float:
 def _starts(
     chain: SerialChain, task: TaskPart, weights: Array, known: CharacteristicLength | None
 ) -> list[Array]:
-    """Give regular postures inside the limits, the one nearest to that of all postures first."""
+    """Return regular postures inside the limits, the one nearest to that of all postures first."""
     q = np.ascontiguousarray(sample_postures(chain, _POSTURES))
     out = np.empty((_POSTURES, kernels.COUNT))
     kernels.indices(task.packed, q, weights, task.rows, 2.0, out)
@@ -112,7 +112,7 @@ def _starts(
 
 
 def _inside(chain: SerialChain, q: Array) -> Array:
-    """Give the posture inside the limits that is nearest, angles being those within a turn."""
+    """Return the posture inside the limits that is nearest, angles being those within a turn."""
     turns = np.ceil((chain.lower - q) / (2.0 * np.pi))
     wound = q + 2.0 * np.pi * np.where(np.isfinite(turns) & (q < chain.lower), turns, 0.0)
     turns = np.ceil((wound - chain.upper) / (2.0 * np.pi))

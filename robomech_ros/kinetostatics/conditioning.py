@@ -192,7 +192,7 @@ def conditioning_index(
 
 
 def _best(chain: SerialChain, norm: str, part: str) -> tuple[Array, float]:
-    """Give joint values and the logarithm of the length (n + 1,) of least condition, and that."""
+    """Return joint values and the logarithm of the length (n + 1,) of least condition, and that."""
     check_chain(chain)
     index = NORMS[as_choice("norm", norm, tuple(NORMS))]
     task = task_part(chain, part)
@@ -208,13 +208,13 @@ def _best(chain: SerialChain, norm: str, part: str) -> tuple[Array, float]:
 
 
 def _within_a_turn(chain: SerialChain, q: Array) -> Array:
-    """Give the same posture with its angles from -pi to pi."""
+    """Return the same posture with its angles from -pi to pi."""
     wrapped: Array = q - 2.0 * math.pi * np.round(q / (2.0 * math.pi))
     return np.where(chain.turns, wrapped, q)
 
 
 def _distinct(chain: SerialChain, task: TaskPart, ends: list[Array]) -> list[Array]:
-    """Give the ends of descents, the best first, each minimum once."""
+    """Return the ends of descents, the best first, each minimum once."""
     ranked = sorted(
         (_evaluate(chain, task, x, 2.0, kernels.SCHATTEN)[0], k) for k, x in enumerate(ends)
     )
@@ -229,7 +229,7 @@ def _distinct(chain: SerialChain, task: TaskPart, ends: list[Array]) -> list[Arr
 def _evaluate(
     chain: SerialChain, task: TaskPart, x: Array, power: float, index: int
 ) -> tuple[float, Array]:
-    """Give an index at x, joint values and the logarithm of the length, and its gradient."""
+    """Return an index at x, joint values and the logarithm of the length, and its gradient."""
     values, gradient = np.empty((1, kernels.COUNT)), np.empty((1, chain.n + 1))
     q, weights = np.ascontiguousarray(x[None, :-1]), _weights(_length(chain, x))
     kernels.index_gradients(task.packed, q, weights, task.rows, power, index, values, gradient)
@@ -239,14 +239,14 @@ def _evaluate(
 
 
 def _length(chain: SerialChain, x: Array) -> float:
-    """Give the length (m) that x (n + 1,) ends with the logarithm of, or the last one looked at."""
+    """Return the length (m) whose logarithm ends x (n + 1,), or the last one looked at."""
     middle = math.log(length_scale(chain))
     return math.exp(min(max(x[-1], middle - _FARTHEST), middle + _FARTHEST))
 
 
 @functools.lru_cache(maxsize=64)
 def length_scale(chain: SerialChain) -> float:
-    """Give how far the tip can be from the first joint at the most, 1 m where that is nothing."""
+    """Return how far the tip can be from the first joint at the most, 1 m where that is nothing."""
     lengths = np.linalg.norm(chain.packed[1:, 10:13], axis=1)
     travel = np.maximum(np.abs(chain.lower), np.abs(chain.upper))[chain.types == PRISMATIC]
     return float(lengths.sum() + travel[np.isfinite(travel)].sum()) or 1.0
@@ -257,7 +257,7 @@ def _weights(length: float) -> Array:
 
 
 def _logarithm(x: Array, chain: SerialChain, task: TaskPart, power: float) -> tuple[float, Array]:
-    """Give the logarithm of the condition number by the Schatten norm of this power at x."""
+    """Return the logarithm of the condition number by the Schatten norm of this power at x."""
     value, gradient = _evaluate(chain, task, x, power, kernels.SCHATTEN)
     if not math.isfinite(value):
         return _SINGULAR, np.zeros_like(x)
@@ -297,7 +297,7 @@ def _followed(chain: SerialChain, task: TaskPart, x: Array, powers: Sequence[flo
 
 
 def _starts(chain: SerialChain, task: TaskPart) -> list[Array]:
-    """Give the best conditioned of many postures and lengths, none of them singular."""
+    """Return the best conditioned of many postures and lengths, none of them singular."""
     size = length_scale(chain)
     half = np.where(chain.types == PRISMATIC, size, math.pi)
     cube = np.arange(1, _POSTURES + 1)[:, None] * low_discrepancy_strides(chain.n) % 1.0

@@ -139,7 +139,7 @@ def _as_count(postures: int) -> int:
 
 
 def _ranges(chain: SerialChain, respect_limits: bool) -> tuple[Array, Array]:
-    """Give the ranges of the joints, each posture once (rad or m)."""
+    """Return the ranges of the joints, each posture once (rad or m)."""
     slides = chain.types == PRISMATIC
     open_slides = slides & ~np.isfinite(chain.upper - chain.lower)
     if open_slides.any():

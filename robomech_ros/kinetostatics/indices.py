@@ -267,7 +267,7 @@ def _value(
 
 
 def evaluate(chain: SerialChain, q: Array, part: str, length: float | None) -> Array:
-    """Give all indices of the postures q (..., n), one row each as the kernels lay them out."""
+    """Return all indices of the postures q (..., n), one row each as the kernels lay them out."""
     packed, *task = _task(chain, part, length)
     rows = q[None] if q.ndim == 1 else as_rows(q)
     out = np.empty((len(rows), kernels.COUNT))

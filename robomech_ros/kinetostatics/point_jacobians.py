@@ -111,7 +111,7 @@ def as_point(point: ArrayLike) -> Array:
 
 
 def rotation_of(chain: SerialChain, q: Array, axes: ArrayLike | str) -> Array:
-    """Give the rotation ``R_base_axes`` of axes, that of a link for every row of q.
+    """Return the rotation ``R_base_axes`` of axes, that of a link for every row of q.
 
     Parameters
     ----------

@@ -127,12 +127,12 @@ def joint_rates(
 
 @functools.lru_cache(maxsize=64)
 def _none(n: int) -> Array:
-    """Give no rates that are wished for."""
+    """Return no rates that are wished for."""
     return np.empty((0, n))
 
 
 def _twists(chain: SerialChain, q: Array, twist: ArrayLike, axes: ArrayLike | str | None) -> Array:
-    """Give the twists in base axes, one row for each row of q."""
+    """Return the twists in base axes, one row for each row of q."""
     given, batch = as_finite("twist", twist, (6,)), q.shape[:-1]
     if given.ndim > 1 and given.shape[:-1] != batch:
         raise WrongSizeError("twist", given.shape, f"(6,) or {(*batch, 6)}, as q")

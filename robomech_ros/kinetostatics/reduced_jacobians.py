@@ -176,7 +176,7 @@ def _planar_rows(chain: SerialChain) -> Array:
 
 
 def _normal(chain: SerialChain, directions: Array, slides: BoolArray) -> Array:
-    """Give the axis of the first joint that turns, else what is across two slides."""
+    """Return the axis of the first joint that turns, else what is across two slides."""
     turning = np.flatnonzero(~slides)
     if len(turning):
         first: Array = directions[turning[0]]

@@ -69,7 +69,7 @@ class SelfMotionCurve:
         return float(self.length[-1])
 
     def at(self, length: float) -> Array:
-        """Give the posture (n,) at a length (rad or m), or at the end that is nearer to it.
+        """Return the posture (n,) at a length (rad or m), or at the end that is nearer to it.
 
         Raises
         ------
@@ -164,7 +164,7 @@ def _followed(chain: SerialChain, T: Array, start: Array, sign: float) -> tuple[
 
 
 def _null_space(chain: SerialChain, q: Array) -> Array:
-    """Give an orthonormal basis of the joint rates that leave the tip, as rows."""
+    """Return an orthonormal basis of the joint rates that leave the tip, as rows."""
     _, sizes, rows = np.linalg.svd(jacobian(chain, q))
     rank = int((sizes > RANK * sizes[0]).sum())
     return rows[min(rank, CONDITIONS) :]

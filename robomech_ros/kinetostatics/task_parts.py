@@ -68,7 +68,7 @@ def task_part(chain: SerialChain, part: str) -> TaskPart:
 
 
 def _projections(chain: SerialChain) -> tuple[Array, Array]:
-    """Give the projections (3, 3) onto what turning and moving the joints span in all postures."""
+    """Return the projections (3, 3) onto the spans of turning and moving in all postures."""
     size = arm_size(chain)
     q = np.random.default_rng(0).uniform(-math.pi, math.pi, (_POSTURES, chain.n))
     q[:, chain.types == PRISMATIC] *= size

@@ -12,7 +12,7 @@ _FLOAT64 = np.dtype(np.float64)
 
 
 def real_array(what: str, value: ArrayLike) -> Array:
-    """Give a value as float64, finite or not.
+    """Return a value as float64, finite or not.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def real_array(what: str, value: ArrayLike) -> Array:
 
 
 def real_number(what: str, value: object, expected: str) -> float:
-    """Give one real number, finite or not; truth values and text do not count.
+    """Return one real number, finite or not; truth values and text do not count.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def real_number(what: str, value: object, expected: str) -> float:
 
 
 def finite_number(what: str, value: object, unit: str) -> float:
-    """Give one finite number, as :func:`real_number` does; ``unit`` is for messages."""
+    """Return one finite number, as :func:`real_number` does; ``unit`` is for messages."""
     expected = f"a finite number, {unit}"
     number = real_number(what, value, expected)
     if not math.isfinite(number):

@@ -92,7 +92,7 @@ class CurvePair:
         return np.stack([self._grid.low, self._grid.low + self._grid.width], axis=1)
 
     def curves(self) -> tuple[tuple[Array, ...], ...]:
-        """Give the two curves, each in pieces of connected points (k, 2)."""
+        """Return the two curves, each in pieces of connected points (k, 2)."""
         return self._grid.curves()
 
     def refine(self, estimate: ArrayLike) -> CurveCrossing:
@@ -154,7 +154,7 @@ class CurvePair:
         return start
 
     def _within(self, point: Array) -> Array | None:
-        """Give a point in the bounds, by whole periods if there is one; None where it is not."""
+        """Return a point in the bounds, by whole periods if there is one; None where it is not."""
         grid = self._grid
         if grid.period is not None:
             point = grid.low + (point - grid.low) % grid.period
@@ -162,7 +162,7 @@ class CurvePair:
         return point if inside.all() else None
 
     def _in_parts(self, u: Array, v: Array) -> Array:
-        """Give the equations drawn in parts of their size, for unknowns in parts of the bounds."""
+        """Return the scaled equations of the curves, for unknowns in parts of the bounds."""
         grid = self._grid
         x, y = (grid.low[k] + part * grid.width[k] for k, part in enumerate((u, v)))
         values = np.asarray(grid.equations(x, y), float)

@@ -84,7 +84,7 @@ def check_callable(equations: object) -> None:
 
 
 def slopes_at(equations: Equations, points: Array, step: float | Array) -> Array:
-    """Give the derivatives (n, m, 2) at points (n, 2) by central differences."""
+    """Return the derivatives (n, m, 2) at points (n, 2) by central differences."""
     x, y = points.T
     h, k = np.broadcast_to(step, 2)
     by_x = np.subtract(equations(x + h, y), equations(x - h, y)) / (2.0 * h)
@@ -153,7 +153,7 @@ class GridProblem:
         return tuple(zero_curves(*self.axes, self.values[k]) for k in self.pair)
 
     def starts(self) -> Array:
-        """Give the middles of the cells that both curves may run through, shape (n, 2)."""
+        """Return the middles of the cells that both curves may run through, shape (n, 2)."""
         first, second = (self.values[k] for k in self.pair)
         cells = shared_cells(first, second, wrap=False)[:-1, :-1]
         return self.low + (np.argwhere(cells) + 0.5) * self.cell
@@ -163,7 +163,7 @@ class GridProblem:
         return 4.0 * self.cell
 
     def part(self, points: Array, chosen: list[int]) -> Array:
-        """Give some equations at points (n, 2) in parts of their scale, shape (n, m)."""
+        """Return some equations at points (n, 2) in parts of their scale, shape (n, m)."""
         x, y = points.T
         values = np.asarray(self.equations(x, y), float)[chosen]
         return (values / self.scale[chosen, None]).T
@@ -223,7 +223,7 @@ class GridProblem:
         return chosen_points[np.lexsort(chosen_points.T[::-1])]
 
     def _near(self, points: Array) -> NDArray[np.intp]:
-        """Give the pairs of points that may be one, shape (k, 2)."""
+        """Return the pairs of points that may be one, shape (k, 2)."""
         from scipy.spatial import cKDTree
 
         scaled = (points - self.low) / self.width
@@ -239,7 +239,7 @@ class GridProblem:
         return (difference + half) % self.period - half
 
     def angles(self, points: Array, pair: tuple[int, int]) -> Array:
-        """Give the angles (rad) between the two curves at points (n, 2)."""
+        """Return the angles (rad) between the two curves at points (n, 2)."""
         if not len(points):
             return np.empty(0)
         slopes = slopes_at(self.equations, points, STEP * self.width)[:, list(pair)]

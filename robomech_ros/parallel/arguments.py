@@ -62,7 +62,7 @@ def unit_axes(what: str, axes: ArrayLike) -> Array:
 
 
 def translation_only(T: ArrayLike) -> Array:
-    """Give the position (3,) of a pose without rotation, or a position as it is."""
+    """Return the position (3,) of a pose without rotation, or a position as it is."""
     if real_array("pose", T).shape == (3,):
         return _within_reach(as_finite("position", T, (3,)))
     pose = _single(T)
@@ -74,7 +74,7 @@ def translation_only(T: ArrayLike) -> Array:
 
 
 def planar_pose(T: ArrayLike) -> Array:
-    """Give x, y (m) and the angle (rad) of a pose in the plane z = 0, or the three as they are."""
+    """Return x, y (m) and the angle (rad) of a pose in the plane z = 0, or the three as is."""
     if real_array("pose", T).shape == (3,):
         return _within_reach(as_finite("pose", T, (3,)))
     pose = _single(T)
@@ -86,7 +86,7 @@ def planar_pose(T: ArrayLike) -> Array:
 
 
 def rotation_only(T: ArrayLike) -> Array:
-    """Give the rotation (3, 3) of a pose without translation, or a rotation as it is."""
+    """Return the rotation (3, 3) of a pose without translation, or a rotation as it is."""
     if real_array("pose", T).shape == (3, 3):
         return as_rotation(T)
     pose = _single(T)
@@ -118,13 +118,13 @@ def _single(T: ArrayLike) -> Array:
 
 
 def _turn(pose: Array) -> float:
-    """Give the angle of a pose's rotation (rad)."""
+    """Return the angle of a pose's rotation (rad)."""
     chord = np.linalg.norm(pose[:3, :3] - np.eye(3)) / np.sqrt(8.0)
     return round(float(2.0 * np.arcsin(min(chord, 1.0))), 9)
 
 
 def pose_about_z(planar: Array) -> Array:
-    """Give poses (k, 4, 4) of rows x, y (m) and angle (rad)."""
+    """Return poses (k, 4, 4) of rows x, y (m) and angle (rad)."""
     T = np.tile(np.eye(4), (len(planar), 1, 1))
     c, s = np.cos(planar[:, 2]), np.sin(planar[:, 2])
     T[:, 0, 0], T[:, 0, 1], T[:, 1, 0], T[:, 1, 1] = c, -s, s, c

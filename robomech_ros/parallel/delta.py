@@ -190,7 +190,7 @@ class Delta:
         return nearest_first(found, T, 1.0)
 
     def _errors(self, points: Array, q: Array) -> Array:
-        """Give by how much forearms miss their length (k,), m."""
+        """Return by how much forearms miss their length (k,), m."""
         out = self.base_radius - self.platform_radius + self.arm * np.cos(q)
         centres = np.stack(
             (out * np.cos(self.azimuths), out * np.sin(self.azimuths), -self.arm * np.sin(q)),

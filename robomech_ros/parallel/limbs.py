@@ -90,7 +90,7 @@ def _wrapped(angle: float) -> float:
 
 
 def into_limits(angle: float, low: float, high: float) -> tuple[float, float]:
-    """Give an angle, turned by whole turns into limits where that can be, and what it is off."""
+    """Return an angle, turned by whole turns into limits where that can be, and what it is off."""
     turns = math.ceil((low - _WITHIN - angle) / (2.0 * math.pi))
     best = angle + 2.0 * math.pi * turns
     if best <= high + _WITHIN:

@@ -62,7 +62,7 @@ class _Planar:
         return found if near is None else nearest_first(found, near, size)
 
     def _corners(self, T: ArrayLike) -> Array:
-        """Give the platform's points in the base (3, 2)."""
+        """Return the platform's points in the base (3, 2)."""
         x, y, angle = planar_pose(T).tolist()
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         corners: Array = np.array([x, y]) + self.platform_points @ turn.T

@@ -55,13 +55,13 @@ class ScaledPlatform:
         return cls(a, b, float(scale), one, two, turn)
 
     def poses(self, scaled: Array) -> Array:
-        """Give poses (k, 4, 4) in m from scaled ones (k, 12)."""
+        """Return poses (k, 4, 4) in m from scaled ones (k, 12)."""
         R = scaled[:, :9].reshape(-1, 3, 3) @ self.turn
         p = self.base_centre + scaled[:, 9:] / self.scale - R @ self.platform_centre
         return assembled(R, p)
 
     def scaled_pose(self, T: Array) -> Array:
-        """Give one pose (12,) from that (4, 4) in m."""
+        """Return one pose (12,) from that (4, 4) in m."""
         R = T[:3, :3] @ self.turn.T
         p = self.scale * (T[:3, 3] + T[:3, :3] @ self.platform_centre - self.base_centre)
         return np.concatenate((R.ravel(), p))

@@ -57,7 +57,7 @@ class SixRods:
 
 
 def six_rods(mechanism: Mechanism) -> SixRods | None:
-    """Give what solves a mechanism as a platform on six legs, if its six limbs end in rods."""
+    """Return what solves a mechanism as a platform on six legs, if its six limbs end in rods."""
     feet = [_foot(limb, mechanism.size) for limb in mechanism.limbs]
     found = tuple(foot for foot in feet if foot is not None)
     if len(mechanism.limbs) != _LEGS or len(found) != _LEGS:
@@ -81,7 +81,7 @@ def _foot(limb: Limb, size: float) -> int | None:
 
 
 def _frames(chain: SerialChain, q: Array) -> list[Array]:
-    """Give the frames of all joints of a chain in the base, z along their axes, and the tip's."""
+    """Return the frames of all joints of a chain in the base, z along their axes, and the tip's."""
     T, frames = np.eye(4), []
     for k, constant in enumerate(chain.transforms):
         frames.append(T @ constant)
@@ -91,7 +91,7 @@ def _frames(chain: SerialChain, q: Array) -> list[Array]:
 
 
 def _meeting(one: Array, two: Array) -> tuple[Array, float]:
-    """Give the point in which the z axes of two frames meet, and how far they miss (m)."""
+    """Return the point in which the z axes of two frames meet, and how far they miss (m)."""
     a, b, way = one[:3, 2], two[:3, 2], two[:3, 3] - one[:3, 3]
     normal = np.cross(a, b)
     square = float(normal @ normal)

@@ -56,7 +56,7 @@ class SingularEnds:
 
 
 def _aligned(x: ComplexArray, y: ComplexArray) -> ComplexArray:
-    """Give y times the number of unit length that brings it nearest to x."""
+    """Return y times the number of unit length that brings it nearest to x."""
     inner = np.vdot(y, x)
     return y * (inner / abs(inner)) if abs(inner) > 0.0 else y
 
@@ -175,7 +175,7 @@ def _vertex(a: Array, b: Array, squares: Array, pose: Array) -> tuple[float, Arr
 
 
 def _two_modes(a: Array, b: Array, squares: Array, pose: Array, step: Array) -> list[Array]:
-    """Give the modes on either side of the place where they nearly meet."""
+    """Return the modes on either side of the place where they nearly meet."""
     found = []
     for way in (1.0, -1.0):
         other = pose.copy()

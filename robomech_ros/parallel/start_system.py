@@ -48,7 +48,7 @@ class StartSystem:
 
 @lru_cache(maxsize=1)
 def _generic() -> tuple[ComplexArray, ComplexArray]:
-    """Give quadrics and the forty poses of the generic platform, exact."""
+    """Return quadrics and the forty poses of the generic platform, exact."""
     quadrics = quadrics_of_platform(LEGS[:, :3], LEGS[:, 3:6], LEGS[:, 6])
     poses, ends, times = POSES.copy(), np.zeros(40, np.int64), np.zeros(40)
     track(quadrics, quadrics, poses, ends, times)

@@ -15,7 +15,7 @@ _AT_INFINITY = 1e-5
 def quadrics_of_platform(
     base_points: NDArray, platform_points: NDArray, squares: NDArray
 ) -> ComplexArray:
-    """Give the seven quadrics (7, 30) of a platform, those of the legs orthonormal.
+    """Return the seven quadrics (7, 30) of a platform, those of the legs orthonormal.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def quadrics_of_platform(
 def quadrics_between(
     base_points: NDArray, platform_points: NDArray, first: NDArray, last: NDArray
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Give the quadrics for two sets of squared lengths, the last ones orthonormal.
+    """Return the quadrics for two sets of squared lengths, the last ones orthonormal.
 
     All between them, on a line, are those of the same platform for lengths on a line.
     """
@@ -41,7 +41,7 @@ def quadrics_between(
 
 
 def _forms(base_points: NDArray, platform_points: NDArray, squares: NDArray) -> NDArray:
-    """Give the conditions of the legs (6, 17) in the seventeen forms."""
+    """Return the conditions of the legs (6, 17) in the seventeen forms."""
     a, b = np.asarray(base_points), np.asarray(platform_points)
     first = (a * a).sum(axis=1) + (b * b).sum(axis=1) - squares
     turned = -2.0 * (a[:, :, None] * b[:, None, :]).reshape(6, 9)

@@ -108,7 +108,7 @@ def _layer(reach: ReachMap, normal: int, at: float | None) -> int:
 
 
 def _values(reach: ReachMap, quantity: str) -> Array:
-    """Give what is drawn, (nx, ny, nz), NaN where there is nothing to draw."""
+    """Return what is drawn, (nx, ny, nz), NaN where there is nothing to draw."""
     if quantity == "dexterity":
         return reach.dexterity
     if quantity == "solutions":
@@ -117,6 +117,6 @@ def _values(reach: ReachMap, quantity: str) -> Array:
 
 
 def _span(places: Array) -> tuple[float, float]:
-    """Give from where to where the cells around these points go (m)."""
+    """Return from where to where the cells around these points go (m)."""
     half = 0.5 * (places[1] - places[0]) if len(places) > 1 else 0.05
     return float(places[0] - half), float(places[-1] + half)

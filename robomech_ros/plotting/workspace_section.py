@@ -66,7 +66,7 @@ def plot_workspace(path: str | Path, space: Workspace, *, title: str = "") -> Pa
 
 
 def _corners(space: Workspace) -> tuple[Array, Array]:
-    """Give the corners (2,) of the picture, with some room around all curves (m)."""
+    """Return the corners (2,) of the picture, with some room around all curves (m)."""
     points = np.concatenate([curve.points for curve in space.curves])
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.06 * (high - low).max()

@@ -100,7 +100,7 @@ class Body:
         return ""
 
     def seen_from(self, T: Array) -> Body:
-        """Give the same body in the frame in which T, shape (4, 4), is the pose of its own."""
+        """Return the same body in the frame in which T, shape (4, 4), is the pose of its own."""
         R = T[:3, :3]
         inertia = R @ self.inertia @ R.T
         com = R @ self.com + T[:3, 3]

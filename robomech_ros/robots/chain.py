@@ -351,7 +351,7 @@ class SerialChain(Printed):
         raise UnknownLinkError(link, [frame.name for frame in self.frames])
 
     def with_tip(self, link: str) -> SerialChain:
-        """Give the chain that ends at another of its links.
+        """Return the chain that ends at another of its links.
 
         Parameters
         ----------

@@ -55,7 +55,7 @@ def pack_chain(transforms: Array, types: IntArray) -> Array:
 
 
 def unpack_chain(packed: Array) -> Array:
-    """Give the constant transforms C_0 .. C_n of a chain as it is packed.
+    """Return the constant transforms C_0 .. C_n of a chain as it is packed.
 
     Parameters
     ----------

@@ -284,7 +284,7 @@ class RobotDescription(Printed):
         )
 
     def _home_of(self, moving: list[Joint]) -> Array | None:
-        """Give the part of the home posture that a chain's joints have, if they have all of it."""
+        """Return the home posture of a chain's joints, if it has all of them."""
         if not all(joint.name in self.home for joint in moving):
             return None
         return np.array([self.home[joint.name] for joint in moving])

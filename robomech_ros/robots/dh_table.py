@@ -91,7 +91,7 @@ def implausible_angles(what: str, angles: Iterable[float], names: Iterable[str])
 
 
 def link_transforms(table: DHTable) -> Array:
-    """Give the transforms C_i = Rz(theta_i) Tz(b_i) Tx(a_i) Rx(alpha_i), shape (n, 4, 4)."""
+    """Return the transforms C_i = Rz(theta_i) Tz(b_i) Tx(a_i) Rx(alpha_i), shape (n, 4, 4)."""
     n = len(table.a)
     ct, st = np.cos(table.theta), np.sin(table.theta)
     ca, sa = np.cos(table.alpha), np.sin(table.alpha)

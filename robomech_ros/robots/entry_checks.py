@@ -24,7 +24,7 @@ def check_name(what: str, name: object) -> None:
 
 
 def checked_entries(what: str, entries: object, kind: Any, n: int) -> tuple[Any, ...]:
-    """Give the entries of a list that is empty or has one of a kind for each of n joints.
+    """Return the entries of a list that is empty or has one of a kind for each of n joints.
 
     Raises
     ------

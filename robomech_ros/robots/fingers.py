@@ -162,11 +162,11 @@ class FingerOpening:
         return abs(self._distances[1] - self._distances[0])
 
     def width(self, position: float) -> float:
-        """Give the width (m) at a position of the joints (rad or m)."""
+        """Return the width (m) at a position of the joints (rad or m)."""
         return self._distance(position) - min(self._distances)
 
     def position(self, width: float) -> float:
-        """Give the position of the joints (rad or m) at a width (m).
+        """Return the position of the joints (rad or m) at a width (m).
 
         Raises
         ------

@@ -13,7 +13,7 @@ from robomech_ros.robots.srdf.document import load_srdf
 
 
 def group_chain(description: RobotDescription, group: Group, link: str = "") -> SerialChain:
-    """Give the chain of a group, or the one by which it moves a link.
+    """Return the chain of a group, or the one by which it moves a link.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def main_chain(
     tip: str = "",
     group: str = "",
 ) -> SerialChain:
-    """Give the chain that is meant where a user names links, a group, or nothing.
+    """Return the chain that is meant where a user names links, a group, or nothing.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def semantics_of(
     srdf: str | os.PathLike[str] = "",
     groups: Iterable[str] = (),
 ) -> SemanticDescription:
-    """Give what is known of a robot's groups and named postures.
+    """Return what is known of a robot's groups and named postures.
 
     Parameters
     ----------

@@ -60,7 +60,7 @@ class Joint:
         return float(np.clip(0.0, self.lower, self.upper))
 
     def pose(self, position: float) -> Array:
-        """Give the pose of the child link in the parent link, shape (4, 4) (m).
+        """Return the pose of the child link in the parent link, shape (4, 4) (m).
 
         Parameters
         ----------

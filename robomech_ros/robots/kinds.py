@@ -75,7 +75,7 @@ def check_name(robot: object, kinds: Iterable[str]) -> None:
 
 
 def source_of(kind: str, robot: object) -> tuple[str | bytes, str]:
-    """Give the text of a document of a kind, and what it is called.
+    """Return the text of a document of a kind, and what it is called.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def kind_of(robot: object) -> str:
 
 
 def yaml_source(robot: object) -> tuple[str | bytes, str] | None:
-    """Give the text of a YAML document, and what it is called; None for what else is given.
+    """Return the text of a YAML document, and what it is called; None for what else is given.
 
     The name of an arm comes before the same name of another kind, and is none of a document here.
 
@@ -175,7 +175,7 @@ def yaml_source(robot: object) -> tuple[str | bytes, str] | None:
 
 
 def _file_of(name: str) -> Path:
-    """Give the file of a name, or the path that it is."""
+    """Return the file of a name, or the path that it is."""
     if name not in list_robots():
         for kind in KINDS:
             known = documents_of(kind)

@@ -74,7 +74,7 @@ def _row(key: str, value: ArrayLike | None, n: int) -> Array:
 
 
 def _with_missing(what: str, value: Any, missing: float, expected: str) -> Array:
-    """Give numbers as float64 with ``missing`` in the place of None."""
+    """Return numbers as float64 with ``missing`` in the place of None."""
     try:
         entries = np.array(value, dtype=object)
     except (TypeError, ValueError):

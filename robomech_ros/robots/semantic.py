@@ -215,7 +215,7 @@ class SemanticDescription(Printed):
         return {state: group for group in own for state in self.states[group]}
 
     def home(self) -> dict[str, float]:
-        """Give where joints stand to begin with: the states ``home`` of all groups together.
+        """Return where joints stand to begin with: the states ``home`` of all groups together.
 
         Of two that name a joint the one of the smaller group counts; states that the robot cannot
         go to do not count.
@@ -240,7 +240,7 @@ class SemanticDescription(Printed):
         return tuple(dict.fromkeys(name for name in joints if name not in chain.joint_names))
 
     def at_home(self, chain: SerialChain) -> SerialChain:
-        """Give the chain with the named posture ``home`` as its own, if that can be used."""
+        """Return the chain with the named posture ``home`` as its own, if that can be used."""
         if not any(HOME in self.states[group] for group in self._groups_of(chain)):
             return chain
         try:

@@ -22,7 +22,7 @@ _MOST_TURNED = 1e6
 
 
 def bounded(what: str, value: ArrayLike, length: int) -> Array:
-    """Give finite numbers of shape (..., length), up to 1e9."""
+    """Return finite numbers of shape (..., length), up to 1e9."""
     array = as_finite(what, value, (length,))
     largest = float(np.abs(array).max(initial=0.0))
     if largest > _LARGEST:
@@ -31,7 +31,7 @@ def bounded(what: str, value: ArrayLike, length: int) -> Array:
 
 
 def one_vector(what: str, value: ArrayLike, length: int) -> Array:
-    """Give finite numbers of shape (length,), up to 1e9."""
+    """Return finite numbers of shape (length,), up to 1e9."""
     array = bounded(what, value, length)
     if array.shape != (length,):
         raise WrongSizeError(what, array.shape, (length,))
@@ -39,7 +39,7 @@ def one_vector(what: str, value: ArrayLike, length: int) -> Array:
 
 
 def shared_batch(*named: tuple[str, Array]) -> tuple[int, ...]:
-    """Give the batch axes that arrays have together; the last axis is that of one item."""
+    """Return the batch axes that arrays have together; the last axis is that of one item."""
     batch: tuple[int, ...] = ()
     for what, array in named:
         try:
@@ -51,7 +51,7 @@ def shared_batch(*named: tuple[str, Array]) -> tuple[int, ...]:
 
 
 def duration(what: str, value: object) -> float:
-    """Give a time from 1 ns (s)."""
+    """Return a time from 1 ns (s)."""
     expected = f"a time from {_SHORTEST:g} s, up to {_LARGEST:g}"
     number = real_number(what, value, expected)
     if not _SHORTEST <= number <= _LARGEST:
@@ -60,7 +60,7 @@ def duration(what: str, value: object) -> float:
 
 
 def above_zero(what: str, value: object, unit: str, most: float = _LARGEST) -> float:
-    """Give a number above 0; ``unit`` is for messages."""
+    """Return a number above 0; ``unit`` is for messages."""
     expected = f"a number above 0 {unit}" + (f", up to {most:g}" if math.isfinite(most) else "")
     number = real_number(what, value, expected)
     if not 0.0 < number <= most:
@@ -69,7 +69,7 @@ def above_zero(what: str, value: object, unit: str, most: float = _LARGEST) -> f
 
 
 def length(what: str, value: object) -> float:
-    """Give a length (m) that a robot can have."""
+    """Return a length (m) that a robot can have."""
     expected = f"a length from {_LEAST_LENGTH:g} to {LARGEST_LENGTH:g} m"
     number = real_number(what, value, expected)
     if not _LEAST_LENGTH <= number <= LARGEST_LENGTH:
@@ -78,7 +78,7 @@ def length(what: str, value: object) -> float:
 
 
 def angle(what: str, value: object) -> float:
-    """Give an angle (rad) that has digits."""
+    """Return an angle (rad) that has digits."""
     expected = f"an angle (rad), up to {_MOST_TURNED:g}"
     number = real_number(what, value, expected)
     if not abs(number) <= _MOST_TURNED:

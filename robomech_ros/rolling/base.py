@@ -118,7 +118,7 @@ class RollingBase:
         self._solver = None if self._steered else np.linalg.pinv(self._fixed_rows)
 
     def feasible(self, twist: ArrayLike) -> Array:
-        """Give the twist that the wheels can give and that is nearest to a command.
+        """Return the twist that the wheels can give and that is nearest to a command.
 
         A fixed axle takes the sideways velocity along itself, and limits of steering take the turn
         that is too sharp; rates forwards stay as they are, and so does the turn of a base that can
@@ -356,7 +356,7 @@ class RollingBase:
         return moved(start, twist * time)
 
     def told_rows(self, steering: ArrayLike | None = None) -> Array:
-        """Give what wheels say of the twist, shape (..., k + c, 3), as :meth:`body_twist` uses it.
+        """Return wheel equations of the twist, (..., k + c, 3), as :meth:`body_twist` uses.
 
         A twist times a row is the velocity (m/s) at which a driven wheel rolls, in the first k
         rows, or slips sideways, in those of the conventional wheels behind them.
@@ -367,7 +367,7 @@ class RollingBase:
         return np.concatenate([rolling, sides], axis=-2)
 
     def rate_rows(self) -> Array:
-        """Give the rates of all wheels for units of the twist, shape (n, 3), all angles being 0."""
+        """Return the rates of all wheels for units of the twist, (n, 3), at zero angles."""
         return np.asarray(drive_rows(self.wheels, self._headings) / self.radii[:, None])
 
     def _rolling_directions(self, steering: Array) -> Array:

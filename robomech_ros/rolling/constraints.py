@@ -48,7 +48,7 @@ class Mobility:
 
 
 def direction_rows(positions: Array, angles: Array) -> Array:
-    """Give rows (..., k, 3): a twist times a row is a velocity at a point in a direction (m/s).
+    """Return rows (..., k, 3): a twist times a row is a velocity at a point in a direction (m/s).
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def direction_rows(positions: Array, angles: Array) -> Array:
 
 
 def drive_rows(wheels: Sequence[Wheel], angles: Array) -> Array:
-    """Give rows (..., k, 3): a twist times a row is how fast the rim of a wheel rolls (m/s).
+    """Return rows (..., k, 3): a twist times a row is how fast the rim of a wheel rolls (m/s).
 
     ``angles`` (..., k) are the wheels' rolling directions, from x (rad).
     """
@@ -74,7 +74,7 @@ def drive_rows(wheels: Sequence[Wheel], angles: Array) -> Array:
 
 
 def side_rows(wheels: Sequence[Wheel], angles: Array) -> Array:
-    """Give rows (..., k, 3): a twist times a row is how fast a wheel slips sideways (m/s)."""
+    """Return rows (..., k, 3): a twist times a row is how fast a wheel slips sideways (m/s)."""
     positions, c, s = _positions(wheels), np.cos(angles), np.sin(angles)
     return np.stack([positions[:, 0] * c + positions[:, 1] * s, -s, c], axis=-1)
 
@@ -100,7 +100,7 @@ def checked_wheels(wheels: object) -> tuple[Wheel, ...]:
 
 
 def wheel_names(wheels: Sequence[Wheel]) -> tuple[str, ...]:
-    """Give the names of wheels; one without a name is called by its number."""
+    """Return the names of wheels; one without a name is called by its number."""
     return tuple(wheel.name or f"wheel_{i}" for i, wheel in enumerate(wheels))
 
 

@@ -117,7 +117,7 @@ class CommandLimiter:
         self._bounds = self._packed_bounds()
 
     def at_rest(self, steering: ArrayLike | None = None) -> BaseMotion:
-        """Give the motion of a base that stands.
+        """Return the motion of a base that stands.
 
         Parameters
         ----------

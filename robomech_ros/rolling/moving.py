@@ -97,7 +97,7 @@ class RollingDynamics:
         self._coordinates = np.linalg.pinv(self.free)
 
     def bodies(self, twist: ArrayLike, brackets: ArrayLike | None = None) -> ConstrainedBodies:
-        """Give the bodies in their motion, and with them inertia, coupling and energy.
+        """Return the bodies in their motion, and with them inertia, coupling and energy.
 
         Parameters
         ----------
@@ -198,7 +198,7 @@ class RollingDynamics:
     def drive_model(
         self, twist: ArrayLike, brackets: ArrayLike | None = None
     ) -> tuple[Array, Array]:
-        r"""Give the model of the book in the rates of the drives: I and C times the rates.
+        r"""Return the model of the book in the rates of the drives: I and C times the rates.
 
         Parameters
         ----------

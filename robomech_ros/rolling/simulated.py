@@ -94,7 +94,7 @@ class SimulatedBase:
         self.bracket_rates = (self.brackets - before) / time
 
     def _moved_by_motors(self, motion: BaseMotion, period: float) -> Array:
-        """Give the twist after a period under the torques that the motors give."""
+        """Return the twist after a period under the torques that the motors give."""
         dynamics = self._dynamics
         assert dynamics is not None
         off = motion.twist - self.twist

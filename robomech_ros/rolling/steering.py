@@ -80,14 +80,14 @@ def check_span(wheels: Sequence[Wheel]) -> None:
 
 
 def axle_of(wheel: Wheel) -> Array:
-    """Give the point of a wheel's axle nearest to the origin (m), and its heading (rad)."""
+    """Return the point of a wheel's axle nearest to the origin (m), and its heading (rad)."""
     along = np.array([-math.sin(wheel.heading), math.cos(wheel.heading)])
     foot = wheel.position - along * float(along @ wheel.position)
     return np.array([*foot, wheel.heading])
 
 
 def feasible_twists(axle: Array, curvatures: tuple[float, float], twists: Array) -> Array:
-    """Give the twists (..., 3) nearest to commands that a base with a fixed axle can have."""
+    """Return the twists (..., 3) nearest to commands that a base with a fixed axle can have."""
     c, s = math.cos(axle[2]), math.sin(axle[2])
     w = twists[..., 0]
     forward = c * (twists[..., 1] - w * axle[1]) + s * (twists[..., 2] + w * axle[0])
@@ -112,7 +112,7 @@ def require_feasible(what: str, twists: Array, feasible: Array) -> None:
 
 
 def free_twists(axle: Array | None) -> Array:
-    """Give the twists (3, m) of units of the independent rates.
+    """Return the twists (3, m) of units of the independent rates.
 
     They are the turn, and the velocity forward at a fixed axle; the whole twist without one.
     """
@@ -123,7 +123,7 @@ def free_twists(axle: Array | None) -> Array:
 
 
 def forward_row(axle: Array) -> Array:
-    """Give the row (3,) that makes the velocity forward of a twist, at the axle."""
+    """Return the row (3,) that makes the velocity forward of a twist, at the axle."""
     c, s = math.cos(axle[2]), math.sin(axle[2])
     return np.array([axle[0] * s - axle[1] * c, c, s])
 

@@ -136,7 +136,7 @@ def _free(name: str, taken: set[str]) -> str:
 
 
 def _axles(number: int, wheel: Wheel, joints: WheelJoints) -> list[_Axle]:
-    """Give the joints that roll for a wheel, one behind the other, their middle at its place."""
+    """Return the joints that roll for a wheel, one behind the other, their middle at its place."""
     own = [name for name, of in joints.rolling if of == number] or [""]
     along = np.array([math.cos(wheel.heading), math.sin(wheel.heading)])
     made = []
@@ -234,7 +234,7 @@ def _rolling_bodies(wheel: Wheel) -> list[str]:
 
 
 def _then(roller: float, turn: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Give roll, pitch and yaw of z along an axis in the wheel that leans by an angle."""
+    """Return roll, pitch and yaw of z along an axis in the wheel that leans by an angle."""
     from robomech_ros.spatial import matrix_from_roll_pitch_yaw, roll_pitch_yaw_from_matrix
 
     # Pitch is about the wheel's axle: z lies along the rim, then it leans towards the axle.

@@ -32,7 +32,7 @@ def shaped_twists(
     twist: Array,
     brackets: Array,
 ) -> Shaped:
-    """Give masses, inertias and matrices from the twist (3,) of the base to those of all bodies.
+    """Return masses, inertias and matrices from the twist (3,) of the base to those of all bodies.
 
     ``brackets`` (c,) are angles of the casters (rad).
     """
@@ -52,7 +52,7 @@ def shaped_twists(
 
 
 def _carried(point: Array, mass: float, inertia: Array) -> tuple[float, Array, Array, Array]:
-    """Give a body that the base carries at a point."""
+    """Return a body that the base carries at a point."""
     T = np.zeros((6, 3))
     T[2] = _TURN
     T[3:5] = direction_rows(np.array([point, point]), np.array([0.0, 0.5 * np.pi]))
@@ -60,7 +60,7 @@ def _carried(point: Array, mass: float, inertia: Array) -> tuple[float, Array, A
 
 
 def _axes(angle: float) -> tuple[Array, Array]:
-    """Give the rolling direction and the axle."""
+    """Return the rolling direction and the axle."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([c, s, 0.0]), np.array([-s, c, 0.0])
 
@@ -70,7 +70,7 @@ def _inertia(body: WheelBody, axle: Array) -> Array:
 
 
 def _wheel(wheel: Wheel, body: WheelBody) -> tuple[float, Array, Array, Array]:
-    """Give a wheel that is not a caster: it turns about its axle, besides."""
+    """Return a wheel that is not a caster: it turns about its axle, besides."""
     _, axle = _axes(wheel.heading)
     mass, inertia, T, rate = _carried(wheel.position, body.mass, _inertia(body, axle))
     towards = np.array([wheel.heading + wheel.roller])
@@ -82,7 +82,7 @@ def _wheel(wheel: Wheel, body: WheelBody) -> tuple[float, Array, Array, Array]:
 def _caster(
     wheel: Wheel, body: WheelBody, angle: float, twist: Array
 ) -> list[tuple[float, Array, Array, Array]]:
-    """Give a caster's wheel, and its bracket."""
+    """Return a caster's wheel, and its bracket."""
     forward, axle = _axes(angle)
     both = np.array([angle, angle + 0.5 * np.pi])
     rolls, sides = direction_rows(np.array([wheel.position] * 2), both)

@@ -130,7 +130,7 @@ class Motion:
         return float(self.times[-1] - self.times[0])
 
     def at(self, times: ArrayLike) -> Array:
-        """Give positions (..., n) at times (...) in s, as a controller passes through q."""
+        """Return positions (..., n) at times (...) in s, as a controller passes through q."""
         curve: Array = self._curve.sample(np.asarray(times) - self.times[0]).position
         return curve
 
@@ -139,7 +139,7 @@ class Motion:
         return interpolant(self.times - self.times[0], self.q, self.qd, self.qdd)
 
     def sampled(self, rate: float) -> tuple[Array, Array]:
-        """Give times (k,) in s and positions (k, n) at a rate (Hz), the last one included."""
+        """Return times (k,) in s and positions (k, n) at a rate (Hz), the last one included."""
         first, last = float(self.times[0]), float(self.times[-1])
         count = max(round((last - first) * rate), 1)
         at = np.linspace(first, last, count + 1)

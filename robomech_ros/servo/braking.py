@@ -63,7 +63,7 @@ class StopPlan:
         self._widen(position, velocity)
 
     def braked(self, velocity: Numbers) -> Numbers:
-        """Give the velocity (rad/s or m/s) after one period of the plan."""
+        """Return the velocity (rad/s or m/s) after one period of the plan."""
         if not self.periods:
             return velocity
         part = (self.periods - 1) / self.periods
@@ -127,7 +127,7 @@ class StopPlan:
     def _part(
         self, count: int, start: Numbers, least: Numbers, more: Numbers
     ) -> tuple[float, float, list[int]]:
-        """Give the largest part with which a stop takes so many periods, and the least one.
+        """Return the largest part with which a stop takes so many periods, and the least one.
 
         With them come the joints whose position limits do not allow more.
         """
@@ -142,7 +142,7 @@ class StopPlan:
     def _parts(
         self, way: float, start: Numbers, least: Numbers, more: Numbers
     ) -> list[tuple[float, float]]:
-        """Give between which parts of `more` each joint ends inside its limits."""
+        """Return between which parts of `more` each joint ends inside its limits."""
         found = []
         for low, high, q, x, y in zip(self._low, self._high, start, least, more, strict=True):
             place, change = q + way * x, way * y
@@ -156,7 +156,7 @@ class StopPlan:
         return found
 
     def _needed(self, velocity: Numbers) -> int:
-        """Give in how many periods all joints can stop."""
+        """Return in how many periods all joints can stop."""
         times = [abs(v) / step for v, step in zip(velocity, self.steps, strict=True)]
         return math.ceil(max(times, default=0.0) - _PERIODS)
 

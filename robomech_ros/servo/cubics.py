@@ -17,7 +17,7 @@ _ROUNDING = 1e-12
 
 
 def end_of_cubic(width: float, q: Array, v: Array) -> Array:
-    """Give the acceleration and the jerk (2, n) at the end of the cubic between two knots.
+    """Return the acceleration and the jerk (2, n) at the end of the cubic between two knots.
 
     Parameters
     ----------

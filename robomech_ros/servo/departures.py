@@ -47,7 +47,7 @@ class Start(NamedTuple):
 
 
 def departures(resolver: TwistResolver, q: Array, twist: Array) -> list[Start]:
-    """Give from where a twist may lead out of a singularity, the best first.
+    """Return from where a twist may lead out of a singularity, the best first.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def _folds(
 
 
 def _regaining(resolver: TwistResolver, q: Array, u: Array, null: Array) -> Array | None:
-    """Give the change of posture that gives most of u back, to where the joints have room.
+    """Return the change of posture that gives most of u back, to where the joints have room.
 
     It is one that the tip does not feel, of those of null (k, n), if there is one; None if none
     gives anything back.
@@ -124,7 +124,7 @@ def _regaining(resolver: TwistResolver, q: Array, u: Array, null: Array) -> Arra
 
 
 def _beside(resolver: TwistResolver, q: Array, ways: list[Array]) -> list[Array]:
-    """Give the postures next to one that are within the limits of the joints."""
+    """Return the postures next to one that are within the limits of the joints."""
     steps = [_BESIDE / math.sqrt(float(way @ way)) * way for way in ways]
     near = [posture for step in steps for posture in (q + step, q - step)]
     return [p for p in near if _inside(resolver, p)]

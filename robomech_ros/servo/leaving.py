@@ -43,7 +43,7 @@ class Leaving:
         self._posture, self._path, self._past = np.zeros(0), None, None
 
     def way(self, q: Array, twist: Array, lay: Callable[[Start], LinePath]) -> LinePath | None:
-        """Give the way out; None if there is none, or it was not yet found.
+        """Return the way out; None if there is none, or it was not yet found.
 
         One that passes limits of joints is given only where there is no other.
 

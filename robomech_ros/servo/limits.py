@@ -66,13 +66,13 @@ class ServoLimits:
         return self.lower + room, self.upper - room
 
     def share_of(self, rates: Array) -> tuple[float, int]:
-        """Give how much of rates (rad/s or m/s) is allowed, and which joint needs that most."""
+        """Return how much of rates (rad/s or m/s) is allowed, and which joint needs that most."""
         share = np.abs(rates) / self.velocity
         fastest = int(np.argmax(share))
         return min(1.0, 1.0 / max(float(share[fastest]), 1e-300)), fastest
 
     def smoothing(self, period: float) -> int:
-        """Give over how many periods (s) positions are averaged so that jerks stay in limits.
+        """Return over how many periods (s) positions are averaged so that jerks stay in limits.
 
         The acceleration of the average changes in such a time by twice its limit at most.
         """

@@ -133,7 +133,7 @@ class LineLaying:
         return self._outwards and self.leaving and len(self.nodes) == 1
 
     def _shortest(self) -> float:
-        """Give the shortest part of a step that is tried."""
+        """Return the shortest part of a step that is tried."""
         return _SHORTEST_OF_FIRST if self._begins_outwards() else _SHORTEST
 
     def _lay_node(self) -> Iterator[None]:
@@ -223,7 +223,7 @@ class LineLaying:
         return node, pose
 
     def _run(self, step: float, rates: Array) -> Array:
-        """Give by how much joints move on a step to where they have rates, as the way bends."""
+        """Return by how much joints move on a step to where they have rates, as the way bends."""
         last = self.nodes[-1]
         bend = (rates / max(_norm(rates * self.weights), 1e-300) - last.direction) / step
         change = np.zeros_like(bend)

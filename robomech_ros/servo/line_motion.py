@@ -167,7 +167,7 @@ class LineMotion:
         return float(self._places[-1])
 
     def ahead(self) -> tuple[Array, Array]:
-        """Give posture and joint rates before the mean."""
+        """Return posture and joint rates before the mean."""
         q, v = self.path.at(self._places[-1:], self._rates[-1:])
         return q[0], v[0]
 
@@ -207,7 +207,7 @@ class LineMotion:
             self._take(self._plan)
 
     def samples(self) -> Samples:
-        """Give the stream from the latest knot to rest."""
+        """Return the stream from the latest knot to rest."""
         q, v = self._plan.q, self._plan.v
         count = len(q)
         for thin in _THIN:
@@ -220,7 +220,7 @@ class LineMotion:
         return Samples(self._period * np.arange(float(count)), q, v)
 
     def _step(self, level: int) -> float:
-        """Give by how much the rate can change in a period, at a level of acceleration."""
+        """Return by how much the rate can change in a period, at a level of acceleration."""
         slope = self.path.slope(self.place)
         most = 1.0 / float((np.abs(slope) / self._acceleration).max())
         return _LEVELS[level] * most * self._period

@@ -90,7 +90,7 @@ class LinePath:
             self._tables = None
 
     def at(self, places: Array, rates: Array) -> tuple[Array, Array]:
-        """Give postures at places (k,), which do not decrease, and velocities.
+        """Return postures at places (k,), which do not decrease, and velocities.
 
         Both have the shape (k, n); rates (k,) are those with which the places change (1/s).
         """
@@ -100,12 +100,12 @@ class LinePath:
         return q, v
 
     def slope(self, place: float) -> Array:
-        """Give by how much the joints turn there by place."""
+        """Return by how much the joints turn there by place."""
         slope: Array = self.at(np.array([place]), _ONE)[1][0]
         return slope
 
     def rate(self, place: float) -> float:
-        """Give how fast the place changes with the whole twist (1/s)."""
+        """Return how fast the place changes with the whole twist (1/s)."""
         at, _, _, rates = self._table()
         return float(np.interp(place, at, rates))
 

@@ -169,7 +169,7 @@ class Motion:
         return Advance(followed, allowed, tuple(self._names[i] for i in bound))
 
     def _target(self, wanted: Numbers) -> tuple[Numbers, float]:
-        """Give the velocity nearest to the wanted one that a period allows.
+        """Return the velocity nearest to the wanted one that a period allows.
 
         That is a fraction of it where possible, which keeps the direction, otherwise a fraction of
         the change. The fraction comes with it.
@@ -208,7 +208,7 @@ class Motion:
             rows[-1] = row
 
     def samples(self) -> Samples:
-        """Give the stream from the latest knot to rest."""
+        """Return the stream from the latest knot to rest."""
         if self._window:
             return self._means()
         q, v, stop = self._positions.copy(), self._velocities.copy(), self._plan.periods
@@ -219,7 +219,7 @@ class Motion:
         return Samples(np.array([0.0, time]), np.vstack((q, end)), np.vstack((v, 0.0 * end)))
 
     def _planned(self) -> tuple[Array, Array]:
-        """Give positions and velocities of all knots known, as of the latest position.
+        """Return positions and velocities of all knots known, as of the latest position.
 
         The last ones are at rest for as long as the window of the mean.
         """
@@ -235,7 +235,7 @@ class Motion:
         return q, v
 
     def _means(self) -> Samples:
-        """Give positions and velocities of the mean over the window that ends at each knot."""
+        """Return positions and velocities of the mean over the window that ends at each knot."""
         h, m = self._period, self._window
         q, v = self._planned()
         # The mean over one period, in which the acceleration is constant.

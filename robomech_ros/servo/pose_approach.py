@@ -40,7 +40,7 @@ class PoseApproach:
         self._deceleration = math.inf
 
     def twist(self, command: PoseCommand, now: Array, then: Array, stop: Array) -> TwistCommand:
-        """Give the twist of this period.
+        """Return the twist of this period.
 
         Parameters
         ----------
@@ -70,7 +70,7 @@ class PoseApproach:
         return TwistCommand(math.copysign(share, rest) * self._full, _in_base, command.until)
 
     def _left(self, target: Array, q: Array) -> Array:
-        """Give the rotation and the way to a pose (rad and m, in base axes)."""
+        """Return the rotation and the way to a pose (rad and m, in base axes)."""
         T = forward_kinematics(self._resolver.chain, q)
         way = np.concatenate((np.zeros(3), target[:3, 3] - T[:3, 3]))
         return np.concatenate(
@@ -93,5 +93,5 @@ class PoseApproach:
 
 
 def _in_base(q: Array) -> Array | None:
-    """Give the axes of these twists: those of the base."""
+    """Return the axes of these twists: those of the base."""
     return None

@@ -22,7 +22,7 @@ def moved_pose(pose: Array, motion: Array) -> Array:
 
 
 def small_motion(target: Array, pose: Array) -> Array:
-    """Give the small motion from a pose to another, angular first, in base axes."""
+    """Return the small motion from a pose to another, angular first, in base axes."""
     R = target[:3, :3] @ pose[:3, :3].T
     turn = 0.5 * (R[2, 1] - R[1, 2]), 0.5 * (R[0, 2] - R[2, 0]), 0.5 * (R[1, 0] - R[0, 1])
     return np.array((*turn, *(target[:3, 3] - pose[:3, 3])))

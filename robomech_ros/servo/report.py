@@ -127,7 +127,7 @@ def _in_words(twist: Array) -> str:
 
 
 def _carried(rates: Array, velocity: Array) -> float:
-    """Give what part of the commanded rates the joints have now."""
+    """Return what part of the commanded rates the joints have now."""
     largest = float(np.abs(rates).max())
     if largest == 0.0:
         return 1.0

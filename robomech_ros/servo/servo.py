@@ -185,13 +185,13 @@ class Servo:
         return motion_report(self.limits, resolution, share, advance, stream.velocity)
 
     def _towards(self, command: PoseCommand) -> TwistCommand:
-        """Give the twist that leads to a pose."""
+        """Return the twist that leads to a pose."""
         position, velocity = self.motion.position, self.motion.velocity
         stop = self.motion.samples().positions[-1]
         return self._approach.twist(command, position, position + velocity, stop)
 
     def samples(self) -> Samples:
-        """Give the stream from the first knot shown on, at rest at the end."""
+        """Return the stream from the first knot shown on, at rest at the end."""
         return self.motion.samples()
 
     def idle(self, now: float, position: Array) -> ServoReport:

@@ -173,20 +173,20 @@ class Stream:
         return self._along(path.slope(0.0), v) > _ALONG * math.sqrt(self._along(v, v))
 
     def _along(self, u: Array, v: Array) -> float:
-        """Give the product of velocities, each joint over its acceleration limit."""
+        """Return the product of velocities, each joint over its acceleration limit."""
         return float((u / self._limits.acceleration) @ (v / self._limits.acceleration))
 
     def knot(self) -> Array:
-        """Give the position of the latest knot (rad or m)."""
+        """Return the position of the latest knot (rad or m)."""
         return self._knots[-1][0]
 
     def _reached(self) -> Array:
-        """Give acceleration and jerk (2, n) with which the latest knot was reached."""
+        """Return acceleration and jerk (2, n) with which the latest knot was reached."""
         (q, v), (last, then) = list(self._knots)[-2:]
         return end_of_cubic(self._period, np.array((q, last)), np.array((v, then)))
 
     def samples(self) -> Samples:
-        """Give the stream from the first knot shown on, at rest at the end."""
+        """Return the stream from the first knot shown on, at rest at the end."""
         plan = (self._free if self.line is None else self.line).samples()
         known = list(self._knots)[-1 - self._lead : -1]
         times: Array = self._period * np.arange(float(len(known)))

@@ -84,7 +84,7 @@ class Tracking:
         self._told.append((time, position))
 
     def lag(self, now: float, position: Array) -> float | None:
-        """Give how long ago the joint that moves most was told to be where it is (s).
+        """Return how long ago the joint that moves most was told to be where it is (s).
 
         None where none has moved by 0.01 rad or m in one direction, or it is nowhere there.
         """

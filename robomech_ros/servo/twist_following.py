@@ -91,7 +91,7 @@ class TwistFollowing:
         return motion_report(self._limits, found, share, advance, stream.velocity)
 
     def _path(self, command: TwistCommand, start: Start) -> LinePath:
-        """Give the way for a twist."""
+        """Return the way for a twist."""
         weights = 1.0 / self._limits.acceleration
         way = LineLaying(self._resolver, weights, start, lambda q: _twist_of(command, q))
         return LinePath(way)
@@ -138,7 +138,7 @@ class TwistFollowing:
 
 
 def _twist_of(command: TwistCommand, q: Array) -> Array:
-    """Give the twist of a command in base axes."""
+    """Return the twist of a command in base axes."""
     axes = command.axes(q)
     if axes is None:
         return command.twist
@@ -146,7 +146,7 @@ def _twist_of(command: TwistCommand, q: Array) -> Array:
 
 
 def _ratio(first: Array, second: Array) -> float:
-    """Give how much larger the second of two twists is; 0 where their directions differ."""
+    """Return how much larger the second of two twists is; 0 where their directions differ."""
     sizes = [float(np.abs(twist).max()) for twist in (first, second)]
     if not all(sizes):
         return 0.0

@@ -36,7 +36,7 @@ def all_finite(array: Array) -> bool:
 
 
 def listed(what: str, value: object, expected: str) -> tuple[Any, ...]:
-    """Give the entries of a list; text, mappings and sets do not count.
+    """Return the entries of a list; text, mappings and sets do not count.
 
     Parameters
     ----------
@@ -61,13 +61,13 @@ def listed(what: str, value: object, expected: str) -> tuple[Any, ...]:
 
 
 def readable_axis(axis: Array) -> list[float]:
-    """Give a unit vector as messages show it: four digits, its largest entry positive."""
+    """Return a unit vector as messages show it: four digits, its largest entry positive."""
     axis = axis * np.sign(axis[int(np.argmax(np.abs(axis)))])
     return [float(x) for x in np.round(axis, 4) + 0.0]
 
 
 def as_finite(what: str, value: ArrayLike, tail: tuple[int, ...]) -> Array:
-    """Give a value as float64 of shape (..., *tail).
+    """Return a value as float64 of shape (..., *tail).
 
     Parameters
     ----------

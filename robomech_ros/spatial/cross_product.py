@@ -118,7 +118,7 @@ def cross(a: Array, b: Array) -> Array:
 
 
 def linear_invariants(matrix: ArrayLike) -> tuple[Array, Array]:
-    r"""Give the linear invariants of any 3 x 3 matrix: its axial vector and its trace.
+    r"""Return the linear invariants of any 3 x 3 matrix: its axial vector and its trace.
 
     They determine a rotation, unless it is a half turn, and are linear in the matrix.  Seen in
     another frame, by :math:`Q A Q^T`, the vector is :math:`Q\, \mathrm{vect}(A)` and the trace is

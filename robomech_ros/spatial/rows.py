@@ -13,7 +13,7 @@ from robomech_ros.typing import Array
 def as_rows(
     what: str, value: ArrayLike, tail: tuple[int, ...], width: int
 ) -> tuple[Array, tuple[int, ...]]:
-    """Give a value of shape (..., *tail) as contiguous rows (m, width) and its batch shape.
+    """Return a value of shape (..., *tail) as contiguous rows (m, width) and its batch shape.
 
     Only the shape is checked; compiled loops look at the numbers.
 
@@ -32,7 +32,7 @@ def as_rows(
 def broadcast_rows(
     *given: tuple[str, ArrayLike, int],
 ) -> tuple[tuple[Array, ...], tuple[int, ...]]:
-    """Give finite vectors as rows, one each or one for all, and their common batch shape.
+    """Return finite vectors as rows, one each or one for all, and their common batch shape.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def broadcast_rows(
 
 
 def common_shape(what: str, *shapes: tuple[int, ...]) -> tuple[int, ...]:
-    """Give the batch shape that all can be broadcast to.
+    """Return the batch shape that all can be broadcast to.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def common_shape(what: str, *shapes: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def finite_result(what: str, result: Array, given: Array) -> Array:
-    """Give a result back, or say that what was given is too large for it.
+    """Return a result back, or say that what was given is too large for it.
 
     Raises
     ------
@@ -92,6 +92,6 @@ def finite_result(what: str, result: Array, given: Array) -> Array:
 
 
 def row_name(row: int, shape: tuple[int, ...]) -> tuple[tuple[int, ...], str]:
-    """Give the index of a row in its batch, and " in row i, j" for messages, if there is one."""
+    """Return the index of a row in its batch, and " in row i, j" for messages, if there is one."""
     index = tuple(int(i) for i in np.unravel_index(row, shape)) if shape else ()
     return index, f" in row {', '.join(map(str, index))}" if index else ""

@@ -17,7 +17,7 @@ from robomech_ros.typing import Array, BoolArray, IntArray
 def joint_points(
     points: npt.ArrayLike, joints: int | None = None, most: int | None = None
 ) -> Array:
-    """Give at least two points as an array of its own that cannot be written to.
+    """Return at least two points as an array of its own that cannot be written to.
 
     Parameters
     ----------

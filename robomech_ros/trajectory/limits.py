@@ -129,7 +129,7 @@ class Limits:
         return units
 
     def unit(self, joint: int, order: int = 0) -> str:
-        """Give the unit of a joint's position or, by order, of its velocity and so on."""
+        """Return the unit of a joint's position or, by order, of its velocity and so on."""
         unit = self.units[joint]
         return unit + _PER[order] if unit else ""
 
@@ -144,7 +144,7 @@ class Limits:
         return values
 
     def _numbers(self, name: str, given: Any, missing: float) -> Array:
-        """Give numbers as float64, None among them as ``missing``."""
+        """Return numbers as float64, None among them as ``missing``."""
         if given is None:
             return np.array(missing)
         if isinstance(given, list | tuple):
@@ -192,7 +192,7 @@ class Limits:
         )
 
     def only(self, joints: Sequence[int]) -> Limits:
-        """Give the limits of some joints, by their numbers."""
+        """Return the limits of some joints, by their numbers."""
         if list(joints) == list(range(len(self.joint_names))):
             return self
         kept = list(joints)

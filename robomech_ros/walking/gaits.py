@@ -39,7 +39,7 @@ class Gait:
     sways: bool = False
 
     def phases(self, legs: int) -> tuple[Fraction, ...]:
-        """Give the offsets of all legs of a robot.
+        """Return the offsets of all legs of a robot.
 
         Raises
         ------
@@ -70,7 +70,7 @@ class Gait:
 
 
 def _offsets(order: Sequence[int], duty: Fraction, first: Fraction) -> tuple[Fraction, ...]:
-    """Give the offsets of legs that lift off one after the other, in equal parts of the cycle."""
+    """Return the offsets of legs that lift off one after the other, in equal parts of the cycle."""
     found = [Fraction(0)] * len(order)
     for turn, leg in enumerate(order):
         found[leg] = (duty - first - Fraction(turn, len(order))) % 1

@@ -113,7 +113,7 @@ def _flags(contacts: ArrayLike) -> BoolArray:
 
 
 def _moved(before: Array, after: Array, names: list[str], sample: int) -> tuple[Array, float]:
-    """Give the pose in which points (n, 3) are where they were, and how far they are from it."""
+    """Return the pose in which points (n, 3) are where they were, and how far they are from it."""
     what = f"feet that stand at sample {sample}"
     if len(before) < _FEWEST:
         raise BadValueError(what, names, f"{_FEWEST} or more")

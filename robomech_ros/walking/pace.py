@@ -89,7 +89,7 @@ def sway_cycle(stride: Stride) -> float:
 
 
 def fastest_twist(stride: Stride) -> Array:
-    """Give the greatest w, vx and vy (rad/s, m/s), each by itself, that feet can follow."""
+    """Return the greatest w, vx and vy (rad/s, m/s), each by itself, that feet can follow."""
     cycle, duty, _, radius = stride.settings[:4]
     speed = 2.0 * stepping.LANDING * radius / (duty * cycle)
     farthest = float(np.hypot(*stride.geometry[:, :2].T).max())
@@ -97,7 +97,7 @@ def fastest_twist(stride: Stride) -> Array:
 
 
 def _fastest_joint(robot: LeggedRobot, stride: Stride, limits: Array, angle: float) -> float:
-    """Give the largest part of a joint's speed in a cycle of 1 s, in a direction (rad)."""
+    """Return the largest part of a joint's speed in a cycle of 1 s, in a direction (rad)."""
     settings = stride.settings.copy()
     settings[0], settings[5] = 1.0, 1.0
     duty = settings[1]
@@ -125,7 +125,7 @@ def _fastest_joint(robot: LeggedRobot, stride: Stride, limits: Array, angle: flo
 
 
 def _under_way(stride: Stride, phase: float, half: Array) -> Array:
-    """Give the feet of a robot that has walked for long, with half a stride (2,), at a phase."""
+    """Return the feet of a robot that has walked for long, with half a stride (2,), at a phase."""
     duty, offsets = float(stride.gait.duty), stride.geometry[:, 2]
     since = (phase + offsets) % 1.0
     feet = np.zeros((len(offsets), 8))

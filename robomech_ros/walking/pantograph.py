@@ -171,7 +171,7 @@ class PantographLeg:
 
     @staticmethod
     def _axes(turn: float) -> tuple[Array, Array]:
-        """Give x and the way up in the plane of the leg, in the trunk."""
+        """Return x and the way up in the plane of the leg, in the trunk."""
         return np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(turn), np.cos(turn)])
 
 

@@ -21,7 +21,7 @@ _ZERO = 1e-9
 
 
 def contact_rows(feet: Array) -> Array:
-    """Give what takes the twist [w; v] of the trunk to the velocities of points on it (3 m, 6)."""
+    """Return the matrix from trunk twist [w; v] to velocities of its points (3 m, 6)."""
     rows = np.zeros((len(feet), 3, 6))
     rows[:, :, 3:] = np.eye(3)
     x, y, z = feet.T

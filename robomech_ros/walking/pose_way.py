@@ -20,7 +20,7 @@ class _Change(NamedTuple):
     passed: float = 0.0
 
     def left(self, time: float) -> Array:
-        """Give what is left of it some time later; rates and their rates are zero at both ends."""
+        """Return the remainder some time later; rates and their rates are zero at both ends."""
         part = min(1.0, (self.passed + time) / self.duration)
         smooth = part**3 * (10.0 + part * (6.0 * part - 15.0))
         return (1.0 - smooth) * self.way
@@ -47,13 +47,13 @@ class PoseWay(NamedTuple):
     waiting: tuple[tuple[Array, float], ...] = ()
 
     def to(self, end: Array, duration: float) -> PoseWay:
-        """Give the way to another offset, that takes so long (s)."""
+        """Return the way to another offset, that takes so long (s)."""
         if len(self.changes) >= _MOST:
             return self._replace(waiting=((end, duration),))
         return PoseWay(end, (*self.changes, _Change(end - self.end, duration)))
 
     def after(self, time: float) -> PoseWay:
-        """Give the way some time later (s)."""
+        """Return the way some time later (s)."""
         later = (one._replace(passed=one.passed + time) for one in self.changes)
         way = self._replace(changes=tuple(one for one in later if one.passed < one.duration))
         for end, duration in self.waiting:
@@ -81,5 +81,5 @@ class PoseWay(NamedTuple):
         return self.ahead(0.0)
 
     def ahead(self, time: float) -> Array:
-        """Give where the trunk will be some time later (s)."""
+        """Return where the trunk will be some time later (s)."""
         return self.end - sum((one.left(time) for one in self.changes), np.zeros(6))

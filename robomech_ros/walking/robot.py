@@ -212,7 +212,7 @@ class LeggedRobot:
         return self.leg_names.index(as_choice("leg", leg, self.leg_names))
 
     def standing(self, stance: Sequence[str] | None, least: int = 3) -> tuple[int, ...]:
-        """Give the numbers of the legs that stand; None stands for all.
+        """Return the numbers of the legs that stand; None stands for all.
 
         Raises
         ------
@@ -375,7 +375,7 @@ class LeggedRobot:
         return found, slip
 
     def planted(self, q: ArrayLike, stance: Sequence[str] | None = None) -> Mechanism:
-        """Give the parallel robot that planted feet make: the trunk is its platform.
+        """Return the parallel robot that planted feet make: the trunk is its platform.
 
         Its base is the ground, in the frame of the trunk as it is; a foot is a ball joint.  All
         joints are counted from the posture given, where they are zero, and keep their names; six

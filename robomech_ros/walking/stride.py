@@ -88,14 +88,14 @@ class Stride:
         return Pattern(self.geometry, self.settings)
 
     def start(self, phase: float) -> float:
-        """Give the next phase at which a walk can begin."""
+        """Return the next phase at which a walk can begin."""
         if not self.gait.sways:
             return phase
         begins = float(self.gait.duty) - self.geometry[:, 2] - self.settings[4]
         return float(phase + ((begins - phase) % 1.0).min())
 
     def pose(self, offset: Array) -> Array:
-        """Give the trunk for an offset, x, y, z and roll, pitch, yaw, as the kernel reads it."""
+        """Return the trunk for an offset, x, y, z and roll, pitch, yaw, as the kernel reads it."""
         pose = self.level.copy()
         turn = matrix_from_euler_angles([offset[5], offset[4], offset[3]], "ZYX")
         pose[:9] = turn.ravel()
@@ -103,12 +103,12 @@ class Stride:
         return pose
 
     def _centre(self, pose: Array) -> Array:
-        """Give the mass centre of a pose, in the walking frame, shape (3,)."""
+        """Return the mass centre of a pose, in the walking frame, shape (3,)."""
         centre: Array = pose[9:12] + pose[:9].reshape(3, 3) @ pose[12:15]
         return centre
 
     def quickest(self, start: Array, end: Array) -> float:
-        """Give the shortest time (s) for a way between two offsets.
+        """Return the shortest time (s) for a way between two offsets.
 
         Its acceleration shifts the zero-moment point by `lean` at most, and takes no more than a
         part of the weight from the feet.
@@ -143,7 +143,7 @@ class Stride:
 
 
 def _depths(robot: LeggedRobot, gait: Gait, geometry: Array) -> tuple[float, Array]:
-    """Give the least margin with feet at their places, and the least one with each leg lifted."""
+    """Return the least margin with feet at their places, and the least one with each leg lifted."""
     least = np.full(len(robot.legs), np.inf)
     for standing in gait.stances(len(robot.legs)):
         up = [k for k, stands in enumerate(standing) if not stands]

@@ -57,7 +57,7 @@ def stability_margin(com_xy: ArrayLike, feet_xy: ArrayLike) -> float | Array:
 
 
 def support_polygon(feet_xy: ArrayLike) -> Array:
-    """Give the corners of the support polygon, the convex hull of the feet on the ground.
+    """Return the corners of the support polygon, the convex hull of the feet on the ground.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def support_polygon(feet_xy: ArrayLike) -> Array:
 
 
 def _half(points: Array) -> list[Array]:
-    """Give one half of the hull of sorted points (monotone chain of Andrew)."""
+    """Return one half of the hull of sorted points (monotone chain of Andrew)."""
     found: list[Array] = []
     for point in points:
         while len(found) > 1:

@@ -305,7 +305,7 @@ class Walker:
         return self._seen()
 
     def _towards(self, twist: Array) -> Array:
-        """Give the twist after a period on the straight way to another one."""
+        """Return the twist after a period on the straight way to another one."""
         change = twist - self._velocity
         most = self._acceleration * self.period
         over = float((np.abs(change) / most).max())

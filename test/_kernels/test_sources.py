@@ -151,7 +151,7 @@ print(first(2.0), second(2.0), *[sum(f.stats.cache_hits.values()) for f in (firs
 
 @pytest.fixture
 def answers(tmp_path):
-    """Give a function that writes kernels and calls them in a process of its own."""
+    """Return a function that writes kernels and calls them in a process of its own."""
     folder = tmp_path / "kernels"
     for name, text in KERNELS.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)

@@ -32,7 +32,7 @@ os.environ.update(ONE_THREAD)  # before numpy and numba are imported, below
 
 
 def _measured(group: str, ros_python: Path) -> tuple[list, list[str]]:
-    """Give the rows of a group, and remarks on them; some need the Python that has ROS."""
+    """Return the rows of a group, and remarks on them; some need the Python that has ROS."""
     bench = import_module(f"bench_{group}")
     found = bench.rows(ros_python) if group in WITH_ROS else bench.rows()
     return found if isinstance(found, tuple) else (found, [])

@@ -11,7 +11,7 @@ ROBOTS = tuple(name for name in list_robots() if load_description(name).bodies)
 
 
 def with_bodies(chain, seed):
-    """Give a chain random bodies, of all shapes that there are, and rotors."""
+    """Return a chain random bodies, of all shapes that there are, and rotors."""
     rng = np.random.default_rng([seed, chain.n])
     bodies, drives = [], []
     for _ in range(chain.n):

@@ -70,7 +70,7 @@ class Arm:
         self._ends = chain.home() - turn, chain.home() + turn
 
     def works(self) -> dict[str, Work]:
-        """Give what can be under way, by the name of who asks for it."""
+        """Return what can be under way, by the name of who asks for it."""
         node = self._session.node
         motions = [ByExecute(node), ByTopic(node), *self._actions()]
         works = [Work(each, self._plan, self._moves(_FAST), self.next) for each in motions]
@@ -150,7 +150,7 @@ class Arm:
         return f"{code} {name_of(code)}: {answer.error_msg}" if code else _ARRIVED
 
     def _moves(self, part: float) -> Callable[[], bool]:
-        """Give a function that says whether a joint goes faster than this part of its limit."""
+        """Return a function that says whether a joint goes faster than this part of its limit."""
         samples = self._session.samples
 
         def moves() -> bool:
@@ -162,7 +162,7 @@ class Arm:
         return moves
 
     def _goal(self) -> Array:
-        """Give the posture that is farther from where the robot is."""
+        """Return the posture that is farther from where the robot is."""
         position = self._session.samples.latest()[0]
         return max(self._ends, key=lambda end: float(abs(end[0] - position[0])))
 

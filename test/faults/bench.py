@@ -101,7 +101,7 @@ def _parameters(simulated: bool) -> tuple[str, ...]:
 
 
 def _limits(robot: str, chain: SerialChain) -> Limits:
-    """Give the limits of the arm, and behind them those of its fingers."""
+    """Return the limits of the arm, and behind them those of its fingers."""
     fingers = finger_joints(load_description(robot), chain)
     return Limits(
         (*chain.joint_names, *(finger.name for finger in fingers)),

@@ -61,10 +61,10 @@ class Caller(Protocol):
         """Ask for it."""
 
     def heard(self) -> str:
-        """Give what came of it, as far as that was heard; empty until then."""
+        """Return what came of it, as far as that was heard; empty until then."""
 
     def over(self) -> str:
-        """Give how it ended; empty until then."""
+        """Return how it ended; empty until then."""
 
     def restarted(self) -> None:
         """Do what a caller can do once a node was started again."""
@@ -93,7 +93,7 @@ class _Diagnoses:
                 self.count += 1
 
     def left(self) -> str:
-        """Give what became of the motion of a publisher that was killed; empty until its end."""
+        """Return what became of the motion of a publisher that was killed; empty until its end."""
         report = self.values.get("before the restart", "")
         return "" if "watched to its end" in report else report
 
@@ -118,12 +118,12 @@ class ByExecute:
         self._text = _named(answer.error_code, answer.error_msg)
 
     def heard(self) -> str:
-        """Give the answer, or what the next publisher says of the motion."""
+        """Return the answer, or what the next publisher says of the motion."""
         left = self._diagnoses.left()
         return self._text or (left if left != self._before else "")
 
     def over(self) -> str:
-        """Give the same."""
+        """Return the same."""
         return self.heard()
 
     def restarted(self) -> None:
@@ -156,7 +156,7 @@ class ByTopic:
         return tuple(int(self._diagnoses.values.get(key, 0)) for key in ("arrived", "failed"))
 
     def heard(self) -> str:
-        """Give what the publisher says on /diagnostics."""
+        """Return what the publisher says on /diagnostics."""
         arrived, failed = (
             now - then for now, then in zip(self._ended(), self._before, strict=True)
         )
@@ -168,7 +168,7 @@ class ByTopic:
         return left if left != self._left else ""
 
     def over(self) -> str:
-        """Give the same."""
+        """Return the same."""
         return self.heard()
 
     def restarted(self) -> None:
@@ -249,7 +249,7 @@ class ByAction:
         self._text = f"{status}: {text}" if text and answer.status else status
 
     def heard(self) -> str:
-        """Give the result, or that there are no signs of life any more."""
+        """Return the result, or that there are no signs of life any more."""
         return self._text or self._lost
 
     def restarted(self) -> None:
@@ -258,7 +258,7 @@ class ByAction:
             self._node.executor.create_task(self._ask_result)
 
     def over(self) -> str:
-        """Give the result."""
+        """Return the result."""
         return self._text
 
     def end(self) -> None:
@@ -303,7 +303,7 @@ class ByServo:
             self._publisher.publish(command)
 
     def heard(self) -> str:
-        """Give a fault that the servo has said, or that it is silent, or that the robot moves."""
+        """Return a fault that the servo has said, or that it is silent, or that the robot moves."""
         if self._fault:
             return self._fault
         silent = time.monotonic() - self._heard_at > _SILENT

@@ -123,7 +123,7 @@ class Case:
 
 
 def cases() -> list[Case]:
-    """Give all of them."""
+    """Return all of them."""
     return [
         Case(node, fault, caller)
         for node, callers in _CALLERS.items()

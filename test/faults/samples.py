@@ -127,7 +127,7 @@ class Samples:
         return time.monotonic() - self._heard_at
 
     def latest(self) -> tuple[Array, Array]:
-        """Give position and velocity (n,) of the last state."""
+        """Return position and velocity (n,) of the last state."""
         _, position, velocity = self._read(self._packed[-1])
         return position, velocity
 

@@ -77,7 +77,7 @@ def main() -> int:
 
 
 def defects_in(log: str) -> list[str]:
-    """Give the first few defects that nodes report of themselves, each with its traceback."""
+    """Return the first few defects that nodes report of themselves, each with its traceback."""
     parts = log.split("please report")[1:]
     return [part[:_SHOWN] for part in parts[:_MOST]]
 

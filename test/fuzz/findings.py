@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def code_of(answer: Any) -> int:
-    """Give the code of an answer; 0 where it has none."""
+    """Return the code of an answer; 0 where it has none."""
     code = getattr(answer, "error_code", 0)
     return int(getattr(code, "val", code))
 
@@ -74,7 +74,7 @@ def _may_be_infinite(kind: str) -> frozenset[str]:
 
 
 def _numbers(message: Any, name: str = "") -> Iterator[tuple[str, float]]:
-    """Give all numbers with a point in a message, each with its name."""
+    """Yield all numbers with a point in a message, each with its name."""
     if isinstance(message, float):
         yield name, message
     elif isinstance(message, array.array | np.ndarray):

@@ -93,7 +93,7 @@ class KnownRobot:
         return len(self.joint_names)
 
     def positions(self, rng: np.random.Generator, reach: float = 1.0) -> Array:
-        """Give positions (n,) at random, up to so large a part of the ranges."""
+        """Return positions (n,) at random, up to so large a part of the ranges."""
         return _within(self.lower, self.upper, rng, reach)
 
 

@@ -122,7 +122,7 @@ class MessageMaker:
         return self._integer(form, wild)
 
     def _number(self, name: str) -> float:
-        """Give a number that a field of this name may have; 0 is the default of many."""
+        """Return a number that a field of this name may have; 0 is the default of many."""
         if any(part in name for part in _POSITIVE):
             return float(self._rng.choice([0.0, self._rng.uniform(0.1, 1.0)]))
         return float(self._rng.normal())

@@ -79,7 +79,7 @@ class OutputWatch:
             self.faults.append(f"{topic}: {fault}")
 
     def odometry(self) -> Any:
-        """Give the message of the odometry that came last; None for none."""
+        """Return the message of the odometry that came last; None for none."""
         return next((one for one in self.latest.values() if type(one).__name__ == "Odometry"), None)
 
 

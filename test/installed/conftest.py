@@ -94,7 +94,7 @@ def clean_environment(**more: str) -> dict[str, str]:
 
 @pytest.fixture
 def network(domain_id: int, tmp_path: Path) -> dict[str, str]:
-    """Give the variables that place a process in the test's own corner of network and machine."""
+    """Return the variables that place a process in the test's own corner of network and machine."""
     return {
         "ROS_DOMAIN_ID": str(domain_id),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
@@ -130,13 +130,13 @@ def other_suite(network: Mapping[str, str]) -> Installed:
 
 @pytest.fixture(scope="session")
 def installed_at() -> type[Installed]:
-    """Give the installation whose executables lie in a folder."""
+    """Return the installation whose executables lie in a folder."""
     return Installed
 
 
 @pytest.fixture(scope="session")
 def shell_environment() -> Callable[..., dict[str, str]]:
-    """Give the environment of the shell that started the tests, with what is asked for on top."""
+    """Return the environment of the shell that started the tests, with what is asked for on top."""
     return clean_environment
 
 
@@ -168,7 +168,7 @@ def repository() -> Path:
 
 @pytest.fixture
 def outsider(domain_id: int) -> Iterator[Any]:
-    """Give somebody on the network, where ROS is."""
+    """Yield somebody on the network, where ROS is."""
     from outsider import Outsider
 
     result = Outsider(domain_id)

@@ -77,7 +77,7 @@ class Client:
         self.until(lambda: max(map(abs, self.state.velocity)) > 1e-3)
 
     def outcome(self, handle: Any) -> list[Any]:
-        """Give status, code and text of a goal."""
+        """Return status, code and text of a goal."""
         answer = self.wait(handle.get_result_async())
         return [answer.status, answer.result.error_code, answer.result.error_string]
 

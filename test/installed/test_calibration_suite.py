@@ -16,7 +16,7 @@ FRAMES |= {"tracking_base_frame": "camera", "tracking_marker_frame": "marker"}
 
 
 def posed(T):
-    """Give a pose as a request in YAML has it."""
+    """Return a pose as a request in YAML has it."""
     pose = pose_from_matrix(T)
     return {
         "position": {k: getattr(pose.position, k) for k in "xyz"},

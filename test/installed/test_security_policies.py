@@ -51,7 +51,7 @@ def policy(suite):
 
 
 def allowed(policy, node, way):
-    """Give what a policy lets a node do."""
+    """Return what a policy lets a node do."""
     lists = policy.findall(f".//profile[@node='{node}']/*[@{way}='ALLOW']")
     return {entry.text for part in lists for entry in part}
 
@@ -87,7 +87,7 @@ def test_the_policy_has_the_schemas_form_and_allows_what_running_nodes_do(
 
 
 def seen(outsider, node, way):
-    """Give what a node of the graph does; nothing while it is not there."""
+    """Return what a node of the graph does; nothing while it is not there."""
     if (node, "/left") not in outsider.node.get_node_names_and_namespaces():
         return set()
     return set(getattr(rights_of(outsider.node, node, "/left"), way))

@@ -67,13 +67,13 @@ def three_parallel_arm():
 
 @pytest.fixture(scope="session")
 def apart():
-    """Give the function that measures how far postures are from each other."""
+    """Return the function that measures how far postures are from each other."""
     return turn_difference
 
 
 @pytest.fixture(scope="session")
 def pose_errors():
-    """Give the function for the largest entry of the pose at each q minus T."""
+    """Return the function for the largest entry of the pose at each q minus T."""
 
     def errors(chain, T, q):
         poses = forward_kinematics(chain, np.ascontiguousarray(q))
@@ -84,7 +84,7 @@ def pose_errors():
 
 @pytest.fixture(scope="session")
 def search_everywhere():
-    """Give the oracle: distinct regular solutions from many random starts."""
+    """Return the oracle: distinct regular solutions from many random starts."""
     return multi_start
 
 

@@ -130,7 +130,7 @@ class Caller:
         return lambda: self._call(client, requests)
 
     def _first(self, call: Callable[[], Future]) -> Any:
-        """Give the first answer that comes."""
+        """Return the first answer that comes."""
         calls = [call()]
         until = time.monotonic() + PATIENCE
         while time.monotonic() < until:

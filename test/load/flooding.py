@@ -40,7 +40,7 @@ class Asker:
         self._answered: set[str] = set()
 
     def __call__(self, service: str, kind: Any, request: Any) -> Any:
-        """Give the answer; None where none comes."""
+        """Return the answer; None where none comes."""
         if service not in self._clients:
             self._clients[service] = ask(self._node, kind, service)
             assert self._clients[service].wait_for_service(PATIENCE), f"no {service}"
@@ -78,7 +78,7 @@ class Bearing:
 
 
 def milliseconds(times: list[float]) -> str:
-    """Give the median and the longest of some times (s) as a text."""
+    """Return the median and the longest of some times (s) as a text."""
     if not times:
         return "not asked"
     return f"{1e3 * float(np.median(times)):.1f} ms, at most {1e3 * max(times):.0f} ms"
@@ -154,7 +154,7 @@ class Flooding:
         return None if answer is None else time.perf_counter() - began
 
     def memory(self) -> dict[str, float]:
-        """Give what each node has allocated (MB)."""
+        """Return what each node has allocated (MB)."""
         return {name: Usage.of(pid).own for name, pid in self._suite.processes().items()}
 
 

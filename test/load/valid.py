@@ -79,7 +79,7 @@ class ValidMaker:
         return message
 
     def posture(self) -> Array:
-        """Give positions near home, shape (n,) (rad or m)."""
+        """Return positions near home, shape (n,) (rad or m)."""
         chain = self._chain
         away = self._rng.uniform(-_NEAR, _NEAR, chain.n)
         return np.clip(chain.home() + away, chain.lower, chain.upper)
@@ -91,7 +91,7 @@ class ValidMaker:
         return stamped_pose(forward_kinematics(self._chain, self.posture()), "")
 
     def _trajectory(self, seconds: float, end: Array) -> JointTrajectory:
-        """Give a motion from home, at rest at both of its ends."""
+        """Return a motion from home, at rest at both of its ends."""
         rest = [0.0] * self._chain.n
         rows = ((0.0, self._chain.home()), (seconds, end))
         points = [

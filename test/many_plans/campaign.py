@@ -56,7 +56,7 @@ class Outcome:
 
 
 def rng_of(profile: str, seed: int, number: int) -> np.random.Generator:
-    """Give the random numbers of one plan, whatever is planned before it."""
+    """Return the random numbers of one plan, whatever is planned before it."""
     return np.random.default_rng([list(CASES).index(profile), seed, number])
 
 

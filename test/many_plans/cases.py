@@ -57,7 +57,7 @@ Case = Callable[[np.random.Generator], Planned]
 
 
 def random_limits(rng: np.random.Generator, n: int, jerk: bool) -> Limits:
-    """Give limits around those of arms, or each over six magnitudes."""
+    """Return limits around those of arms, or each over six magnitudes."""
     wide = rng.choice([0.5, 3.0])
     velocity = 10.0 ** rng.uniform(-wide, wide, n)
     acceleration = velocity * 10.0 ** (0.5 + rng.uniform(-wide, wide, n))
@@ -67,7 +67,7 @@ def random_limits(rng: np.random.Generator, n: int, jerk: bool) -> Limits:
 
 
 def random_points(rng: np.random.Generator, n: int, count: int) -> np.ndarray:
-    """Give points far from each other or micrometres apart; some joints stand still."""
+    """Return points far from each other or micrometres apart; some joints stand still."""
     start = rng.uniform(-np.pi, np.pi, n)
     steps = rng.normal(size=(count - 1, n)) * 10.0 ** rng.uniform(-7.0, 0.5)
     if rng.random() < 0.3:
@@ -135,7 +135,7 @@ def _through(profile: str) -> Case:
 
 
 def _state(rng: np.random.Generator, limits: Limits) -> tuple[np.ndarray, np.ndarray]:
-    """Give a velocity and an acceleration from which a joint need not become too fast."""
+    """Return a velocity and an acceleration from which a joint need not become too fast."""
     n = len(limits.joint_names)
     velocity = rng.uniform(-0.9, 0.9, n) * limits.velocity * (rng.random(n) < 0.8)
     room = np.sqrt(2.0 * limits.jerk * (limits.velocity - np.abs(velocity)))
@@ -171,7 +171,7 @@ def _between_states(rng: np.random.Generator) -> Planned:
 
 
 def _path(rng: np.random.Generator, n: int) -> tuple[PiecewisePolynomial, np.ndarray]:
-    """Give a spline, or lines with corners, over a path coordinate of any size."""
+    """Return a spline, or lines with corners, over a path coordinate of any size."""
     points = random_points(rng, n, int(rng.integers(2, 7)))
     where = np.cumsum(rng.uniform(0.1, 1.0, len(points))) * 10.0 ** rng.uniform(-3.0, 3.0)
     if rng.random() < 0.3:

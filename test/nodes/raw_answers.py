@@ -39,7 +39,7 @@ class _Handle(Structure):
 
 
 def _callbacks(kind: Any) -> _Callbacks:
-    """Give what serialises a type of messages in this process; it can be written to."""
+    """Return what serialises a type of messages in this process; it can be written to."""
     address = type_support(kind)
     found = _Handle.from_address(address).find(address, _IDENTIFIER)
     return _Callbacks.from_address(_Handle.from_address(found).data)

@@ -54,7 +54,7 @@ def _library(name: str) -> ctypes.CDLL:
 
 
 def type_support(kind: Any) -> int | None:
-    """Give the address of what rmw knows of a type of messages."""
+    """Return the address of what rmw knows of a type of messages."""
     meta = type(kind)
     meta.__import_type_support__()
     name, pointer = ctypes.pythonapi.PyCapsule_GetName, ctypes.pythonapi.PyCapsule_GetPointer
@@ -94,7 +94,7 @@ class RawWriter:
         assert self._publisher, f"no writer for {topic!r}"
 
     def readers(self) -> int:
-        """Give how many services read from here."""
+        """Return how many services read from here."""
         count = c_size_t()
         self._rmw.rmw_publisher_count_matched_subscriptions(self._publisher, byref(count))
         return count.value

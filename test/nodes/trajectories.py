@@ -7,7 +7,7 @@ from robomech_ros.trajectory import Waypoints
 
 
 def waypoints(trajectory):
-    """Give the points of a JointTrajectory message."""
+    """Return the points of a JointTrajectory message."""
     seconds = [seconds_from_duration(point.time_from_start, "time") for point in trajectory.points]
     states = (
         np.array([getattr(point, name) for point in trajectory.points])

@@ -29,7 +29,7 @@ class Fragile:
         """It has nothing to show."""
 
     def controls(self, client):
-        """Give none, or fail."""
+        """Return none, or fail."""
         if self.broken:
             raise OSError("no controls today")
         return AllControls([])

@@ -129,7 +129,7 @@ def test_a_whole_robot_moves_and_leaves_its_trail(tmp_path):
 
 
 def page_of(path):
-    """Give the text of a page, and its scene unpacked."""
+    """Return the text of a page, and its scene unpacked."""
     text = path.read_text(encoding="utf-8")
     packed = base64.b64decode(re.search('__VISER_EMBED_DATA__="([^"]+)"', text)[1])
     zstandard = pytest.importorskip("zstandard")

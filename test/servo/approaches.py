@@ -27,7 +27,7 @@ class Approach(NamedTuple):
 
 
 def deviation(drive, direction, first=0):
-    """Give by how much the tip left the line through one of its places (m), and turned (rad)."""
+    """Return by how much the tip left the line through one of its places (m), and turned (rad)."""
     poses = forward_kinematics(drive.chain, np.array(drive.positions[first:]))
     way = poses[:, :3, 3] - poses[0, :3, 3]
     off = np.linalg.norm(way - np.outer(way @ direction, direction), axis=1)
@@ -42,7 +42,7 @@ def length_of(robot):
 
 
 def random_start(robot, rng):
-    """Give a regular posture and a direction in which the tip can move without turning."""
+    """Return a regular posture and a direction in which the tip can move without turning."""
     chain, length = robot_of(robot), length_of(robot)
     low, high = np.maximum(chain.lower, -np.pi), np.minimum(chain.upper, np.pi)
     while True:

@@ -18,7 +18,7 @@ class Listener:
         self._latest = -np.inf
 
     def look(self, now):
-        """Give the time of motions (s), and how far ROS time is ahead of it."""
+        """Return the time of motions (s), and how far ROS time is ahead of it."""
         now -= self._behind
         over = now >= self._at
         self._latest = max(self._latest, now - self._lost * over)

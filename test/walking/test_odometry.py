@@ -11,7 +11,7 @@ ROBOTS = {"wave": "phantomx", "ripple": "phantomx", "tripod": "phantomx", "crawl
 
 
 def walk(gait, seconds=8.0):
-    """Give a walk on a bend, with the trunk raised and turned on the way."""
+    """Return a walk on a bend, with the trunk raised and turned on the way."""
     walker = Walker(load_legged(ROBOTS[gait]), gait=gait, timeout=1e9)
     walker.command(walker.fastest * [0.3, 0.5, 0.2])
     walker.command_pose([0.002, 0.001, 0.003, 0.01, -0.01, 0.02], 2.0)

@@ -262,7 +262,7 @@ def test_a_robot_that_was_commanded_too_fast_for_long_stops_as_soon_as_any_other
 
 
 def top_speed(walker, twist):
-    """Give the largest part of a joint's speed limit in a settled walk."""
+    """Return the largest part of a joint's speed limit in a settled walk."""
     walker.stand()
     walker.command(twist)
     steps = round(walker.cycle / walker.period)
@@ -326,7 +326,7 @@ def test_a_cycle_in_which_the_sway_may_tip_the_robot_is_refused():
 
 
 def settled_walk(gait, cycle, speed):
-    """Give the updates of a walk straight ahead, but for its first cycles."""
+    """Return the updates of a walk straight ahead, but for its first cycles."""
     slower = SLOWER.get(gait, 1)
     walker = walker_of(gait, timeout=1e9, cycle=cycle * slower)
     walker.command([0.0, speed / slower, 0.0])

@@ -16,7 +16,7 @@ _REST = 1.2246467991473532e-16
 
 @lean
 def wrapped(angle):
-    """Give the same angle in (-pi, pi], unchanged where it is there already."""
+    """Return the same angle in (-pi, pi], unchanged where it is there already."""
     if abs(angle) >= _TURN_AND_HALF:
         angle -= _TURN * math.ceil(angle / _TURN - 0.5)
     turned = angle - _TURN if angle > math.pi else angle

@@ -54,7 +54,7 @@ def _predicted(A, at, P):
 
 @lean
 def residual(A, S, at, inverted, P):
-    """Give rotation and position error of one sample, predicted position and lever; write P.
+    """Return rotation and position error of one sample, predicted position and lever; write P.
 
     The lever goes from the hand's origin to the target, in the sensor's frame: an error of the
     robot's rotation moves the target about that origin.
@@ -94,7 +94,7 @@ def _whiten(v, lever, square, along, across):
 
 @lean
 def whitened(turn, shift, lever, noise):
-    """Give the position error, given that of the rotation, in deviations, and what scales it.
+    """Return the position error, given that of the rotation, in deviations, and what scales it.
 
     These are the lever's square, the variance across it, and the weights along and across it.
     """

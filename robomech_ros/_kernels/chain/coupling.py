@@ -16,14 +16,14 @@ def is_coupled(packed):
 
 @lean
 def drive_count(packed):
-    """Give the number of drives: that of the joints, unless some follow others."""
+    """Return the number of drives: that of the joints, unless some follow others."""
     last = packed.shape[0] - 1
     return int(packed[last, packed.shape[1] - COUPLING_WIDTH]) if is_coupled(packed) else last
 
 
 @lean
 def drive_kind(packed, i):
-    """Give what the value of drive i is: TURN, SLIDE or ANGLE."""
+    """Return what the value of drive i is: TURN, SLIDE or ANGLE."""
     return packed[i, packed.shape[1] - 1] if is_coupled(packed) else packed[i, 0]
 
 

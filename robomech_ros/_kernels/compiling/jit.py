@@ -253,7 +253,7 @@ def linked(function: Any) -> Any:
 
 
 def direct(function: Any) -> Any:
-    """Give the entry of a kernel that Python calls without a look at the types of the arguments.
+    """Return the entry of a kernel that Python calls without a look at the types of the arguments.
 
     Numba looks at each to choose among the versions compiled, of which a kernel has one; for ten
     arguments that takes as long as half the solutions of an arm.  Arrays must be of the type and

@@ -49,7 +49,7 @@ class KernelSources:
         return self._content(self._files[module])[1]
 
     def digest(self, module: str, file: Path | None = None) -> str:
-        """Give sixteen digits for a module and all that it imports here, directly or not.
+        """Return sixteen digits for a module and all that it imports here, directly or not.
 
         Parameters
         ----------
@@ -99,7 +99,7 @@ class KernelSources:
 
 
 def _modules(folder: Path, prefix: str) -> Iterator[tuple[str, Path]]:
-    """Give the names of modules and packages below a folder with their files."""
+    """Yield the names of modules and packages below a folder with their files."""
     for entry in folder.iterdir():
         if entry.name == "__init__.py":
             yield prefix[:-1], entry
@@ -111,5 +111,5 @@ def _modules(folder: Path, prefix: str) -> Iterator[tuple[str, Path]]:
 
 @functools.lru_cache(maxsize=1)
 def sources() -> KernelSources:
-    """Give the sources of this package."""
+    """Return the sources of this package."""
     return KernelSources(Path(__file__).resolve().parents[1], PACKAGE)

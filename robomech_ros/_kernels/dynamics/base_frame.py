@@ -59,7 +59,7 @@ def place_frames(model, q, frames):
 
 @fused
 def placed_axis(model, frames, i, point):
-    """Give the axis (6) of joint i, seen from a point."""
+    """Return the axis (6) of joint i, seen from a point."""
     ex, ey, ez = frames[i, 2], frames[i, 5], frames[i, 8]
     if model[i, 0] != 0.0:
         return (0.0, 0.0, 0.0, ex, ey, ez)
@@ -69,7 +69,7 @@ def placed_axis(model, frames, i, point):
 
 @fused
 def placed_body(model, frames, i, point):
-    """Give the body (10) of link i, seen from a point, in the axes of the base."""
+    """Return the body (10) of link i, seen from a point, in the axes of the base."""
     a0, a1, a2 = frames[i, 0], frames[i, 1], frames[i, 2]
     b0, b1, b2 = frames[i, 3], frames[i, 4], frames[i, 5]
     c0, c1, c2 = frames[i, 6], frames[i, 7], frames[i, 8]
@@ -128,7 +128,7 @@ def write_six(row, values):
 
 @fused
 def plus(a, b, factor):
-    """Give a (6) plus a multiple of b (6)."""
+    """Return a (6) plus a multiple of b (6)."""
     return (
         a[0] + b[0] * factor,
         a[1] + b[1] * factor,
@@ -174,7 +174,7 @@ def inertia_times(body, motion):
 
 @fused
 def motion_cross(a, b):
-    """Give the rate of a motion b (6) that moves with a (6)."""
+    """Return the rate of a motion b (6) that moves with a (6)."""
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -187,7 +187,7 @@ def motion_cross(a, b):
 
 @fused
 def force_cross(a, f):
-    """Give the rate of a force f (6) that moves with a (6)."""
+    """Return the rate of a force f (6) that moves with a (6)."""
     return (
         a[1] * f[2] - a[2] * f[1] + a[4] * f[5] - a[5] * f[4],
         a[2] * f[0] - a[0] * f[2] + a[5] * f[3] - a[3] * f[5],
@@ -206,7 +206,7 @@ def dot(a, b):
 
 @fused
 def base_motion(around, point):
-    """Give the base's velocity (6) and acceleration (6) less gravity, both as motions.
+    """Return the base's velocity (6) and acceleration (6) less gravity, both as motions.
 
     The base's origin is taken to stand still for the moment, which no torque notices.
     """
@@ -227,7 +227,7 @@ def base_motion(around, point):
 
 @fused
 def wrench_seen(around, tip):
-    """Give the wrench on the tip (6) as seen from the point that the tip is seen from."""
+    """Return the wrench on the tip (6) as seen from the point that the tip is seen from."""
     x, y, z = tip
     fx, fy, fz = around[12], around[13], around[14]
     return (

@@ -30,7 +30,7 @@ from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
 
 @fused
 def step_between(model, i, q):
-    """Give the transform from the frame of link i to that before it, as twelve numbers."""
+    """Return the transform from the frame of link i to that before it, as twelve numbers."""
     a0, a1, a2 = model[i, 1], model[i, 2], model[i, 3]
     b0, b1, b2 = model[i, 4], model[i, 5], model[i, 6]
     c0, c1, c2 = model[i, 7], model[i, 8], model[i, 9]

@@ -83,7 +83,7 @@ def mass_body(model, q, M):
 
 @lean
 def momentum_rate(body, motion):
-    """Give what makes ``v x* I v`` of the velocity v of a body, as a matrix that acts on v.
+    """Return what makes ``v x* I v`` of the velocity v of a body, as a matrix that acts on v.
 
     It is [[K, 0], [-p, 0]] with the 3 x 3 matrix K, row by row, in the first nine numbers and the
     linear momentum p, as a vector, in the last three.  The rate of the inertia less twice this

@@ -26,7 +26,7 @@ AT_STOP = 1e-9
 
 @lean
 def dry_friction(friction, i, rate):
-    """Give the Coulomb friction of joint i with what is left of its static friction."""
+    """Return the Coulomb friction of joint i with what is left of its static friction."""
     x = abs(rate) * friction[3, i]
     return friction[1, i] + friction[2, i] * math.exp(-min(x * x, 700.0))
 

@@ -110,7 +110,7 @@ def _wait(planes, heap, waiting, far, came):
 
 @lean
 def _rounding(cones):
-    """Give what rounding makes of distances of planes through wrenches."""
+    """Return what rounding makes of distances of planes through wrenches."""
     largest = 1.0
     for i in range(cones.shape[0]):
         size = 0.0

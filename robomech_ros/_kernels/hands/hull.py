@@ -29,7 +29,7 @@ _PLACE = 7
 
 @lean
 def above(planes, f, p):
-    """Give v . p of the plane of a facet: more than 1 above it."""
+    """Return v . p of the plane of a facet: more than 1 above it."""
     found = 0.0
     for c in range(p.shape[0]):
         found += planes[f, c] * p[c]
@@ -117,7 +117,7 @@ def _cover(facets, planes, new, f, j, point, p):
 
 @lean
 def _place(facets, f, point, d):
-    """Give the place of a point of a facet."""
+    """Return the place of a point of a facet."""
     for c in range(d):
         if facets[f, c] == point:
             return c

@@ -52,7 +52,7 @@ def _centre(cones, u, H):
 
 @lean
 def _regular(i, c, d):
-    """Give a component of one of the d + 1 unit vectors from the middle to a regular simplex."""
+    """Return a component of one of the d + 1 unit vectors from the middle to a regular simplex."""
     if i == d:
         return 1.0 / math.sqrt(d)
     own = math.sqrt(1.0 + 1.0 / d)

@@ -43,7 +43,7 @@ def settle_wrist(opposed, lower, upper, seed, q):
 
 @lean
 def free_value(lower, upper, seed, k, steps):
-    """Give the k-th value, k = 1 .. steps, of a joint's range in order of distance from the seed.
+    """Return the k-th value, k = 1 .. steps, of a joint's range in order of distance from the seed.
 
     An open range is taken as one turn; beyond one end the values go on at the other.
     """

@@ -62,7 +62,7 @@ def pose_difference(T, current, e):
 
 @lean
 def largest_error(e):
-    """Give the larger of the orientation error (rad) and the position error (m)."""
+    """Return the larger of the orientation error (rad) and the position error (m)."""
     angular = math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
     linear = math.sqrt(e[3] * e[3] + e[4] * e[4] + e[5] * e[5])
     return max(angular, linear)

@@ -48,7 +48,7 @@ class Ranked(NamedTuple):
 
 @lean
 def _windings(value, lower, upper):
-    """Give the first and the last winding that keep a revolute joint inside its limits."""
+    """Return the first and the last winding that keep a revolute joint inside its limits."""
     first = np.ceil((lower - AT_LIMIT - value) / _TURN)
     last = np.floor((upper + AT_LIMIT - value) / _TURN)
     return first, last
@@ -56,7 +56,7 @@ def _windings(value, lower, upper):
 
 @lean
 def _moved_inside(value, low, high):
-    """Give the first winding of a value below its limits that is not, or above them."""
+    """Return the first winding of a value below its limits that is not, or above them."""
     below = low - AT_LIMIT - value
     if below > 0.0:
         return value + (_TURN * math.ceil(below / _TURN) if below > _TURN else _TURN)
@@ -66,7 +66,7 @@ def _moved_inside(value, low, high):
 
 @lean
 def _near(value, seed):
-    """Give the value in the winding nearest to the seed, branch-free where one turn will do."""
+    """Return the value in the winding nearest to the seed, branch-free where one turn will do."""
     move = seed - value
     if abs(move) >= _TURN_AND_HALF:
         return value + _TURN * math.floor(move / _TURN + 0.5)

@@ -66,7 +66,7 @@ def _power_means(s, low, high, power):
 
 @lean
 def _extremes(s):
-    """Give the places of the least and the largest of s."""
+    """Return the places of the least and the largest of s."""
     low, high = 0, 0
     for i in range(s.size):
         low = i if s[i] < s[low] else low

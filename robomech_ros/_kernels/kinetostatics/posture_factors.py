@@ -51,19 +51,19 @@ def _moved(J, i):
 
 @lean
 def _foot(J, i):
-    """Give the point of axis i that is nearest."""
+    """Return the point of axis i that is nearest."""
     return _cross(_axis(J, i), _moved(J, i))
 
 
 @lean
 def _volume(J, i):
-    """Give the volume that the directions of axes i, i + 1 and i + 2 span."""
+    """Return the volume that the directions of axes i, i + 1 and i + 2 span."""
     return _dot(_cross(_axis(J, i), _axis(J, i + 1)), _axis(J, i + 2))
 
 
 @lean
 def _velocity(J, i, point, size):
-    """Give the velocity that joint i gives to a point of its link; a turn's over the size."""
+    """Return the velocity that joint i gives to a point of its link; a turn's over the size."""
     x, y, z = _axis(J, i)
     if x == 0.0 and y == 0.0 and z == 0.0:
         return _moved(J, i)
@@ -73,7 +73,7 @@ def _velocity(J, i, point, size):
 
 @inline
 def _meeting(J, first, count):
-    """Give the point nearest to some neighbouring axes."""
+    """Return the point nearest to some neighbouring axes."""
     A, b = scratch(3, 3), scratch(3)
     A[:] = 0.0
     b[:] = 0.0

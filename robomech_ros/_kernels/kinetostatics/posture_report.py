@@ -63,7 +63,7 @@ def _subtract(A, i, B, k):
 
 @lean
 def _length(A, i):
-    """Give the norm of row i of A."""
+    """Return the norm of row i of A."""
     square = 0.0
     for j in range(A.shape[1]):
         square += A[i, j] * A[i, j]
@@ -160,7 +160,7 @@ def _moving(free, rank, out):
 
 @inline
 def _judge(s, order, regular):
-    """Give product and condition number of the largest singular values that an arm has at all.
+    """Return product and condition number of the largest singular values that an arm has at all.
 
     All of s where it has that many; else, as of a planar arm of four joints, the rest is 0 in every
     posture.

@@ -45,7 +45,7 @@ def _lever(T, here, there):
 
 @lean
 def _move(J, i, r):
-    """Give the velocity that joint i causes at the lever r from where J is taken."""
+    """Return the velocity that joint i causes at the lever r from where J is taken."""
     ax, ay, az = J[0, i], J[1, i], J[2, i]
     return (
         J[3, i] + ay * r[2] - az * r[1],

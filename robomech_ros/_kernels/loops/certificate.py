@@ -259,7 +259,7 @@ def _largest_sum(chains, weights, inverse):
 
 @lean
 def part_of_proof(chains, weights, reach, room, size):
-    """Give ``k + sqrt(4 b e)`` of a step: at most 1 if it is proved, about as its length.
+    """Return ``k + sqrt(4 b e)`` of a step: at most 1 if it is proved, about as its length.
 
     The room has factors at both ends of the line v (n, 1), the inverse at its end, and the errors D
     (limbs, 6, 1) of loops there; ``size`` is the largest of the moves that M+ gives for those at

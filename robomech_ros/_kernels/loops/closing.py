@@ -83,7 +83,7 @@ def _reaches(chains, q, v, out):
 
 @lean
 def _largest(qd, weights):
-    """Give the largest move of a joint."""
+    """Return the largest move of a joint."""
     size = 0.0
     for j in range(weights.size):
         size = max(size, abs(qd[j, 0]) * weights[j])

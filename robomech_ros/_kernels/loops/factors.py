@@ -32,7 +32,7 @@ Factors = namedtuple("Factors", ("J", "T", "R", "Q", "A", "B"))
 
 @lean
 def widest(starts):
-    """Give the number of joints of the limb that has most."""
+    """Return the number of joints of the limb that has most."""
     n = 1
     for i in range(starts.size - 1):
         n = max(n, starts[i + 1] - starts[i])

@@ -34,7 +34,7 @@ def _polynomial(samples, count, c):
 
 @inline
 def _ratio(c, degree, z):
-    """Give p'(z) / p(z) and whether p(z) is zero; outside the circle by powers of 1 / z."""
+    """Return p'(z) / p(z) and whether p(z) is zero; outside the circle by powers of 1 / z."""
     inside = abs(z) <= 1.0
     x = z if inside else 1.0 / z
     value, slope = c[degree] if inside else c[0], 0.0j

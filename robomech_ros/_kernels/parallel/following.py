@@ -40,7 +40,7 @@ _ROUNDING = 1e-9
 
 @lean
 def _bend(B, J, inverse, r, H):
-    """Give |J^-1 F''|, as Frobenius would: rows of the inverse times the second derivatives."""
+    """Return |J^-1 F''|, as Frobenius would: rows of the inverse times the second derivatives."""
     for k in range(6):
         d = J[k, 0], J[k, 1], J[k, 2]
         b = B[k, 0], B[k, 1], B[k, 2]
@@ -107,7 +107,7 @@ def _inverted(J, order, inverse):
 
 @lean
 def _regularity(J, inverse):
-    """Give 1 / (|J| |J^-1|), by Frobenius."""
+    """Return 1 / (|J| |J^-1|), by Frobenius."""
     one, other = 0.0, 0.0
     for i in range(6):
         for j in range(6):

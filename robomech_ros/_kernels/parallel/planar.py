@@ -31,7 +31,7 @@ _PARALLEL = 1e-3
 
 @lean
 def _lines(A, B, rho, cosine, sine):
-    """Give u_2, r_2, u_3, r_3."""
+    """Return u_2, r_2, u_3, r_3."""
     b, c = B[1, 0] - B[0, 0], B[1, 1] - B[0, 1]
     d, e = B[2, 0] - B[0, 0], B[2, 1] - B[0, 1]
     u = cosine * b - sine * c - A[1, 0] + A[0, 0]

@@ -39,7 +39,7 @@ def _row(terms):
 
 
 def _rotation_forms():
-    """Give the entries of R, times e . e, row by row."""
+    """Yield the entries of R, times e . e, row by row."""
     for i in range(3):
         for j in range(3):
             if i == j:
@@ -51,7 +51,7 @@ def _rotation_forms():
 
 
 def _position_forms(turn):
-    """Give 2 (e_0 g - g_0 e + turn e x g), component by component."""
+    """Yield 2 (e_0 g - g_0 e + turn e x g), component by component."""
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         yield {

@@ -77,7 +77,7 @@ def _first(W, V, cosine, one, two, R):
 
 @lean
 def _linear(W, V, cosines, M, i):
-    """Give a, b and d of a cos y + b sin y = d for axis i, M being Rot(w_1, x) R_0."""
+    """Return a, b and d of a cos y + b sin y = d for axis i, M being Rot(w_1, x) R_0."""
     a, b, d = 0.0, 0.0, cosines[i]
     inner = V[0, 0] * V[i, 0] + V[0, 1] * V[i, 1] + V[0, 2] * V[i, 2]
     for j in range(3):

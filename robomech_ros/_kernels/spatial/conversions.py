@@ -96,7 +96,7 @@ def compose(kind, second, first, out):
 
 @lean
 def _unit(rows, k):
-    """Give status and quaternion of row k, with norm 1."""
+    """Return status and quaternion of row k, with norm 1."""
     x, y, z, w = rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3]
     norm = math.sqrt(x * x + y * y + z * z + w * w)
     status = 0 if abs(norm - 1.0) <= UNIT_NORM else BAD_INPUT

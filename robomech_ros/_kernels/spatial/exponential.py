@@ -110,7 +110,7 @@ def exponentials(rows, out):
 
 @lean
 def _read_pose(rows, k):
-    """Give status, canonical quaternion and position of row k."""
+    """Return status, canonical quaternion and position of row k."""
     off = max(abs(rows[k, 12]), abs(rows[k, 13]), abs(rows[k, 14]), abs(rows[k, 15] - 1.0))
     p = rows[k, 3], rows[k, 7], rows[k, 11]
     status, x, y, z, w = quaternion_of_matrix(

@@ -45,7 +45,7 @@ def _one(rows, k):
 
 @lean
 def _quaternion_rates(r, r0, w, dw):
-    """Give r', r0', r'' and r0''."""
+    """Return r', r0', r'' and r0''."""
     first = scaled(combined(scaled(w, r0), cross(w, r), 1.0), 0.5)
     first0 = -0.5 * dot(r, w)
     second = combined(scaled(w, first0), scaled(dw, r0), 1.0)
@@ -109,7 +109,7 @@ def _vector_rates(v, w, dw, first, second, k):
 
 @lean
 def _euler_frame(kind, rows, k):
-    """Give the axes of the three turns, in a right-handed frame of axes i, j and the third one."""
+    """Return the axes of the three turns, in a right-handed frame of axes i, j and 3."""
     _, _, _, parity, proper, fixed = euler_axes(kind)
     first = rows[k, 2] if fixed else rows[k, 0]
     s1, c1 = sine_cosine(first)
@@ -292,7 +292,7 @@ def _of_linear_invariant_rates(r, r0, first, second, k):
 
 @lean
 def _one_motion(kind, rows, first, second, k):
-    """Give status, angular velocity and angular acceleration of row k."""
+    """Return status, angular velocity and angular acceleration of row k."""
     nothing = (0.0, 0.0, 0.0)
     status, x, y, z, r0 = decoded(kind, rows, k)
     if status != 0:

@@ -230,7 +230,7 @@ def _of_euler_angles(kind, first, second, third):
 
 @lean
 def decoded(kind, rows, k):
-    """Give status and quaternion, of either sign, of row k."""
+    """Return status and quaternion, of either sign, of row k."""
     if kind == MATRIX:
         return quaternion_of_matrix(
             rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3], rows[k, 4], rows[k, 5], rows[k, 6],

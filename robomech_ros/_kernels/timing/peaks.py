@@ -121,7 +121,7 @@ def peak_above(times, coefficients, scales, order, floor):
 
 @inline
 def _raised(coefficients, k, j, order, span, sign, doubt, best, control, stack):
-    """Give the largest value of joint j in piece k, with a sign, or the best if it is less."""
+    """Return the largest value of joint j in piece k, with a sign, or the best if it is less."""
     degree = max(coefficients.shape[0] - order - 1, 0)
     total = _derivative(coefficients, k, j, order, span, sign, control)
     to_bernstein(control, degree)
@@ -132,7 +132,7 @@ def _raised(coefficients, k, j, order, span, sign, doubt, best, control, stack):
 
 @inline
 def _look_at_ends(spans, coefficients, order, slack, control, before, low, high, below, above):
-    """Give the extremes at the ends of all pieces as low and high (n,), and the largest step.
+    """Write the extremes at the ends of all pieces as low and high (n,), and the largest step.
 
     The steps are written in place of `before` (2, n), which holds the last piece's end as well.
     No value of a piece is outside `below` and `above`, (s, n): no power on [0, 1] is larger than 1.

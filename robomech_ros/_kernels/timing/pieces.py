@@ -72,7 +72,7 @@ def _state(local, x0, x1, theta, span, sigma, state):
 
 @inline
 def _quintic(before, after, j, duration):
-    """Give the powers 3 to 5 of the quintic between two states of joint j, times T^2 and more."""
+    """Return the powers 3 to 5 of the quintic between two states of joint j, times T^2 and more."""
     p, v, a = before[0, j], before[1, j], before[2, j]
     rise = after[0, j] - p - duration * (v + 0.5 * duration * a)
     tilt = (after[1, j] - v - duration * a) * duration

@@ -105,7 +105,7 @@ def _smooth(part):
 
 @lean
 def _in_frame(body, x, y):
-    """Give a point on the ground in the walking frame."""
+    """Return a point on the ground in the walking frame."""
     c, s = math.cos(body[2]), math.sin(body[2])
     dx, dy = x - body[0], y - body[1]
     return c * dx + s * dy, c * dy - s * dx
@@ -126,7 +126,7 @@ def _along(x, y, yaw, w, vx, vy, time):
 
 @kernel(f8(_PATTERN, IN1))
 def sustained_part(pattern, twist):
-    """Give the part of a twist with which all strides fit into the circles of the feet."""
+    """Return the part of a twist with which all strides fit into the circles of the feet."""
     geometry, settings = pattern
     half, longest = 0.5 * settings[1] * settings[0], LANDING * settings[3]
     part = 1.0
@@ -140,7 +140,7 @@ def sustained_part(pattern, twist):
 
 @kernel(f8(_PATTERN, _OLD, IN1, f8, b1))
 def possible_part(pattern, state, twist, period, ahead):
-    """Give the part of a twist with which no foot leaves its circle before it is lifted.
+    """Return the part of a twist with which no foot leaves its circle before it is lifted.
 
     Those count that stand and those that land in the coming period; with ``ahead`` all that are in
     the air, too, each for its whole stance where it would land by now, in circles a little smaller:
@@ -208,7 +208,7 @@ def _at_place(geometry, body, feet, k):
 
 @lean
 def _landing(geometry, settings, body, k):
-    """Give where a foot should land beside its place: half of its way on the ground ahead."""
+    """Return where a foot should land beside its place: half of its way on the ground ahead."""
     radius, half = settings[3], 0.5 * settings[1] * settings[0]
     ox = half * (body[13] - body[12] * geometry[k, 1])
     oy = half * (body[14] + body[12] * geometry[k, 0])

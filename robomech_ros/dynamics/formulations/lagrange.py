@@ -261,7 +261,7 @@ def _gradient(derivatives: _Derivatives) -> Array:
 
 
 def _symbols(gradient: Array) -> Array:
-    """Give c_ijk from D_ijk = dI_ij/dq_k: (D_ijk + D_ikj - D_jki) / 2."""
+    """Return c_ijk from D_ijk = dI_ij/dq_k: (D_ijk + D_ikj - D_jki) / 2."""
     swapped = np.swapaxes(gradient, -1, -2)
     symbols: Array = 0.5 * (gradient + swapped - np.moveaxis(gradient, -1, -3))
     return symbols

@@ -119,7 +119,7 @@ def newton_euler(
 def _outward(
     bodies: PosedBodies, qd: Array, qdd: Array, base_twist: Array, base_twist_rate: Array
 ) -> tuple[Array, Array]:
-    """Give twists and twist rates of the links at their mass centres, (..., m, 6)."""
+    """Return twists and twist rates of the links at their mass centres, (..., m, 6)."""
     shape = (*qd.shape[:-1], 3)
     omega, v = (np.broadcast_to(one, shape) for one in (base_twist[:3], base_twist[3:]))
     alpha, a = (np.broadcast_to(one, shape) for one in (base_twist_rate[:3], base_twist_rate[3:]))
@@ -144,7 +144,7 @@ def _outward(
 
 
 def _moved(omega: Array, alpha: Array, v: Array, a: Array, r: Array) -> tuple[Array, Array]:
-    """Give velocity and acceleration of a point of a body that is r from one known."""
+    """Return velocity and acceleration of a point of a body that is r from one known."""
     across = np.cross(omega, r)
     return v + across, a + np.cross(alpha, r) + np.cross(omega, across)
 
@@ -152,7 +152,7 @@ def _moved(omega: Array, alpha: Array, v: Array, a: Array, r: Array) -> tuple[Ar
 def _inward(
     bodies: PosedBodies, twists: Array, rates: Array, gravity: Array, tip_wrench: Array
 ) -> Array:
-    """Give the wrenches (..., m, 6) that the joints pass on outward, at their origins."""
+    """Return the wrenches (..., m, 6) that the joints pass on outward, at their origins."""
     wrenches = np.empty(twists.shape)
     # What the last link passes on outward is what it does to the surroundings.
     moment, force, point = -tip_wrench[:3], -tip_wrench[3:], bodies.tip

@@ -271,7 +271,7 @@ def _solved(A: Array, b: Array) -> Array:
 
 
 def _left(A: Array, b: Array, values: Array) -> Array:
-    """Give standard deviations of what is left of the torques of each joint, shape (n,)."""
+    """Return standard deviations of what is left of the torques of each joint, shape (n,)."""
     left = b - A @ values
     share = len(b) - A.shape[2] / A.shape[1]
     return np.asarray(np.sqrt((left**2).sum(axis=0) / share), dtype=np.float64)

@@ -246,7 +246,7 @@ def _ran_away(seconds: float, qd: Array) -> str:
 
 
 def _stops(system: DynamicSystem, q: Array, held: ArrayLike | None) -> Array:
-    """Give the stops (2, m) where they hold.
+    """Return the stops (2, m) where they hold.
 
     A joint beyond its limits, to be thrown back, stands at one; brakes are stops on both sides.
     """

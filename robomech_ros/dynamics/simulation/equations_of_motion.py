@@ -63,7 +63,7 @@ class EquationsOfMotion:
         return len(self.system.drive_names)
 
     def posture(self, values: Array) -> Array:
-        """Give all joints (n,) for values of the drives (m,), near where they were last.
+        """Return all joints (n,) for values of the drives (m,), near where they were last.
 
         Raises
         ------
@@ -77,14 +77,14 @@ class EquationsOfMotion:
         return self._followed[0]
 
     def all_joints(self, state: Array) -> Array:
-        """Give values and rates of all joints, work and heat, (2 n + 2,), of a state (2 m + 2,)."""
+        """Return joint values and rates, work and heat, (2 n + 2,), of a state (2 m + 2,)."""
         m = self.m
         q = self.posture(state[:m].copy())
         qd = self.system.joint_rates(q, state[m : 2 * m].copy())
         return np.concatenate((q, qd, state[2 * m :]))
 
     def friction_torque(self, q: Array, rates: Array) -> Array:
-        """Give the efforts (m,) that the friction of all joints takes at rates (m,)."""
+        """Return the efforts (m,) that the friction of all joints takes at rates (m,)."""
         if not self._rough:
             return np.zeros_like(rates)
         viscous, coulomb, excess, decay = self.system.friction_rows
@@ -95,7 +95,7 @@ class EquationsOfMotion:
         return torque
 
     def requested_torque(self, t: float, q: Array, rates: Array) -> Array:
-        """Give the torques (m,) that are asked of the drives, finite or not."""
+        """Return the torques (m,) that are asked of the drives, finite or not."""
         qd = self.system.joint_rates(q, rates)
         tau = np.ascontiguousarray(real_array("torque", self.torque(t, q, qd)))
         if tau.shape != rates.shape:
@@ -103,7 +103,7 @@ class EquationsOfMotion:
         return tau
 
     def drive_torque(self, t: float, q: Array, rates: Array) -> Array:
-        """Give the torques (m,) of the drives.
+        """Return the torques (m,) of the drives.
 
         Raises
         ------
@@ -122,13 +122,13 @@ class EquationsOfMotion:
             raise RunAwayError(str(error)) from None
 
     def tip_power(self, q: Array, rates: Array) -> float:
-        """Give the power of the wrench on the tip (W)."""
+        """Return the power of the wrench on the tip (W)."""
         if self.tip_wrench is None:
             return 0.0
         return float(self.tip_wrench @ self.system.tip_twist(q, rates))
 
     def rates(self, t: float, state: Array) -> Array:
-        """Give the derivative of a state (2 m + 2,) by time.
+        """Return the derivative of a state (2 m + 2,) by time.
 
         Raises
         ------

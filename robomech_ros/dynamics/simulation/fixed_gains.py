@@ -26,7 +26,7 @@ _LARGEST_TURN = 2.0
 
 
 def felt_inertias(system: DynamicSystem, turn: float, damping: float) -> tuple[Array, Array]:
-    """Give the inertias (m,) with which drives of fixed gains are to be stiff, and to be damped.
+    """Return the inertias (m,) with which drives of fixed gains are to be stiff, and to be damped.
 
     Joints that are nearly parallel feel much less inertia with the others free than with them at
     rest: stiff for the one and damped for the other, they neither chatter nor swing.  Where an arm
@@ -73,7 +73,7 @@ def felt_inertias(system: DynamicSystem, turn: float, damping: float) -> tuple[A
 def _quiet_shares(
     inverse: Array, stiff: Array, damped: Array, turn: float, damping: float
 ) -> Array:
-    """Give the shares of the bandwidth (n,) that do not let an arm chatter.
+    """Return the shares of the bandwidth (n,) that do not let an arm chatter.
 
     The arm's postures have these inverses of the mass matrix (k, n, n).
     """

@@ -12,7 +12,7 @@ _ARRIVED = 1e-14
 
 
 def _solved(M: Array, p: Array) -> Array:
-    """Give the rates that have momenta p."""
+    """Return the rates that have momenta p."""
     rates: Array = np.linalg.solve(M, p).astype(np.float64)
     return rates
 
@@ -91,7 +91,7 @@ class MidpointSolver:
         return None
 
     def dense_output(self) -> "_Line":
-        """Give the state in the last step, between its ends on a straight line."""
+        """Return the state in the last step, between its ends on a straight line."""
         return _Line(*self._from, self.t, self.y)
 
 

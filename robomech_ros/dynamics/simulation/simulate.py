@@ -239,7 +239,7 @@ def _as_torque(system: DynamicSystem, torque: ArrayLike | Torque | None) -> Torq
 
 
 def _as_step(method: str, step: object, duration: float) -> float | None:
-    """Give the longest step, or the one of the midpoint rule, that comes to the end."""
+    """Return the longest step, or the one of the midpoint rule, that comes to the end."""
     if step is None and method != "midpoint":
         return None
     length = 1e-3 if step is None else positive_number("step", step)

@@ -137,7 +137,7 @@ class SymbolicModel:
         return sympy.Matrix(self.parameters.friction)
 
     def expression(self, what: str) -> sympy.Matrix:
-        """Give one of :data:`EXPRESSIONS` by name.
+        """Return one of :data:`EXPRESSIONS` by name.
 
         Raises
         ------

@@ -92,7 +92,7 @@ def _own(ring: TermRing, link: SymbolicLink) -> _Composite:
 
 
 def _momentum(ring: TermRing, carried: _Composite, turns: bool) -> tuple[Vector, Vector]:
-    """Give angular momentum about the origin and linear momentum for a unit rate about z."""
+    """Return angular momentum about the origin and linear momentum for a unit rate about z."""
     z = [ring.number(0), ring.number(0), ring.number(1)]
     if turns:
         return [row[2] for row in carried.inertia], cross(ring, z, carried.first)

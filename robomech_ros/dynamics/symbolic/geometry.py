@@ -67,7 +67,7 @@ class SymbolicLoop:
         return self.position - self.rotation * self.link_vector(6)
 
     def _row(self, i: int) -> tuple[sympy.Expr, ...]:
-        """Give cos theta, sin theta, cos alpha, sin alpha, a and b."""
+        """Return cos theta, sin theta, cos alpha, sin alpha, a and b."""
         link, write = self.parameters.links[i - 1], self.parameters.ring.expression
         return tuple(write(one) for one in (*link.turn, *link.twist, link.a, link.b))
 
@@ -158,7 +158,7 @@ class SymbolicDecoupled:
         return loop.link_position(3) + loop.link_rotation(3) * loop.link_position(4)
 
     def _coefficients(self, expression: sympy.Expr) -> sympy.Matrix:
-        """Give those of cos and sin of joints 1 and 3, and what is left."""
+        """Return those of cos and sin of joints 1 and 3, and what is left."""
         one, _, three = self.loop.parameters.variables[:3]
         symbols = sympy.symbols("c_1 s_1 c_3 s_3", real=True)
         waves = (sympy.cos(one), sympy.sin(one), sympy.cos(three), sympy.sin(three))

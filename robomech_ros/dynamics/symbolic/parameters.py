@@ -198,7 +198,7 @@ def _link(ring: TermRing, row: Sequence[sympy.Expr], body: Sequence[sympy.Expr])
 def _link_row(
     names: _Names, table: DHTable, i: int, variable: sympy.Symbol
 ) -> tuple[sympy.Expr, ...]:
-    """Give a, b, cos theta, sin theta, cos alpha, sin alpha."""
+    """Return a, b, cos theta, sin theta, cos alpha, sin alpha."""
     k, group = i + 1, _group(table, i)
     a = names.quantity(f"a_{k}", float(table.a[i]))
     if table.types[i] == REVOLUTE:
@@ -218,7 +218,7 @@ def _group(table: DHTable, i: int) -> int:
 
 
 def _body_row(names: _Names, chain: SerialChain, table: DHTable, i: int) -> tuple[sympy.Expr, ...]:
-    """Give the mass, mass centre and moments of a body in frame i + 1; 0 without a body."""
+    """Return the mass, mass centre and moments of a body in frame i + 1; 0 without a body."""
     body, k = chain.bodies[i], i + 1
     if body is None:
         return (sympy.Integer(0),) * 10
@@ -254,7 +254,7 @@ def _row_transform(table: DHTable, i: int) -> Array:
 
 
 def _gravity_row(names: _Names, table: DHTable, gravity: Array) -> tuple[sympy.Expr, ...]:
-    """Give gravity in frame 1: +-g along an axis of it, else g_x, g_y, g_z."""
+    """Return gravity in frame 1: +-g along an axis of it, else g_x, g_y, g_z."""
     seen = table.base[:3, :3].T @ gravity
     size = float(np.abs(seen).max())
     along = np.flatnonzero(np.abs(seen) > _NOTHING * size)
@@ -296,7 +296,7 @@ def _exact_pose(pose: Array) -> sympy.Matrix:
 
 
 def _poly(ring: TermRing, value: sympy.Expr) -> Poly:
-    """Give a number, plus or minus a symbol, or the cosine or sine of one, in the ring."""
+    """Return a number, plus or minus a symbol, or the cosine or sine of one, in the ring."""
     if value.is_Rational:
         return ring.number(value)
     if value.could_extract_minus_sign():

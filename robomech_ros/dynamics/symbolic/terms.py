@@ -67,19 +67,19 @@ class TermRing:
         }
 
     def number(self, value: sympy.Rational | int) -> Poly:
-        """Give a constant."""
+        """Return a constant."""
         return self._ring.ground_new(sympy.QQ.from_sympy(sympy.Rational(value)))
 
     def parameter(self, symbol: sympy.Symbol) -> Poly:
-        """Give a parameter."""
+        """Return a parameter."""
         return self._ring.gens[self._places[symbol]]
 
     def cosine(self, symbol: sympy.Symbol) -> Poly:
-        """Give the cosine of an angle."""
+        """Return the cosine of an angle."""
         return self._ring.gens[self._places[symbol]]
 
     def sine(self, symbol: sympy.Symbol) -> Poly:
-        """Give the sine of an angle."""
+        """Return the sine of an angle."""
         return self._ring.gens[self._places[symbol] + 1]
 
     def product(self, one: Poly, other: Poly) -> Poly:

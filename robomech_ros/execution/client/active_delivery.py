@@ -146,7 +146,7 @@ class ActiveDelivery:
         return changed
 
     def _confirmed(self, text: str, since: float, now: float) -> Verdict | None:
-        """Give the controller's success once the joint states confirm it.
+        """Return the controller's success once the joint states confirm it.
 
         A controller also reports success of what a trajectory from the topic has replaced.
         """

@@ -107,7 +107,7 @@ class ArrivalWatch:
         return self._excursion.missing(self._settings.goal_tolerance)
 
     def lost(self, patience: float) -> Verdict | None:
-        """Give the verdict where controller or joint states are gone for `patience` (s).
+        """Return the verdict where controller or joint states are gone for `patience` (s).
 
         Of a controller that shows no sign of life the joint states need not be missed for long.
         """
@@ -118,7 +118,7 @@ class ArrivalWatch:
         return Verdict(Code.REJECTED, f"{gone}; how the motion ended is not known{last}")
 
     def arrival(self) -> Verdict | None:
-        """Give the verdict where the robot has arrived, or will not; by the joint states alone."""
+        """Return the verdict once the robot has arrived, or will not, by the joint states."""
         settings = self._settings
         if self.late >= 0.0 and not self.off and self.stands:
             left_out = self.left_out

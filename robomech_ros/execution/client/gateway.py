@@ -35,13 +35,13 @@ class Gateway(Protocol):
         """Say whether the controller still executes what was sent before of this delivery."""
 
     def positions(self, names: Sequence[str]) -> Array | None:
-        """Give the present positions, rad or m; None if not known."""
+        """Return the present positions, rad or m; None if not known."""
 
     def heard(self, names: Sequence[str]) -> int:
-        """Give a number that has grown when all these joints were heard of anew."""
+        """Return a number that has grown when all these joints were heard of anew."""
 
     def kinds(self, names: Sequence[str]) -> JointKinds:
         """Say which joints turn without limits, and in which units they are."""
 
     def acceleration(self, names: Sequence[str]) -> Array | None:
-        """Give the acceleration limits, rad/s^2 or m/s^2; None if the robot is not known."""
+        """Return the acceleration limits, rad/s^2 or m/s^2; None if the robot is not known."""

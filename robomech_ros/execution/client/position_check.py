@@ -12,7 +12,7 @@ STILL = 1e-3
 
 
 def apart(first: Array, second: Array, continuous: BoolArray) -> Array:
-    """Give the distance of joint positions, without whole turns of continuous joints.
+    """Return the distance of joint positions, without whole turns of continuous joints.
 
     Parameters
     ----------

@@ -95,7 +95,7 @@ class Belt:
     ahead: Array = field(default_factory=lambda: np.zeros(6))
 
     def since(self, time: float) -> "Belt":
-        """Give the same on a clock that begins later by a time (s)."""
+        """Return the same on a clock that begins later by a time (s)."""
         ahead = rebased(self.ahead[:, None], time)[:, 0]
         return Belt(shifted(self.curve, -time), self.lag, self.merged - time, ahead)
 
@@ -189,7 +189,7 @@ def caught_up(
 
 
 def going_by(waypoints: Waypoints, joints: Joints, late: float, before: Belt) -> Belt:
-    """Give the belt with what comes late on it, for a robot that cannot get onto that yet.
+    """Return the belt with what comes late on it, for a robot that cannot get onto that yet.
 
     Parameters are those of `caught_up`.
     """
@@ -200,7 +200,7 @@ def going_by(waypoints: Waypoints, joints: Joints, late: float, before: Belt) ->
 
 
 def _coming(waypoints: Waypoints, joints: Joints, late: float, lag: float) -> PiecewisePolynomial:
-    """Give the curve of a late trajectory on a clock that is 0 now, later by a lag (s)."""
+    """Return the curve of a late trajectory on a clock that is 0 now, later by a lag (s)."""
     velocities = waypoints.velocities
     assert velocities is not None
     since_first = waypoints.times - waypoints.times[0]
@@ -210,7 +210,7 @@ def _coming(waypoints: Waypoints, joints: Joints, late: float, lag: float) -> Pi
 
 
 def _belts(coming: PiecewisePolynomial, before: Belt | None) -> Iterator[PiecewisePolynomial]:
-    """Give what comes after what is followed now, and then what comes alone."""
+    """Yield what comes after what is followed now, and then what comes alone."""
     if before is not None and before.curve.breaks[0] < min(coming.breaks[0], 0.0):
         yield spliced(before.curve, coming)
     yield prolonged_back(coming, 2.0 * LONGEST_LAG)
@@ -253,14 +253,14 @@ class _Search:
                 yield going_on
 
     def _places(self, curve: PiecewisePolynomial, before: Belt | None) -> Iterator[Array]:
-        """Give places on a curve where the robot may be (s), with paces and their rates."""
+        """Yield places on a curve where the robot may be (s), with paces and their rates."""
         if before is not None and self._off(curve, before.place) <= _NEAR:
             yield before.place
         yield self._nearest(curve)
         yield np.array([0.0, 1.0, 0.0])
 
     def _off(self, curve: PiecewisePolynomial, place: Array) -> float:
-        """Give how far the robot is from a place on a curve (rad or m)."""
+        """Return how far the robot is from a place on a curve (rad or m)."""
         return float(np.max(np.abs(self._present.position - curve.sample(place[0]).position)))
 
     def _nearest(self, curve: PiecewisePolynomial) -> Array:
@@ -291,7 +291,7 @@ class _Search:
         delay: float,
         time: float,
     ) -> tuple[PiecewisePolynomial, Belt] | None:
-        """Give the way onto a curve that is later by a delay (s), if it keeps the limits."""
+        """Return the way onto a curve that is later by a delay (s), if it keeps the limits."""
         belt, here = shifted(curve, delay), self._present
         x, pace, rate = float(place[0]) + delay, float(place[1]), float(place[2])
         there = belt.sample(x)
@@ -328,7 +328,7 @@ class _Search:
     def _fitting(
         self, curve: PiecewisePolynomial, lag: float, place: Array
     ) -> list[tuple[float, float]]:
-        """Give delays and times of fading (s) that keep limits at samples, the best ones first."""
+        """Return delays and fading times (s) that keep limits at samples, the best ones first."""
         delays = np.concatenate((_NEARER[-lag <= _NEARER], _LAGS - lag))
         delays = delays[curve.breaks[0] <= -delays]
         if not len(delays):
@@ -361,7 +361,7 @@ class _Search:
 
 
 def _faded(ahead: Array, time: float) -> Array:
-    """Give the quintic that begins with a place, a pace and a rate and has faded out in a time."""
+    """Return the quintic that begins with a place, a pace and a rate and fades out in a time."""
     powers = time ** np.arange(3.0)
     faded: Array = (ahead * powers) @ _QUINTICS / time ** np.arange(6.0)
     return faded

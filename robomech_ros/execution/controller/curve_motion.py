@@ -45,13 +45,13 @@ class CurveMotion:
         self._joints.count_anew()
 
     def state_at(self, goal: TrajectoryGoal, time: float, rate: float = 0.0) -> State:
-        """Give the state at a time (s) of a goal's curve, while the pace changes by `rate`."""
+        """Return the state at a time (s) of a goal's curve, while the pace changes by `rate`."""
         sample, pace = goal.curve.sample(time), self.pace
         acceleration = sample.acceleration * pace * pace + sample.velocity * rate
         return State(sample.position, sample.velocity * pace, acceleration)
 
     def state_ahead(self, goal: TrajectoryGoal, ahead: float) -> State:
-        """Give the state on the curve of a goal some time (s) from now, at the present pace."""
+        """Return the state on the curve of a goal some time (s) from now, at the present pace."""
         return self.state_at(goal, goal.time + self.pace * ahead)
 
     def go_on(self, goal: TrajectoryGoal, span: float) -> None:

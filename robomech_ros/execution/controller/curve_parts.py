@@ -21,7 +21,7 @@ _LIKE_TIME = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
 
 @cache
 def _binomials(order: int) -> tuple[Array, Array]:
-    """Give the binomial coefficients of row k and column i, and the differences i - k."""
+    """Return the binomial coefficients of row k and column i, and the differences i - k."""
     powers = np.maximum(np.arange(order) - np.arange(order)[:, None], 0.0)
     rows = [[float(math.comb(i, k)) for i in range(order)] for k in range(order)]
     return np.array(rows), powers
@@ -37,12 +37,12 @@ def rebased(coefficients: Array, by: float | Array) -> Array:
 
 
 def shifted(curve: PiecewisePolynomial, by: float) -> PiecewisePolynomial:
-    """Give the same curve later by a time (s)."""
+    """Return the same curve later by a time (s)."""
     return PiecewisePolynomial(curve.breaks + by, curve.coefficients)
 
 
 def part_from(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:
-    """Give the part of a curve that begins at a time (s), which becomes 0."""
+    """Return the part of a curve that begins at a time (s), which becomes 0."""
     breaks = curve.breaks - time
     if len(breaks) == 1 or breaks[-1] <= 0.0:
         rest = curve.sample(curve.breaks[-1]).position
@@ -54,7 +54,7 @@ def part_from(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:
 
 
 def paced(curve: PiecewisePolynomial, ahead: Array, time: float) -> PiecewisePolynomial | None:
-    """Give the part of a curve from 0 on, at another pace for a time (s).
+    """Return the part of a curve from 0 on, at another pace for a time (s).
 
     The place on the curve is the time plus the polynomial `ahead` (lowest power first) of it, both
     in s; None where that would go backwards.  By quintics that are exact at both their ends, where
@@ -96,7 +96,7 @@ def paced(curve: PiecewisePolynomial, ahead: Array, time: float) -> PiecewisePol
 def _with_accelerations(
     cubics: PiecewisePolynomial, begin: Array, end: Array
 ) -> PiecewisePolynomial:
-    """Give the quintics with the ends of s cubics, and accelerations (s, n) at both of them."""
+    """Return the quintics with the ends of s cubics, and accelerations (s, n) at both of them."""
     spans, (position, velocity, half, sixth) = cubics.spans[:, None], cubics.coefficients
     begin = 0.5 * begin - half
     end = 0.5 * end - half - 3.0 * spans * sixth
@@ -150,17 +150,17 @@ def _of_order(part: Array, parts: list[Array]) -> Array:
 
 
 def peak_accelerations(curve: PiecewisePolynomial) -> Array:
-    """Give the largest accelerations (n,) of a curve's joints, by quintics at the most."""
+    """Return the largest accelerations (n,) of a curve's joints, by quintics at the most."""
     return _peaks(curve, 2)
 
 
 def peak_jerks(curve: PiecewisePolynomial) -> Array:
-    """Give the largest jerks (n,) of a curve's joints, by quintics at the most."""
+    """Return the largest jerks (n,) of a curve's joints, by quintics at the most."""
     return _peaks(curve, 3)
 
 
 def jerks_over(curve: PiecewisePolynomial, span: float) -> Array:
-    """Give the largest changes (n,) of the accelerations in a time (s) with a break, by that time.
+    """Return the largest changes (n,) of the accelerations in a time (s) with a break, over it.
 
     What changes at a break counts, which the derivative of a curve does not show.
     """
@@ -196,7 +196,7 @@ def highest_accelerations(curve: PiecewisePolynomial) -> tuple[Array, Array]:
 
 
 def _peaks(curve: PiecewisePolynomial, rate: int) -> Array:
-    """Give the largest magnitudes of a rate, which is a cubic at the most."""
+    """Return the largest magnitudes of a rate, which is a cubic at the most."""
     if len(curve.breaks) < 2:
         return np.zeros(curve.joints)
     peaks: Array = np.abs(_extremes(curve, rate)[0]).max(axis=(0, 1))
@@ -204,7 +204,7 @@ def _peaks(curve: PiecewisePolynomial, rate: int) -> Array:
 
 
 def _extremes(curve: PiecewisePolynomial, rate: int) -> tuple[Array, Array]:
-    """Give a rate at both ends of every piece and where it turns, and those times, (k, s, n)."""
+    """Return a rate at both ends of every piece and where it turns, and those times, (k, s, n)."""
     spans = np.diff(curve.breaks)[:, None]
     given = curve.derivative(rate)
     c = np.zeros((4, *given.shape[1:]))

@@ -8,7 +8,7 @@ from robomech_ros.execution.stopping import slowed_down
 
 
 def past_the_end(follower: Follower, ahead: float) -> float:
-    """Give how long (s) after the end of its trajectory a time from now is; 0 if it is not."""
+    """Return how long (s) after the end of its trajectory a time from now is; 0 if it is not."""
     waiting, goal = follower.waiting, follower.active
     if waiting is not None and follower.now + ahead >= waiting.begin:
         return max(follower.now + ahead - waiting.begin - waiting.curve.duration, 0.0)
@@ -18,7 +18,7 @@ def past_the_end(follower: Follower, ahead: float) -> float:
 
 
 def desired_state(follower: Follower, ahead: float) -> State:
-    """Give the state that is planned for some time from now, if nothing comes between.
+    """Return the state that is planned for some time from now, if nothing comes between.
 
     Parameters
     ----------

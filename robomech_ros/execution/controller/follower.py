@@ -265,7 +265,7 @@ class Follower:
         return str(strain)
 
     def _belt(self, at: float) -> Belt | None:
-        """Give what is followed, on a clock that is 0 at a time; None for nothing, or slowed."""
+        """Return what is followed, on a clock that is 0 at a time; None for nothing, or slowed."""
         goal = self.active
         if goal is None or self.phase is not Phase.MOVING:
             return None

@@ -191,7 +191,7 @@ def _remaining(waypoints: Waypoints, present: State, joints: Joints, late: float
 
 
 def _part(waypoints: Waypoints, part: slice, late: float = 0.0) -> Waypoints:
-    """Give some of the points, sooner by a time (s)."""
+    """Return some of the points, sooner by a time (s)."""
     velocities, accelerations = waypoints.velocities, waypoints.accelerations
     return Waypoints(
         waypoints.times[part] - late,
@@ -281,7 +281,10 @@ def _candidates(
 
 
 def _accelerations(curve: PiecewisePolynomial, push: Array, joints: Joints) -> Array:
-    """Give what each joint may accelerate (n,): its limit, or what is planned or there already."""
+    """Return what each joint may accelerate (n,).
+
+    Its limit, or what is planned or there already.
+    """
     here = np.abs(curve.sample(0.0).acceleration + push)
     return np.maximum(joints.acceleration, np.maximum(peak_accelerations(curve), here))
 

@@ -234,7 +234,7 @@ class SimulatedJoints:
         self.at_limit = self.at_limit + driven.at_limit
 
     def _delivered(self, desired: State, span: float) -> State:
-        """Give the command that has got to the joints."""
+        """Return the command that has got to the joints."""
         self._time += span
         faults = self._faults
         if faults is None:
@@ -259,7 +259,7 @@ class SimulatedJoints:
         self._state = State(self._state.position + change, velocity, acceleration)
 
     def _sensed(self, span: float) -> State:
-        """Give what the sensors show, so long (s) after they showed something last."""
+        """Return what the sensors show, so long (s) after they showed something last."""
         faults, state = self._faults, self._state
         shown = state.position
         if faults is not None:

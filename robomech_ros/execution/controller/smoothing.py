@@ -22,7 +22,7 @@ _JERKS, _ROOTS = np.array([60.0, 36.0, 9.0]), np.array([1.0 / 3.0, 0.5, 1.0])
 
 
 def fading_time(step: Array, kick: Array, push: Array, joints: Joints) -> float:
-    """Give the time in which the smoothing needs half the limits of the worst joint.
+    """Return the time in which the smoothing needs half the limits of the worst joint.
 
     An offset in acceleration counts for the jerk alone.
     """
@@ -63,7 +63,7 @@ def delayed(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:
 
 
 def braking_time(velocity: Array, joints: Joints) -> float:
-    """Give the time (s) in which all joints brake together; NaN (no velocity given) is at rest."""
+    """Return the time (s) in which all joints brake together; NaN velocities are at rest."""
     speed = np.nan_to_num(np.abs(velocity))
     if np.max(speed) <= REST:
         return 0.0

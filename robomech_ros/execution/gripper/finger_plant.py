@@ -90,7 +90,7 @@ class FingerPlant:
         return DrivenMotion(self._state, effort, np.where(stopped, span, 0.0))
 
     def _wanted(self, command: State, span: float) -> State:
-        """Give where the joints would be without anything between them."""
+        """Return where the joints would be without anything between them."""
         if not self._behind.any():
             return command
         behind, here = self._behind, self._state
@@ -107,7 +107,7 @@ class FingerPlant:
         )
 
     def _stops(self, wanted: State) -> Array:
-        """Give where each joint is stopped (rad or m), shape (n,); NaN for those that are not."""
+        """Return where each joint is stopped (rad or m), shape (n,); NaN for those that are not."""
         contact = self.contact
         if contact is None:
             return np.full(len(wanted.position), np.nan)

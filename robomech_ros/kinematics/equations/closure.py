@@ -77,7 +77,7 @@ class ClosureEquations:
         return (np.arange(6) + self.first - 1) % 6
 
     def residual(self, q: ArrayLike) -> Numbers:
-        """Give left minus right sides at a posture.
+        """Return left minus right sides at a posture.
 
         Parameters
         ----------
@@ -104,7 +104,7 @@ class ClosureEquations:
         return difference
 
     def six_by_nine(self, q3: ArrayLike) -> Numbers:
-        """Give the 6 x 9 matrix of the equations in joints 4 and 5.
+        """Return the 6 x 9 matrix of the equations in joints 4 and 5.
 
         Parameters
         ----------
@@ -126,7 +126,7 @@ class ClosureEquations:
         return matrix
 
     def three_columns(self, q4: ArrayLike, q5: ArrayLike) -> Numbers:
-        """Give the matrix G of the bivariate approach (section 9.4).
+        """Return the matrix G of the bivariate approach (section 9.4).
 
         Parameters
         ----------
@@ -222,7 +222,7 @@ def closure_equations(chain: SerialChain, T: ArrayLike, *, first: int = 1) -> Cl
 
 
 def as_angles(what: str, value: ArrayLike) -> Numbers:
-    """Give angles (rad), real or complex, as an array of any shape.
+    """Return angles (rad), real or complex, as an array of any shape.
 
     Parameters
     ----------
@@ -248,14 +248,14 @@ def as_angles(what: str, value: ArrayLike) -> Numbers:
 
 
 def circle(angle: ArrayLike) -> Numbers:
-    """Give (cos, sin, 1) of angles (...) in rad, real or complex, shape (3, ...)."""
+    """Return (cos, sin, 1) of angles (...) in rad, real or complex, shape (3, ...)."""
     angle = np.asarray(angle)
     rows: Numbers = np.array([np.cos(angle), np.sin(angle), np.ones_like(np.cos(angle))])
     return rows
 
 
 def turn_about_z(angle: ArrayLike) -> Numbers:
-    """Give the poses (..., 4, 4) of turns by angles (...) in rad, real or complex."""
+    """Return the poses (..., 4, 4) of turns by angles (...) in rad, real or complex."""
     c, s, one = circle(angle)
     pose = np.zeros((*c.shape, 4, 4), dtype=c.dtype)
     pose[..., 0, 0], pose[..., 0, 1] = c, -s
@@ -272,7 +272,7 @@ def _turns(angles: Array, axis: int, axes: int) -> Numbers:
 
 
 def _loop(chain: SerialChain, target: Array) -> tuple[Array, float]:
-    """Give the links between the joints, the target between joints 6 and 1, and their size."""
+    """Return the links between the joints, the target between joints 6 and 1, and their size."""
     C = chain.transforms
     links = np.concatenate((C[1:6], (C[6] @ np.linalg.inv(target) @ C[0])[None]))
     size = float(np.linalg.norm(links[:, :3, 3], axis=1).sum()) or 1.0
@@ -281,7 +281,7 @@ def _loop(chain: SerialChain, target: Array) -> tuple[Array, float]:
 
 
 def _quantities(pose: Numbers) -> Numbers:
-    """Give p, l, p x l, (p.p) l - 2 (p.l) p, p.p and p.l, shape (..., 14)."""
+    """Return p, l, p x l, (p.p) l - 2 (p.l) p, p.p and p.l, shape (..., 14)."""
     l, p = pose[..., :3, 2], pose[..., :3, 3]  # noqa: E741
     square, along = (np.sum(p * x, axis=-1, keepdims=True) for x in (p, l))
     parts = (p, l, np.cross(p, l), square * l - 2.0 * along * p, square, along)

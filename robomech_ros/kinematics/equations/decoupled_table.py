@@ -14,7 +14,7 @@ _MEETING = 1e-9
 
 
 def decoupled_table(chain: SerialChain) -> DHTable:
-    """Give the table of six revolute joints, the last three with axes through one point.
+    """Return the table of six revolute joints, the last three with axes through one point.
 
     Raises
     ------

@@ -41,13 +41,13 @@ def sampled_determinants(matrix: Array, count: int) -> tuple[Array, Array]:
 
 
 def waves_of_samples(samples: Array) -> ComplexArray:
-    """Give d_k, k = -m .. m, with ``f = sum d_k exp(i k theta)``, from 2 m + 1 even samples."""
+    """Return d_k, k = -m .. m, with ``f = sum d_k exp(i k theta)``, from 2 m + 1 even samples."""
     waves: ComplexArray = np.fft.fftshift(np.fft.fft(samples)) / len(samples)
     return waves
 
 
 def half_angle_polynomial(waves: ComplexArray) -> Array:
-    """Give the coefficients of x^2m .. 1 of (1 + x^2)^m f, for x = tan(theta / 2).
+    """Return the coefficients of x^2m .. 1 of (1 + x^2)^m f, for x = tan(theta / 2).
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def null_vectors(matrix: Array, front: float) -> tuple[ComplexArray, ComplexArra
 
 
 def angles_of_tangents(above: ComplexArray, below: ComplexArray) -> ComplexArray:
-    """Give the angles whose half has the tangent above / below.
+    """Return the angles whose half has the tangent above / below.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def angles_of_tangents(above: ComplexArray, below: ComplexArray) -> ComplexArray
 
 
 def angle_of(c: complex, s: complex) -> complex:
-    """Give the angle (rad) with this cosine and sine, known up to rounding or a positive factor."""
+    """Return the angle (rad) of this cosine and sine, known up to a positive factor."""
     length = np.sqrt(complex(c * c + s * s))
     return complex(-1j * np.log((c + 1j * s) / length)) if length != 0 else 0j
 

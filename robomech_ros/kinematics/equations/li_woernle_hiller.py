@@ -51,7 +51,7 @@ def half_angle_equations(equations: ClosureEquations) -> Array:
 
 
 def li_woernle_hiller_matrix(equations: ClosureEquations) -> Array:
-    r"""Give the 8 x 8 matrix whose determinant hides joint 5.
+    r"""Return the 8 x 8 matrix whose determinant hides joint 5.
 
     The four equations linear in :math:`x_3 = \tan(\theta_3 / 2)` are quadratic in :math:`x_4` and
     :math:`x_5`.  Multiplied by :math:`x_4` they are four more, in the eight monomials

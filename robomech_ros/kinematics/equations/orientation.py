@@ -195,7 +195,7 @@ def decoupled_postures(chain: SerialChain, T: ArrayLike) -> ComplexArray:
 
 
 def _unturned(table: DHTable) -> Array:
-    """Give Q_i at theta_i = 0, shape (6, 3, 3)."""
+    """Return Q_i at theta_i = 0, shape (6, 3, 3)."""
     return link_transforms(replace(table, theta=np.zeros(6)))[:, :3, :3]
 
 

@@ -237,7 +237,7 @@ def arm_angles(chain: SerialChain, centre: ArrayLike, theta3: complex) -> Comple
 
 
 def _two_equations(table: DHTable, centre: Array) -> tuple[Array, Array]:
-    """Give A .. E and F .. J."""
+    """Return A .. E and F .. J."""
     (a1, a2, a3), (b1, b2, b3, b4) = table.a[:3], table.b[:4]
     (l1, l2, l3), (m1, m2, m3) = np.cos(table.alpha[:3]), np.sin(table.alpha[:3])
     x, y, z = centre

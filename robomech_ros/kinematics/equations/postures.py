@@ -162,7 +162,7 @@ def _refined(equations: ClosureEquations, start: Numbers) -> Numbers | None:
 
 
 def _loop_error(equations: ClosureEquations, q: Numbers) -> tuple[Numbers, Numbers]:
-    """Give three rows of J_1 L_1 .. J_6 minus L_6^-1, (12,), and their derivative (12, 6)."""
+    """Return three rows of J_1 L_1 .. J_6 minus L_6^-1, (12,), and their derivative (12, 6)."""
     steps = turn_about_z(q)
     before = [np.eye(4) + 0.0 * steps[0]]
     for step, link in zip(steps[:-1], equations.links[:5], strict=True):

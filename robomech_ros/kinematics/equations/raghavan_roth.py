@@ -16,7 +16,7 @@ from robomech_ros.typing import Array
 
 
 def raghavan_roth_matrix(equations: ClosureEquations) -> Array:
-    r"""Give the 12 x 12 matrix whose determinant hides joint 3.
+    r"""Return the 12 x 12 matrix whose determinant hides joint 3.
 
     With :math:`x_i = \tan(\theta_i / 2)` the six equations are quadratic in each of :math:`x_3`,
     :math:`x_4` and :math:`x_5`.  Multiplied by :math:`x_4` they are six more, in the twelve

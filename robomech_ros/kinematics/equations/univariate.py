@@ -254,7 +254,7 @@ def _most_regular(
 
 
 def _condition(matrix: Array, angle: complex, last: int = 2) -> float:
-    """Give the greatest singular value over the last one, or the last but one."""
+    """Return the greatest singular value over the last one, or the last but one."""
     s, c = np.sin(0.5 * angle), np.cos(0.5 * angle)
     sizes = np.linalg.svd(
         s * s * matrix[0] + s * c * matrix[1] + c * c * matrix[2], compute_uv=False
@@ -271,7 +271,7 @@ def _three_angles(vector: ComplexArray, procedure: _Procedure, angle: complex) -
 
 
 def _ratio(high: ComplexArray, low: ComplexArray) -> complex:
-    """Give the angle whose half has the tangent high / low, by their greatest entries."""
+    """Return the angle whose half has the tangent high / low, by their greatest entries."""
     k = int(np.argmax(np.abs(high.ravel()) + np.abs(low.ravel())))
     return complex(angles_of_tangents(high.ravel()[k], low.ravel()[k]))
 
@@ -306,7 +306,7 @@ def _add_crowded(
 
 
 def _crowds(z: ComplexArray) -> Iterator[tuple[complex, int, float]]:
-    """Give the middle of numbers close to each other, how many they are, and how close.
+    """Yield the middle of numbers close to each other, how many they are, and how close.
 
     Close ones come first: among others their middle would be lost.
     """

@@ -115,7 +115,7 @@ def inverse_kinematics_batch(
 
 
 def family_within(chain: SerialChain, respect_limits: bool) -> Family:
-    """Give the family of a chain; an iterative one searches with limits or without."""
+    """Return the family of a chain; an iterative one searches with limits or without."""
     family = family_of(chain)
     if family.closed_form:
         return family

@@ -78,14 +78,14 @@ def solve_closed_form(
 
 @lru_cache(maxsize=64)
 def _solved(family: str, complete: bool) -> Findings:
-    """Give what is found of solutions that need no words."""
+    """Return what is found of solutions that need no words."""
     return Findings(family, complete, Status.SUCCESS)
 
 
 def _wound(
     result: InverseKinematicsResult, request: Request, family: Family
 ) -> InverseKinematicsResult:
-    """Give the result with every winding of its solutions."""
+    """Return the result with every winding of its solutions."""
     q, names, distances = rank_windings(
         result.chain, family.turns, request, result.q, result.branch_bits
     )
@@ -96,7 +96,7 @@ def _wound(
 
 @lru_cache(maxsize=8)
 def _shape(n: int) -> tuple[int, int]:
-    """Give the shape of the space for the solutions of n joints and what is written besides."""
+    """Return the shape of the space for the solutions of n joints and what is written besides."""
     return MAX_SOLUTIONS + -(-TOTAL // n), n
 
 

@@ -102,7 +102,7 @@ def iterative_search(
 
 
 def attempts_between_looks(n: int) -> int:
-    """Give how many attempts at a chain of n joints are made between two looks at the clock."""
+    """Return how many attempts at a chain of n joints are made between two looks at the clock."""
     return max(1, min(_CHUNK, _CHUNK_OF_MANY // n**2))
 
 

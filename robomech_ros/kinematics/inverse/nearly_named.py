@@ -124,7 +124,7 @@ def _align(link: Array) -> None:
 
 
 def _across(link: Array) -> Array:
-    """Give the vector by which the axis behind a link passes that before."""
+    """Return the vector by which the axis behind a link passes that before."""
     normal = np.array([-link[1, 2], link[0, 2], 0.0])
     normal /= np.linalg.norm(normal)
     vector: Array = (link[:3, 3] @ normal) * normal

@@ -95,7 +95,7 @@ def optimal_posture(
 
 
 def _branch(chain: SerialChain, T: Array, q: Array) -> IntArray:
-    """Give the bits that the solver of the chain's family gives a posture (n,), shape (1,)."""
+    """Return the bits that the solver of the chain's family gives a posture (n,), shape (1,)."""
     nearest = inverse_kinematics(chain, T, seed=q, max_solutions=1)
     if len(nearest) and nearest.seed_distance[0] < SAME_POSTURE:
         return nearest.branch_bits
@@ -105,7 +105,7 @@ def _branch(chain: SerialChain, T: Array, q: Array) -> IntArray:
 def _starts(
     branch: SelfMotionBranch, chain: SerialChain, value: Criterion
 ) -> list[tuple[float, float, float, Array]]:
-    """Give the peaks among a branch's samples: worth, neighbouring parameters, posture."""
+    """Return the peaks among a branch's samples: worth, neighbouring parameters, posture."""
     inside = limit_margins(chain, branch.q) >= 0.0
     if not inside.any():
         return []

@@ -106,7 +106,7 @@ def distance_inside_limits(
 
 
 def out_of_reach(chain: SerialChain, T: Array) -> float:
-    """Give the distance of :func:`reach_gap` alone."""
+    """Return the distance of :func:`reach_gap` alone."""
     return _nearest_posture(chain.packed, chain.n, T, FULL_TASK)[0]
 
 

@@ -42,7 +42,7 @@ def no_solution(
     *,
     complete: bool = False,
 ) -> InverseKinematicsResult:
-    """Give the result without solutions, ``complete`` where it is certain that there are none."""
+    """Return the result without solutions, ``complete`` where it is certain that there are none."""
     findings = Findings(family.name, complete, status, reason, *blocking)
     listing = Listing(T, np.empty(0), np.empty(0, np.int64))
     return InverseKinematicsResult(chain, np.empty((0, chain.n)), findings, listing)
@@ -161,7 +161,7 @@ def describe_continuum(
 
 
 def _still_motions(chain: SerialChain, T: Array, q: Array, task: Task) -> Array:
-    """Give unit vectors, shape (k, n), that span the joint motions that keep the task at rest.
+    """Return unit vectors, shape (k, n), that span the joint motions that keep the task at rest.
 
     At least the least moving one; what is rounding is zero, the largest entry of each positive.
     """

@@ -38,7 +38,7 @@ class Redundancy:
         self._turns = chain.types != PRISMATIC
 
     def at(self, value: float) -> Array:
-        """Give all postures (k, 7) at a value of the parameter."""
+        """Return all postures (k, 7) at a value of the parameter."""
         q, branch = np.empty((MAX_SOLUTIONS, 7)), np.empty(MAX_SOLUTIONS, np.int64)
         if self.data[at.KIND] == at.ARM_ANGLE:
             count = arm_angle_postures(self.data, self.T, self._seed, value, q, branch)
@@ -49,13 +49,13 @@ class Redundancy:
         return q[:count]
 
     def parameter(self, q: Array) -> float:
-        """Give the parameter of a posture (7,)."""
+        """Return the parameter of a posture (7,)."""
         if self.data[at.KIND] == at.ARM_ANGLE:
             return float(arm_angle(self.data, q))
         return float(q[6 if self.data[at.FIRST] == 0.0 else 0])
 
     def range(self) -> tuple[float, float, bool]:
-        """Give the range of the parameter, and whether its ends are the same."""
+        """Return the range of the parameter, and whether its ends are the same."""
         if self.data[at.KIND] == at.ARM_ANGLE:
             return -math.pi, math.pi, True
         locked = 6 if self.data[at.FIRST] == 0.0 else 0
@@ -71,7 +71,7 @@ class Redundancy:
         return np.where(self._turns, np.remainder(raw + math.pi, 2.0 * math.pi) - math.pi, raw)
 
     def near(self, value: float, guess: Array) -> Array | None:
-        """Give the posture at a value that is nearest to a guess, in its winding."""
+        """Return the posture at a value that is nearest to a guess, in its winding."""
         q = self.at(value)
         if not len(q):
             return None
@@ -102,7 +102,7 @@ class Redundancy:
 
 
 def limit_margins(chain: SerialChain, q: Array) -> Array:
-    """Give the distance (rad or m) of the joint nearest to a limit, shape (k,), negative outside.
+    """Return the distance (rad or m) of the joint nearest to a limit, shape (k,), negative outside.
 
     Every joint counts in the winding that is farthest inside its limits.
     """

@@ -175,13 +175,13 @@ def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) ->
 
 @lru_cache(maxsize=128)
 def _seeds(chain: SerialChain) -> tuple[Array, Array]:
-    """Give the least and the greatest seed that every request allows."""
+    """Return the least and the greatest seed that every request allows."""
     low = np.maximum(chain.lower - SEED_SLACK, -chain.largest)
     return low, np.minimum(chain.upper + SEED_SLACK, chain.largest)
 
 
 def as_metric(metric: str) -> int:
-    """Give the number of a metric in the kernels."""
+    """Return the number of a metric in the kernels."""
     number = METRICS.get(metric) if isinstance(metric, str) else None
     if number is None:
         raise BadValueError("metric", metric, " or ".join(repr(name) for name in METRICS))

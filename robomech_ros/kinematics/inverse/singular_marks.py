@@ -63,7 +63,7 @@ def _mark(chain: SerialChain, T: Array, task: Sequence[bool], q: Array) -> int:
 def task_jacobian(
     chain: SerialChain, T: Array, task: Sequence[bool], q: Array
 ) -> tuple[Array, Array]:
-    """Give derivative and error of what counts, along the axes of T; lengths over the arm's size.
+    """Return derivative and error of what counts, along the axes of T; lengths over the arm's size.
 
     Rows are those of x, y, z, rx, ry, rz that the task counts.
     """

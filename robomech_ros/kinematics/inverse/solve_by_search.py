@@ -83,7 +83,7 @@ def _through_followers(
 
 
 def _left(request: Request, started: float) -> float | None:
-    """Give the time (s) that is left; None without a timeout."""
+    """Return the time (s) that is left; None without a timeout."""
     if request.timeout is None:
         return None
     return max(0.0, request.timeout - (time.monotonic() - started))
@@ -92,7 +92,7 @@ def _left(request: Request, started: float) -> float | None:
 def _task_data(
     chain: SerialChain, T: Array, request: Request, respect_limits: bool
 ) -> tuple[Array, Array]:
-    """Give the constants of the search and its target."""
+    """Return the constants of the search and its target."""
     redundant = chain.n > sum(request.task)
     return task_data(
         chain,

@@ -23,7 +23,7 @@ _ONE, _MANY = "(4, 4); inverse_kinematics_batch takes many", "(m, 4, 4)"
 
 
 def as_target(T: ArrayLike) -> Array:
-    """Give one pose as float64 of shape (4, 4), of any memory layout, its entries not looked at.
+    """Return one pose as float64 of shape (4, 4), of any memory layout, its entries not looked at.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def as_target(T: ArrayLike) -> Array:
 
 
 def as_targets(T: ArrayLike, what: str = "T", batch: bool = False) -> Array:
-    """Give poses as contiguous float64 of shape (m, 4, 4), rotations made exactly orthogonal.
+    """Return poses as contiguous float64 of shape (m, 4, 4), rotations made exactly orthogonal.
 
     Parameters
     ----------

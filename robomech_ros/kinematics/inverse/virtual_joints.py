@@ -93,7 +93,7 @@ def _with_virtual_joints(chain: SerialChain, task: Task) -> SerialChain | None:
 
 
 def _distinct(q: Array, chain: SerialChain) -> Array:
-    """Give postures (k, n) without those that differ in virtual joints only."""
+    """Return postures (k, n) without those that differ in virtual joints only."""
     kept: list[Array] = []
     for posture in q:
         if all(np.abs(posture - other).max() > SAME_POSTURE for other in kept):

@@ -63,7 +63,7 @@ class Intersection:
 
 
 def minors(equations: ClosureEquations, q4: ArrayLike, q5: ArrayLike, rows: ArrayLike) -> Array:
-    """Give determinants of three rows of G each.
+    """Return determinants of three rows of G each.
 
     Parameters
     ----------
@@ -158,14 +158,14 @@ def _is_one(equations: ClosureEquations, x: Array, known: Array) -> bool:
 
 
 def _value(equations: ClosureEquations, x: Array) -> Array:
-    """Give the six equations (..., 6) at joints 3, 4 and 5 (..., 3)."""
+    """Return the six equations (..., 6) at joints 3, 4 and 5 (..., 3)."""
     rows = [circle(x[..., k]) for k in range(3)]
     value: Array = np.einsum("eijk,i...,j...,k...->...e", equations.free, *rows)
     return value
 
 
 def _slope(equations: ClosureEquations, x: Array) -> Array:
-    """Give their derivative (..., 6, 3)."""
+    """Return their derivative (..., 6, 3)."""
     columns = []
     for k in range(3):
         rows = [circle(x[..., m]) for m in range(3)]

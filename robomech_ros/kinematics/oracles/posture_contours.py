@@ -91,7 +91,7 @@ class PostureContours:
         )
 
     def curves(self) -> tuple[tuple[Array, ...], ...]:
-        """Give the two contours over a turn of joints 4 and 5, in pieces (k, 2) (rad)."""
+        """Return the two contours over a turn of joints 4 and 5, in pieces (k, 2) (rad)."""
         return self._curves.curves()
 
     def refine(self, estimate: ArrayLike) -> Crossing:

@@ -49,7 +49,7 @@ class BoxGrid:
         return x, y, z
 
     def points(self, cells: IntArray) -> Array:
-        """Give the points (k, 3) of these cells (k,), which are counted along z first, then y."""
+        """Return the points (k, 3) of these cells (k,), which are counted along z first, then y."""
         places = np.unravel_index(cells, self.shape)
         return np.stack([axis[at] for axis, at in zip(self.axes, places, strict=True)], axis=-1)
 
@@ -108,7 +108,7 @@ def _as_bound(what: str, bound: ArrayLike) -> Array:
 
 
 def _three(what: str, value: ArrayLike) -> Array:
-    """Give a number for each axis, where one number stands for all."""
+    """Return a number for each axis, where one number stands for all."""
     numbers = real_array(what, value)
     if numbers.shape not in ((), (3,)):
         raise WrongSizeError(what, numbers.shape, "() or (3,)")

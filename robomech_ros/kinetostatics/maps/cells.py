@@ -83,7 +83,7 @@ def map_cells(
 
 
 def _poses(request: MapRequest, first: int, last: int) -> Array:
-    """Give the poses (m, 4, 4) from ``first`` to before ``last``: all orientations of a cell."""
+    """Return the poses (m, 4, 4) from ``first`` to before ``last``: all orientations of a cell."""
     cells, turns = np.divmod(np.arange(first, last), len(request.orientations))
     T = np.zeros((last - first, 4, 4))
     T[:, :3, :3] = request.orientations[turns]
@@ -93,7 +93,7 @@ def _poses(request: MapRequest, first: int, last: int) -> Array:
 
 
 def _postures(chain: SerialChain, T: Array, respect_limits: bool) -> tuple[Array, IntArray]:
-    """Give the postures (m, room, n) for the poses T (m, 4, 4), and how many each has.
+    """Return the postures (m, room, n) for the poses T (m, 4, 4), and how many each has.
 
     Of a redundant arm they are samples of the self-motion.
     """
@@ -113,7 +113,7 @@ def _postures(chain: SerialChain, T: Array, respect_limits: bool) -> tuple[Array
 
 
 def _least_conditions(chain: SerialChain, q: Array, counts: IntArray, request: MapRequest) -> Array:
-    """Give the least condition number among the postures of each pose, NaN where there are none."""
+    """Return the least condition number of each pose's postures, NaN if there are none."""
     least = np.full(len(counts), np.nan)
     reached = counts > 0
     if reached.any():

@@ -279,7 +279,7 @@ def _check_size(grid: BoxGrid) -> None:
 
 
 def _begun(path: Path | None, request: MapRequest) -> NDArray:
-    """Give the cells to fill: those of the file where there is one."""
+    """Return the cells to fill: those of the file where there is one."""
     if path is not None and path.exists():
         before, cells = load_map(path)
         different = before.difference(request)
@@ -295,7 +295,7 @@ def _begun(path: Path | None, request: MapRequest) -> NDArray:
 
 
 def _unfinished(cells: NDArray, count: int) -> Iterator[Chunk]:
-    """Give the chunks of this many cells with at least one unfinished."""
+    """Yield the chunks of this many cells with at least one unfinished."""
     for first in range(0, len(cells), count):
         last = min(first + count, len(cells))
         if (cells["reached"][first:last] == UNFINISHED).any():

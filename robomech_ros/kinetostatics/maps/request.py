@@ -97,7 +97,7 @@ class MapRequest:
 
 
 def identity_of(chain: SerialChain) -> RobotIdentity:
-    """Give what tells the map of a chain from that of another one."""
+    """Return what tells the map of a chain from that of another one."""
     arrays = (chain.types, chain.packed, chain.lower, chain.upper)
     return RobotIdentity(chain.name, chain.base, chain.tip, _digest(*arrays))
 

@@ -97,7 +97,7 @@ def _kind(
 
 
 def _parallel(chain: SerialChain, links: Array) -> _Joints:
-    """Give the longest run of revolute joints with parallel axes, if it is two or more."""
+    """Return the longest run of revolute joints with parallel axes, if it is two or more."""
     runs: list[list[int]] = [[]]
     direct = np.eye(3)
     for i in range(chain.n):
@@ -114,7 +114,7 @@ def _parallel(chain: SerialChain, links: Array) -> _Joints:
 
 
 def _concurrent(links: Array, joints: _Joints, size: float) -> _Joints:
-    """Give three neighbouring joints if their axes meet in one point, else none."""
+    """Return three neighbouring joints if their axes meet in one point, else none."""
     if len(joints) < 3 or joints[2] - joints[0] != 2:
         return ()
     found = common_point(links[joints[1]], links[joints[2]])

@@ -204,7 +204,7 @@ class _Search:
         return _Box(self.minors.bernstein(middle, reach), middle, -reach, reach)
 
     def _posture(self, box: _Box, t: Array) -> Array:
-        """Give joint values, those that do not count in the middle of their intervals."""
+        """Return joint values, those that do not count in the middle of their intervals."""
         q = 0.5 * (self.low + self.high)
         joints = list(self.minors.joints)
         q[joints] = box.middle + np.where(self.turns, 2.0 * np.arctan(t), t)
@@ -273,7 +273,7 @@ class _Search:
 
 
 def _cut(tensor: Array, axis: int) -> tuple[Array, Array]:
-    """Give the Bernstein coefficients of the two halves along an axis, after de Casteljau."""
+    """Return the Bernstein coefficients of the two halves along an axis, after de Casteljau."""
     left = _left_half(tensor.shape[axis])
     moved = np.moveaxis(tensor, axis, -1)
     first, second = (np.moveaxis(moved @ half.T, -1, axis) for half in (left, left[::-1, ::-1]))

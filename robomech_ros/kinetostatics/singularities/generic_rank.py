@@ -25,7 +25,7 @@ def _length(chain: SerialChain) -> float:
 
 
 def scaling_length(chain: SerialChain, length: float | None) -> float:
-    """Give the length (m) that a caller wants, or the characteristic length.
+    """Return the length (m) that a caller wants, or the characteristic length.
 
     The size of the arm takes the place of the latter where there is none, since more joints move
     the tip than it has degrees of freedom in any posture.
@@ -41,7 +41,7 @@ def scaling_length(chain: SerialChain, length: float | None) -> float:
 
 
 def generic_rank(chain: SerialChain) -> int:
-    """Give the rank that the Jacobian has in nearly all postures."""
+    """Return the rank that the Jacobian has in nearly all postures."""
     return generic_motions(chain)[0]
 
 

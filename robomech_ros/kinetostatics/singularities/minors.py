@@ -86,7 +86,7 @@ class Minors:
         return values[:, 0]
 
     def bernstein(self, middle: Array, reach: Array) -> Array:
-        """Give Bernstein coefficients over a box.
+        """Return Bernstein coefficients over a box.
 
         Parameters
         ----------
@@ -158,7 +158,7 @@ def _evaluated(
     row_sets: IntArray,
     column_sets: IntArray,
 ) -> Array:
-    """Give minors (m, k) in postures (k, n); the first joint and the last are set to zero."""
+    """Return minors (m, k) in postures (k, n); the first joint and the last are set to zero."""
     q = q.copy()
     q[:, 0] = q[:, -1] = 0.0
     halves = jacobian(chain, q).reshape(len(q), 2, 3, chain.n)
@@ -177,7 +177,7 @@ def _evaluated(
 
 
 def _to_coefficients(slide: bool) -> Array:
-    """Give the matrix from values at the nodes to coefficients, both as rows."""
+    """Return the matrix from values at the nodes to coefficients, both as rows."""
     if slide:
         at_nodes = _SLIDES[:, None] ** np.arange(3)
     else:
@@ -209,7 +209,7 @@ def _trimmed(
 
 
 def _turned(count: int, middle: float) -> Array:
-    """Give functions of q = middle + x as combinations, in rows, of those of x."""
+    """Return functions of q = middle + x as combinations, in rows, of those of x."""
     turn = np.eye(count)
     for k in range(1, (count + 1) // 2):
         c, s = math.cos(k * middle), math.sin(k * middle)
@@ -218,7 +218,7 @@ def _turned(count: int, middle: float) -> Array:
 
 
 def _shifted(count: int, middle: float, reach: float) -> Array:
-    """Give powers of middle + reach u, in rows, in powers of u."""
+    """Return powers of middle + reach u, in rows, in powers of u."""
     return np.array(
         [
             [
@@ -232,7 +232,7 @@ def _shifted(count: int, middle: float, reach: float) -> Array:
 
 @functools.lru_cache(maxsize=8)
 def _from_powers(degree: int) -> Array:
-    """Give the Bernstein coefficients, in rows, of the powers of u over -1 <= u <= 1."""
+    """Return the Bernstein coefficients, in rows, of the powers of u over -1 <= u <= 1."""
     steps = range(degree + 1)
     # Those of powers of s = (u + 1) / 2.
     unit = np.array([[math.comb(i, k) / math.comb(degree, k) for i in steps] for k in steps])

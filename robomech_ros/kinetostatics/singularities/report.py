@@ -123,7 +123,7 @@ class SingularityReports:
         return self.kinds.astype(bool)
 
     def __getitem__(self, index: int | tuple[int, ...]) -> SingularityReport:
-        """Give the report on one posture."""
+        """Return the report on one posture."""
         rows = (self.lost_directions, self.idle_wrenches, self.self_motions)
         lost, idle, free = (one[index][~np.isnan(one[index][:, 0])] for one in rows)
         return SingularityReport(
@@ -226,7 +226,7 @@ def singularity_report(
 def posture_report(
     chain: SerialChain, q: Array, *, point: ArrayLike = TIP, length: float | None = None
 ) -> SingularityReport:
-    """Give :func:`singularity_report` of one posture, q (n,)."""
+    """Return :func:`singularity_report` of one posture, q (n,)."""
     found = _measured(chain, q, point, length)
     (values,), (numbers,), (twists,), (free,) = found[:4]
     rank, count = found.counts[0].tolist()

@@ -128,7 +128,7 @@ class Workspace(Printed):
         return counts.reshape(rows.shape[:-1])
 
     def distance(self, points: ArrayLike) -> Array:
-        """Give the distance from the nearest boundary, positive inside and negative outside.
+        """Return the distance from the nearest boundary, positive inside and negative outside.
 
         Parameters
         ----------
@@ -165,7 +165,7 @@ class Workspace(Printed):
         return np.where(beyond > 0.0, away, signed).reshape(rows.shape[:-1])
 
     def swept(self, azimuth: float, *, curve: BoundaryCurve) -> Array:
-        """Give a curve's points (k, 3) in the base, turned by an azimuth (rad) or slid (m)."""
+        """Return a curve's points (k, 3) in the base, turned by an azimuth (rad) or slid (m)."""
         x, y = curve.points.T
         if self.section.slides[0]:
             local = np.column_stack((x, y, np.full(len(x), azimuth)))
@@ -174,13 +174,13 @@ class Workspace(Printed):
         return self.section.in_base(local)
 
     def _beyond(self, local: Array) -> Array:
-        """Give how far points (m, 3) in the frame of joint 1 are from a planar arm's plane (m)."""
+        """Return distances (m) of points (m, 3) in joint 1's frame from a planar arm's plane."""
         height = np.abs(local[:, 2])
         inside = height <= _IN_PLANE * self.section.size
         return np.where(inside | (not self.section.flat), 0.0, height)
 
     def to_dict(self) -> dict[str, Any]:
-        """Give the curves and features as plain numbers, lists and text, fit for JSON or YAML."""
+        """Return the curves and features as plain numbers, lists and text, fit for JSON or YAML."""
         return {
             "name": self.name,
             "coordinates": list(self.coordinates),
@@ -229,7 +229,7 @@ class Workspace(Printed):
 
 
 def _joint_of(curve: BoundaryCurve) -> int:
-    """Give 1 or 2 where the value of joint 2 or 3 is constant along a curve, else 0."""
+    """Return 1 or 2 where the value of joint 2 or 3 is constant along a curve, else 0."""
     still = np.ptp(curve.q, axis=0) == 0.0
     return int(np.argmax(still)) + 1 if still.any() else 0
 
@@ -304,7 +304,7 @@ def positioning_boundary(chain: SerialChain) -> Workspace:
 
 
 def _of_planar_tip(chain: SerialChain, section: WorkspaceSection, tip: PlanarTip) -> Workspace:
-    """Give the workspace of the tip of a planar arm in the frame of a section of two joints."""
+    """Return the workspace of the tip of a planar arm in the frame of a section of two joints."""
     section = replace(section, size=max(pair.section.size for pair in tip.pairs))
     pieces, causes, values = [], [], []
     for pair, own in zip(tip.pairs, tip.pieces, strict=True):
@@ -360,7 +360,7 @@ def _cause(section: WorkspaceSection, piece: CurvePiece) -> str:
 
 
 def _reach(section: WorkspaceSection, pieces: list[CurvePiece]) -> tuple[float, float]:
-    """Give the least and the greatest distance from the origin of the section."""
+    """Return the least and the greatest distance from the origin of the section."""
     found, *_ = NearestOnCurves(section, pieces).find(np.zeros((1, 2)))
     inside = PointPostures(section, first_free=True).count(section.on_section(np.zeros((1, 2))))[0]
     points = np.concatenate([piece.points for piece in pieces])

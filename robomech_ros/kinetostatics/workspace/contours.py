@@ -64,7 +64,7 @@ def singular_contours(section: WorkspaceSection) -> list[Contour]:
 
 
 def _straight(section: WorkspaceSection, joint: int, value: float) -> tuple[Array, Array]:
-    """Give a line of constant joint value, and the points on it in which others cross it."""
+    """Return a line of constant joint value, and the points on it in which others cross it."""
     other = 3 - joint
     along = np.linspace(section.lower[other], section.upper[other], 2 * LINES + 1)
     along += 0.0 if not section.round[other] else OFFSET * (along[1] - along[0])
@@ -104,7 +104,7 @@ def _crossings(section: WorkspaceSection, curves: list[Array]) -> Array:
 
 
 def _apart(section: WorkspaceSection, points: Array, other: Array) -> Array:
-    """Give the differences of points, without whole turns (rad or m)."""
+    """Return the differences of points, without whole turns (rad or m)."""
     turn = 2.0 * np.pi * section.round[1:]
     apart = other - points
     result: Array = np.abs(apart - turn * np.round(apart / (2.0 * np.pi)))
@@ -169,7 +169,7 @@ def _on_edge(section: WorkspaceSection, vertex: Array, axis: int, bound: float) 
 
 
 def edges_of_box(section: WorkspaceSection) -> list[tuple[int, bool, Array]]:
-    """Give the curves on which joint 2 or 3 is at a limit.
+    """Return the curves on which joint 2 or 3 is at a limit.
 
     Returns
     -------

@@ -75,7 +75,7 @@ def cut_curves(section: WorkspaceSection) -> tuple[list[CurvePiece], Array, Arra
 
 
 def values_in(section: WorkspaceSection, q: Array, joint: int, limit: str) -> Array:
-    """Give joint values (k, 2) found in units of the arm's size in its own (rad or m).
+    """Return joint values (k, 2) found in units of the arm's size in its own (rad or m).
 
     Those at a limit, and slides at their ends, are there to the last digit, and not beyond.
     """
@@ -90,7 +90,7 @@ def values_in(section: WorkspaceSection, q: Array, joint: int, limit: str) -> Ar
 def branches_of(
     section: WorkspaceSection,
 ) -> tuple[list[Branch], list[list[tuple[float, Array]]], list[Array]]:
-    """Give the curves, where each is to be cut besides at nodes, and the cusps."""
+    """Return the curves, where each is to be cut besides at nodes, and the cusps."""
     branches: list[Branch] = []
     cuts: list[list[tuple[float, Array]]] = []
     cusps: list[Array] = []
@@ -125,7 +125,7 @@ def _where_singular(
 
 
 def _cut(branch: Branch, places: list[tuple[float, Array]]) -> list[Array]:
-    """Give the joint values of a branch between the places where it is cut."""
+    """Return the joint values of a branch between the places where it is cut."""
     parts = []
     start, opening = 0.0, branch.q[0]
     last = len(branch.q) - 1.0
@@ -162,7 +162,7 @@ def _counted(
 
 
 def _probes(points: Array, lengths: Array, beside: float) -> tuple[Array, Array]:
-    """Give points to the left and to the right of a polyline, evenly along it."""
+    """Return points to the left and to the right of a polyline, evenly along it."""
     along = np.concatenate(([0.0], np.cumsum(lengths)))
     at = along[-1] * (np.arange(_PROBES) + 0.5) / _PROBES
     k = np.clip(np.searchsorted(along, at) - 1, 0, len(lengths) - 1)
@@ -189,7 +189,7 @@ def _coincide(piece: CurvePiece, other: CurvePiece, size: float) -> bool:
 
 
 def _distinct(points: list[Array], size: float) -> Array:
-    """Give points (k, 2), each once."""
+    """Return points (k, 2), each once."""
     result: list[Array] = []
     for point in points:
         if all(np.abs(point - other).max() > _JOINT * size for other in result):

@@ -97,7 +97,7 @@ def cusps_of(section: WorkspaceSection, curve: Array) -> tuple[Array, IntArray, 
 
 
 def _weights(section: WorkspaceSection, curve: Array) -> Array:
-    """Give the image's tangents, shape (k, 2), in the smooth coordinates of the section."""
+    """Return the image's tangents, shape (k, 2), in the smooth coordinates of the section."""
     au, av, _, _, _, bu, bv, *_ = section.regular(curve[:, 0], curve[:, 1])
     rows = np.stack((np.stack((au, av), -1), np.stack((bu, bv), -1)), axis=1)
     longer = np.argmax((rows**2).sum(axis=2), axis=1)
@@ -107,7 +107,7 @@ def _weights(section: WorkspaceSection, curve: Array) -> Array:
 
 
 def _tangency(section: WorkspaceSection, q: Array, weights: Array) -> Array:
-    """Give the derivative of det J21 along the direction that moves nothing, shape (...)."""
+    """Return the derivative of det J21 along the direction that moves nothing, shape (...)."""
     u, v = q[..., 0], q[..., 1]
     au, av, _, _, _, bu, bv, *_ = section.regular(u, v)
     _, fu, fv = section.determinant_gradient(u, v)
@@ -188,7 +188,7 @@ def _is_same(section: WorkspaceSection, node: Crossing, other: Crossing) -> bool
 
 
 def _neighbours(starts: Array, ends: Array, cell: float) -> tuple[NDArray, NDArray]:
-    """Give the pairs of segments, first < second, that have a cell of a grid in common."""
+    """Return the pairs of segments, first < second, that have a cell of a grid in common."""
     low = np.floor(np.minimum(starts, ends) / cell).astype(np.int64)
     high = np.floor(np.maximum(starts, ends) / cell).astype(np.int64)
     low -= low.min(axis=0)
@@ -221,7 +221,7 @@ def _neighbours(starts: Array, ends: Array, cell: float) -> tuple[NDArray, NDArr
 def _crossing(
     starts: Array, ends: Array, first: IntArray, second: IntArray
 ) -> tuple[Array, BoolArray]:
-    """Give the shares of segments, shape (2, k), at which they cross, and whether they do."""
+    """Return the shares of segments, shape (2, k), at which they cross, and whether they do."""
     a, b = (ends - starts)[first], (ends - starts)[second]
     gap = starts[second] - starts[first]
     cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]

@@ -34,7 +34,7 @@ class DeflatedDeterminant:
         return values >= 0.0
 
     def gradient(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
-        """Give its value and derivatives, shape (...) each; huge on the lines themselves."""
+        """Return its value and derivatives, shape (...) each; huge on the lines themselves."""
         f, fu, fv = self.section.determinant_gradient(u, v)
         for joint, value in self.lines:
             e, slope = self._factor(joint, value, u, v)

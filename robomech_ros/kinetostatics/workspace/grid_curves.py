@@ -42,7 +42,7 @@ def grid_curves(deflated: DeflatedDeterminant) -> list[Array]:
 
 
 def _lines(section: WorkspaceSection, joint: int) -> Array:
-    """Give the grid's values of joint 2 (1) or 3 (2)."""
+    """Return the grid's values of joint 2 (1) or 3 (2)."""
     lower, upper = section.lower[joint], section.upper[joint]
     if section.round[joint]:
         whole: Array = lower + (upper - lower) * (np.arange(LINES) + OFFSET) / LINES
@@ -180,6 +180,6 @@ def _unwrapped(section: WorkspaceSection, curve: Array) -> Array:
 
 
 def cell_size(section: WorkspaceSection) -> Array:
-    """Give the size (2,) of a cell of the grid (rad or m)."""
+    """Return the size (2,) of a cell of the grid (rad or m)."""
     spans: Array = (section.upper[1:] - section.lower[1:]) / LINES
     return spans

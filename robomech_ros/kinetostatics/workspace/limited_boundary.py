@@ -53,7 +53,7 @@ class LimitedBoundary:
         self._tree = cKDTree(self._points_kept)
 
     def distance(self, points: Array, inside: BoolArray) -> Array:
-        """Give the distance (m,) of points (m, 3) in the frame of joint 1 from the boundary (m).
+        """Return the distance (m,) of points (m, 3) in the frame of joint 1 from the boundary (m).
 
         Which of them are inside tells what it is the distance from: what can be reached, or what
         cannot.  Where the nearest point of an inside one is on the edge between two surfaces it is
@@ -100,7 +100,7 @@ class LimitedBoundary:
         return np.where(better, apart, found)
 
     def _towards(self, points: Array, q: Array, units: Array) -> Array:
-        """Give steps (m, 2) of joints 2 and 3 that bring them nearer to points, in units.
+        """Return steps (m, 2) of joints 2 and 3 that bring them nearer to points, in units.
 
         A joint that stands at a limit and would go beyond it is left there.
         """
@@ -159,7 +159,7 @@ class LimitedBoundary:
         return attained
 
     def _beside(self, points: Array, feet: Array, normal: Array) -> tuple[Array, Array]:
-        """Give points of the section, and directions, at the azimuth or height of points."""
+        """Return points of the section, and directions, at the azimuth or height of points."""
         if self._section.slides[0]:
             at = np.column_stack((feet, points[:, 2]))
             return at, np.column_stack((normal, np.zeros(len(feet))))

@@ -102,7 +102,7 @@ class NearestOnCurves:
 
 
 def _left(points: Array) -> Array:
-    """Give unit normals (k, 2) to the left of a polyline."""
+    """Return unit normals (k, 2) to the left of a polyline."""
     tangent = np.gradient(points, axis=0)
     normal = np.stack((-tangent[:, 1], tangent[:, 0]), axis=1)
     unit: Array = normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]

@@ -63,7 +63,7 @@ class HeldPair:
     section: WorkspaceSection
 
     def arm_values(self, q: Array) -> Array:
-        """Give the values of all three joints from those of the pair (k, 2)."""
+        """Return the values of all three joints from those of the pair (k, 2)."""
         return np.insert(q, self.joint, self.value, axis=1)
 
     @cached_property
@@ -88,11 +88,11 @@ class PlanarTip:
     pieces: tuple[tuple[CurvePiece, ...], ...]
 
     def count(self, points: Array) -> IntArray:
-        """Give 1 where points (m, 3) of the base (m) are reached, else 0."""
+        """Return 1 where points (m, 3) of the base (m) are reached, else 0."""
         return _reached(self.pairs, points).astype(np.int64)
 
     def distance(self, points: Array) -> Array:
-        """Give the distance of points (m, 3) of the base from the nearest boundary (m)."""
+        """Return the distance of points (m, 3) of the base from the nearest boundary (m)."""
         found = [
             search.find(pair.section.coordinates(pair.section.in_frame(points)))[0]
             for pair, search in self._nearest
@@ -159,7 +159,7 @@ def _held(
 
 
 def _without(chain: SerialChain, joint: int, value: float) -> SerialChain:
-    """Give the arm of the other two joints, one held at a value (rad or m)."""
+    """Return the arm of the other two joints, one held at a value (rad or m)."""
     C = list(chain.transforms)
     slides = bool(chain.types[joint] == PRISMATIC)
     C[joint : joint + 2] = [C[joint] @ joint_transform(slides, value) @ C[joint + 1]]
@@ -182,7 +182,7 @@ def _without(chain: SerialChain, joint: int, value: float) -> SerialChain:
 
 
 def _singular_values(chain: SerialChain) -> tuple[float, ...]:
-    """Give the values of joint 3 at which joints 2 and 3 move the tip in one direction only.
+    """Return the values of joint 3 at which joints 2 and 3 move the tip in one direction only.
 
     Seen from joint 3 the tip is then on a line with joint 2, or across the slide that this is.
     """
@@ -211,7 +211,7 @@ def _reached(pairs: tuple[HeldPair, ...], points: Array) -> BoolArray:
 
 
 def _dividing(pairs: tuple[HeldPair, ...]) -> tuple[tuple[CurvePiece, ...], ...]:
-    """Give what of the pairs' curves has what is reached on one side only, each curve once."""
+    """Return what of the pairs' curves has what is reached on one side only, each curve once."""
     size = max(pair.section.size for pair in pairs)
     found: list[tuple[int, CurvePiece, Array]] = []
     for k, pair in enumerate(pairs):
@@ -243,14 +243,14 @@ class _Branch:
     section: WorkspaceSection
 
     def values(self, at: Array) -> Array:
-        """Give the joint values (m, 2) of places (m,)."""
+        """Return the joint values (m, 2) of places (m,)."""
         q = self.branch.q
         k = np.clip(at.astype(np.int64), 0, len(q) - 2)
         values: Array = q[k] + (at - k)[:, None] * (q[k + 1] - q[k])
         return values
 
     def sides(self, pairs: tuple[HeldPair, ...], at: Array, step: float) -> IntArray:
-        """Give 1 where only the left of places (m,) is reached, -1 only the right, else 0."""
+        """Return 1 where only the left of places (m,) is reached, -1 only the right, else 0."""
         section, q = self.section, self.values(at)
         points = section.image(q[:, 0], q[:, 1])
         chords = np.diff(self.branch.points, axis=0)
@@ -277,7 +277,7 @@ class _Branch:
         return [self._piece(first, last, one) for first, last, one in found if one]
 
     def _piece(self, first: float, last: float, side: int) -> CurvePiece:
-        """Give what is between two places, the side that is reached on the left."""
+        """Return what is between two places, the side that is reached on the left."""
         between = np.arange(math.floor(first) + 1.0, math.ceil(last))
         q = self.values(np.concatenate(([first], between, [last])))[::side]
         points = self.section.image(q[:, 0], q[:, 1])

@@ -53,7 +53,7 @@ def extreme_reach(chain: SerialChain) -> tuple[float, float]:
 
 
 def _descended(chain: SerialChain, sign: float) -> float:
-    """Give the least distance (sign 1) or the greatest (-1)."""
+    """Return the least distance (sign 1) or the greatest (-1)."""
     if chain.coupling is not None:
         return _descended_in_drives(chain, sign)
     C = chain.transforms
@@ -82,7 +82,7 @@ def _descended(chain: SerialChain, sign: float) -> float:
 
 
 def _descended_in_drives(chain: SerialChain, sign: float) -> float:
-    """Give the same of a chain on which joints follow others: each drive moves several."""
+    """Return the same of a chain on which joints follow others: each drive moves several."""
     from scipy.optimize import minimize  # a second and 40 MB that few need
 
     origin = chain.packed[0, 10:13]
@@ -111,7 +111,7 @@ def _moved(turns: bool, value: Array, points: Array) -> Array:
 def _angle(
     now: Array, origin: Array, tip: Array, limits: tuple[float, float], sign: float
 ) -> Array:
-    """Give the angles that bring the tips nearest to the origins, or farthest away."""
+    """Return the angles that bring the tips nearest to the origins, or farthest away."""
     along = origin[:, 0] * tip[:, 0] + origin[:, 1] * tip[:, 1]
     across = origin[:, 1] * tip[:, 0] - origin[:, 0] * tip[:, 1]
     best = np.arctan2(sign * across, sign * along)
@@ -131,7 +131,7 @@ def _angle(
 def _slide(
     now: Array, origin: Array, tip: Array, limits: tuple[float, float], sign: float
 ) -> Array:
-    """Give the displacements that do so."""
+    """Return the displacements that do so."""
     best = origin[:, 2] - tip[:, 2]
     lower, upper = limits
     if sign > 0.0:

@@ -67,7 +67,7 @@ class WorkspaceSection:
     flat: bool
 
     def derivatives(self, u: Array, v: Array, order: int = 2) -> tuple[Array, ...]:
-        """Give the point before joint 1 moves it, and its derivatives by the other two values.
+        """Return the point before joint 1 moves it, and its derivatives by the other two values.
 
         Parameters
         ----------
@@ -106,18 +106,18 @@ class WorkspaceSection:
         return turned
 
     def image(self, u: Array, v: Array) -> Array:
-        """Give the coordinates in the section (m), shape (..., 2): rho and z, or x and y."""
+        """Return the coordinates in the section (m), shape (..., 2): rho and z, or x and y."""
         (p,) = self.derivatives(u, v, 0)
         return self.coordinates(np.moveaxis(p, 0, -1))
 
     def coordinates(self, points: Array) -> Array:
-        """Give those of points (..., 3) in the frame of joint 1 (m)."""
+        """Return those of points (..., 3) in the frame of joint 1 (m)."""
         if self.slides[0]:
             return points[..., :2]
         return np.stack((np.hypot(points[..., 0], points[..., 1]), points[..., 2]), axis=-1)
 
     def image_gradient(self, u: Array, v: Array) -> Array:
-        """Give the derivatives of the coordinates, shape (k, 2, 2) (m per rad or m)."""
+        """Return the derivatives of the coordinates, shape (k, 2, 2) (m per rad or m)."""
         p, pu, pv = self.derivatives(u, v, 1)
         if self.slides[0]:
             first, second = (pu[0], pv[0]), (pu[1], pv[1])
@@ -128,7 +128,7 @@ class WorkspaceSection:
         return np.stack((np.stack(first, -1), np.stack(second, -1)), axis=1)
 
     def regular(self, u: Array, v: Array) -> tuple[Array, ...]:
-        """Give first and second derivatives of smooth coordinates a and b of the section.
+        """Return first and second derivatives of smooth coordinates a and b of the section.
 
         They are rho^2 / 2 and z, or x and y.
 
@@ -155,7 +155,7 @@ class WorkspaceSection:
         )  # fmt: skip
 
     def determinant(self, u: Array, v: Array) -> Array:
-        """Give det J21 (m^3 where all turn), shape (...)."""
+        """Return det J21 (m^3 where all turn), shape (...)."""
         p, pu, pv = self.derivatives(u, v, 1)
         if self.slides[0]:
             plane: Array = pu[0] * pv[1] - pv[0] * pu[1]
@@ -165,7 +165,7 @@ class WorkspaceSection:
         return found
 
     def determinant_gradient(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
-        """Give det J21 and its derivatives by the two joint values, shape (...) each."""
+        """Return det J21 and its derivatives by the two joint values, shape (...) each."""
         au, av, auu, auv, avv, bu, bv, buu, buv, bvv = self.regular(u, v)
         return (
             au * bv - av * bu,
@@ -174,23 +174,23 @@ class WorkspaceSection:
         )
 
     def in_frame(self, points: Array) -> Array:
-        """Give points (..., 3) of the base in the frame of joint 1 (m)."""
+        """Return points (..., 3) of the base in the frame of joint 1 (m)."""
         moved: Array = (points - self.base[:3, 3]) @ self.base[:3, :3]
         return moved
 
     def on_section(self, coordinates: Array) -> Array:
-        """Give points of the base (..., 3) at azimuth or height 0 of coordinates (..., 2) (m)."""
+        """Return points of the base (..., 3) at azimuth or height 0 of coordinates (..., 2) (m)."""
         local = np.zeros((*coordinates.shape[:-1], 3))
         local[..., (0, 1) if self.slides[0] else (0, 2)] = coordinates
         return self.in_base(local)
 
     def in_base(self, points: Array) -> Array:
-        """Give points (..., 3) of the frame of joint 1 in the base (m)."""
+        """Return points (..., 3) of the frame of joint 1 in the base (m)."""
         moved: Array = points @ self.base[:3, :3].T + self.base[:3, 3]
         return moved
 
     def over(self, unit: float) -> "WorkspaceSection":
-        """Give the same arm with all lengths divided by a unit (m)."""
+        """Return the same arm with all lengths divided by a unit (m)."""
         frames = [self.base.copy(), self.first.copy(), self.second.copy()]
         for T in frames:
             T[:3, 3] /= unit
@@ -285,7 +285,7 @@ def section_of(chain: SerialChain, *, respect_limits: bool = True) -> WorkspaceS
 
 
 def _frames(chain: SerialChain, part: PositioningPart) -> tuple[Array, Array, Array]:
-    """Give the frame of the first joint in the base, and the constant transforms from there."""
+    """Return the frame of the first joint in the base, and the constant transforms from there."""
     C = chain.transforms
     if part.plane is None:
         return C[0], C[1], C[2]

@@ -136,7 +136,7 @@ def _write(path: Path, text: str) -> None:
 
 
 def _full(solution: Solution, placed: Placed | None, name: str) -> dict[str, Any]:
-    """Give all that is known, in m and rad; quaternions are x y z w."""
+    """Return all that is known, in m and rad; quaternions are x y z w."""
     found, frames = solution.result, solution.frames
     samples = [
         {
@@ -172,13 +172,13 @@ def _full(solution: Solution, placed: Placed | None, name: str) -> dict[str, Any
 
 
 def _of_easy_handeye2(solution: Solution, name: str) -> dict[str, Any]:
-    """Give the message HandeyeCalibration as easy_handeye2 writes it."""
+    """Return the message HandeyeCalibration as easy_handeye2 writes it."""
     transform = _transform(solution.result.sensor)
     return {"parameters": _parameters(solution, name), "transform": transform}
 
 
 def _samples_of_easy_handeye2(solution: Solution, name: str) -> dict[str, Any]:
-    """Give the message SampleList; its robot is the base in the hand where the sensor stands."""
+    """Return the message SampleList; its robot is the base in the hand where the sensor stands."""
     robot = solution.robot if solution.in_hand else [rigid_inverse(T) for T in solution.robot]
     samples = [
         {"robot": _transform(one), "tracking": _transform(other)}

@@ -111,7 +111,7 @@ class Sampler:
         return int(self._node.get_clock().now().nanoseconds)
 
     def _known_until(self, track: PoseTrack) -> int:
-        """Give the latest instant with a pose: now for what does not change."""
+        """Return the latest instant with a pose: now for what does not change."""
         try:
             last = track.last()
         except NoTransformError as error:
@@ -119,7 +119,7 @@ class Sampler:
         return self._now() if last is None else last
 
     def _seen_after(self, asked: int) -> int:
-        """Give the latest instant at which the sensor saw the target, after it was asked for."""
+        """Return the latest instant at which the sensor saw the target, after it was asked for."""
         instant = self._known_until(self._tracking)
         if instant < asked:
             raise self._too_old(self._tracking, asked)
@@ -134,7 +134,7 @@ class Sampler:
         return NoPoseError(track.what, f"the last is from {age:.3g} s before the time {of}; {hint}")
 
     def _sample(self, instant: int) -> tuple[Array, Array]:
-        """Give both poses at an instant, unless the hand moved just before."""
+        """Return both poses at an instant, unless the hand moved just before."""
         settings = self._settings()
         before = np.linspace(settings.still_time, 0.0, _PLACES) * NANO
         try:

@@ -30,7 +30,7 @@ class PoseTrack(Protocol):
         """Take in what has come."""
 
     def last(self) -> int | None:
-        """Give the latest instant (ns of ROS time) for which there is a pose; None = for every one.
+        """Return the latest instant (ns of ROS time) with a pose; None = any instant.
 
         Raises
         ------
@@ -39,7 +39,7 @@ class PoseTrack(Protocol):
         """
 
     def at(self, stamp: int) -> Array:
-        """Give the pose (4, 4) at an instant.
+        """Return the pose (4, 4) at an instant.
 
         Raises
         ------
@@ -73,13 +73,13 @@ class TfTrack:
         self._listener.look()
 
     def last(self) -> int | None:
-        """Give the latest instant for which tf has every frame on the way."""
+        """Return the latest instant for which tf has every frame on the way."""
         if self._listener.missing:
             raise NoTransformError(self._listener.missing, may_come=False)
         return self._listener.tree.between(self.parent, self._child).stamp
 
     def at(self, stamp: int) -> Array:
-        """Give the pose (4, 4) at an instant (ns)."""
+        """Return the pose (4, 4) at an instant (ns)."""
         return self._listener.tree.between(self.parent, self._child, stamp).pose
 
     def context(self) -> str:
@@ -143,13 +143,13 @@ class TopicTrack:
         return self._tree.insert(self._inbox.topic, sample, now, static=False)
 
     def last(self) -> int | None:
-        """Give the stamp of the latest pose."""
+        """Return the stamp of the latest pose."""
         if not self._tree.frames:
             raise NoTransformError("nothing received")
         return self._tree.between(self.parent, self._inbox.topic).stamp
 
     def at(self, stamp: int) -> Array:
-        """Give the pose (4, 4) at an instant (ns)."""
+        """Return the pose (4, 4) at an instant (ns)."""
         return self._tree.between(self.parent, self._inbox.topic, stamp).pose
 
     def context(self) -> str:

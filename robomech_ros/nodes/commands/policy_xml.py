@@ -49,7 +49,7 @@ class NodeRights:
 
 
 def rights_of(observer: Node, name: str, namespace: str) -> NodeRights:
-    """Give the rights that a node of the graph makes use of.
+    """Return the rights that a node of the graph makes use of.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def policy_xml(rights: Iterable[NodeRights], enclave: str) -> str:
 
 
 def _rules(node: NodeRights) -> Iterator[ElementTree.Element]:
-    """Give one element for each right that the node makes use of."""
+    """Yield one element for each right that the node makes use of."""
     for element, entry, ways in _KINDS:
         for way in ways:
             names = getattr(node, way)

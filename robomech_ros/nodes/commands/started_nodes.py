@@ -88,7 +88,7 @@ def _of(node: Node) -> NodeRights:
 
 
 def _value(node: Node, name: str) -> Any:
-    """Give the value of a parameter; None where the node has none of this name."""
+    """Return the value of a parameter; None where the node has none of this name."""
     return node.get_parameter(name).value if node.has_parameter(name) else None
 
 

@@ -112,7 +112,7 @@ _CODES: dict[type[BaseException], Code] = {
 
 
 def code_of(error: BaseException) -> Code:
-    """Give the code of an exception; INTERNAL for one that is no RobomechError."""
+    """Return the code of an exception; INTERNAL for one that is no RobomechError."""
     if isinstance(error, OutcomeError):
         return error.code
     for kind in type(error).__mro__:

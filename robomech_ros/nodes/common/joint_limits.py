@@ -90,7 +90,7 @@ class JointLimitsFile:
     document: Mapping[str, Any]
 
     def on(self, description: RobotDescription) -> RobotDescription:
-        """Give a robot these limits.
+        """Return a robot these limits.
 
         Accelerations and jerks of the file replace those of the robot; its ranges of positions
         and its velocities only narrow them.

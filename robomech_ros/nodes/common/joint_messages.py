@@ -111,7 +111,7 @@ class TrajectoryPoints:
     def filled(
         self, times: Array, positions: Array, velocities: Array, accelerations: Array
     ) -> list[JointTrajectoryPoint]:
-        """Give m points; times (m,) in s, the others (m, n) in rad or m, per s and s^2."""
+        """Return m points; times (m,) in s, the others (m, n) in rad or m, per s and s^2."""
         new = [JointTrajectoryPoint() for _ in range(len(times) - len(self._points))]
         points = self._points[: len(times)] + new
         self._points += new[: max(0, _POINTS_KEPT - len(self._points))]

@@ -68,7 +68,7 @@ class JointPositions:
         return self._read(cast(SerialChain, chain), state, what)
 
     def present_posture(self) -> Array | None:
-        """Give all joints (n,) of a parallel robot as they are, None where they are not known."""
+        """Return all joints (n,) of a parallel robot as they are, None where they are not known."""
         loops = self.loops
         found = None if loops is None else self._monitor.positions(loops.mechanism.joint_names)
         return None if loops is None or found is None else loops.closed(found, "the present state")
@@ -80,7 +80,7 @@ class JointPositions:
         return np.array([at[name] for name in way.joint_names])
 
     def _posture_as_known(self) -> Array:
-        """Give all joints (n,) of a parallel robot of which the drives at least are known."""
+        """Return all joints (n,) of a parallel robot of which the drives at least are known."""
         assert self.loops is not None
         found = self.present_posture()
         if found is None:

@@ -59,7 +59,7 @@ class JointStateMonitor:
         )
 
     def positions(self, joint_names: Sequence[str]) -> Array | None:
-        """Give the present positions (rad or m), shape (n,); None while one is not known."""
+        """Return the present positions (rad or m), shape (n,); None while one is not known."""
         self._take_all(joint_names)
         try:
             states = [self._states[name].position for name in joint_names]
@@ -68,12 +68,12 @@ class JointStateMonitor:
         return np.array(states, dtype=np.float64)
 
     def known_positions(self, joint_names: Sequence[str]) -> dict[str, float]:
-        """Give the present positions (rad or m) of those of the joints that are known."""
+        """Return the present positions (rad or m) of those of the joints that are known."""
         self._take_all(joint_names)
         return {n: self._states[n].position for n in joint_names if n in self._states}
 
     def velocities(self, joint_names: Sequence[str]) -> Array:
-        """Give the velocities (rad/s or m/s), shape (n,), as of the last look at positions.
+        """Return the velocities (rad/s or m/s), shape (n,), as of the last look at positions.
 
         A joint whose velocity is not known stands.
         """
@@ -82,7 +82,7 @@ class JointStateMonitor:
         return np.where(np.isfinite(speeds), speeds, 0.0)
 
     def heard(self, joint_names: Sequence[str]) -> int:
-        """Give a number that has grown when every one of the joints was heard of anew.
+        """Return a number that has grown when every one of the joints was heard of anew.
 
         It counts as of the last look at positions.
         """
@@ -95,7 +95,7 @@ class JointStateMonitor:
         self._states.clear()
 
     def require(self, joint_names: Sequence[str]) -> Array:
-        """Give the present positions (rad or m), shape (n,).
+        """Return the present positions (rad or m), shape (n,).
 
         Raises
         ------
@@ -120,7 +120,7 @@ class JointStateMonitor:
     def require_rest(
         self, joint_names: Sequence[str], tolerance: float, units: Mapping[str, str]
     ) -> Array:
-        """Give the present positions (rad or m), shape (n,), of a robot that stands.
+        """Return the present positions (rad or m), shape (n,), of a robot that stands.
 
         Parameters
         ----------
@@ -214,7 +214,7 @@ class JointStateMonitor:
 
 
 def _read(data: bytes) -> tuple[dict[str, _Seen], str]:
-    """Give the states in a message, of joints with a finite position, and what is wrong with it."""
+    """Return the states of joints with a finite position in a message, and its faults."""
     try:
         message = unpack(data, JointState)
     except UnreadableMessageError as error:

@@ -50,11 +50,11 @@ class JointWatch:
         self._lags: deque[float] = deque(maxlen=_LOOKS)
 
     def position(self) -> Array | None:
-        """Give the latest positions (rad or m), shape (n,); None while one is not known."""
+        """Return the latest positions (rad or m), shape (n,); None while one is not known."""
         return self._monitor.positions(self._names)
 
     def fresh_state(self, now: float) -> tuple[Array, Array] | None:
-        """Give positions and velocities (n,) that came after the first call; None until then."""
+        """Return positions and velocities (n,) that came after the first call; None until then."""
         position = self.position()
         heard = self._monitor.heard(self._names)
         if self._waits_from is None:
@@ -93,7 +93,7 @@ class JointWatch:
         self._tracking.tell(time, position)
 
     def lag(self, now: float) -> float | None:
-        """Give how long after the stream joints are where it had them (s), the least of some looks.
+        """Return the lag (s) of the joints behind the stream, the least of some looks.
 
         A state is some time old when it is heard, more or less.
         """

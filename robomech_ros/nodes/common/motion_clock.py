@@ -106,15 +106,15 @@ class MotionClock:
         return self._latest
 
     def now(self) -> float:
-        """Give the time, s."""
+        """Return the time, s."""
         return self._nanoseconds() * _NANO
 
     def stamp(self, moment: float) -> int:
-        """Give the ROS time (ns) that belongs to a time of this clock (s)."""
+        """Return the ROS time (ns) that belongs to a time of this clock (s)."""
         return self._ros_ahead() + round(moment / _NANO)
 
     def until(self, stamp: Time, now: float) -> float:
-        """Give how far a stamp is ahead of a time of this clock (s), negative if past.
+        """Return how far a stamp is ahead of a time of this clock (s), negative if past.
 
         It is 0 for the stamp 0.
         """
@@ -124,7 +124,7 @@ class MotionClock:
         return float(given - self.stamp(now)) * _NANO
 
     def _ros_ahead(self) -> int:
-        """Give how far ROS time is ahead of this clock (ns), the same from one look to the next.
+        """Return how far ROS time is ahead of this clock (ns), the same from one look to the next.
 
         Otherwise the stamps of a regular motion would be irregular by some microseconds.
         """

@@ -40,7 +40,7 @@ class _Pauses:
         )
 
     def begin(self) -> Future:
-        """Give what is done when the pause is over."""
+        """Return what is done when the pause is over."""
         if self._timer.is_canceled():
             self._timer.reset()
         return self._over
@@ -112,7 +112,7 @@ class Worker:
         return done
 
     async def do(self, work: Callable[[], _T], patience: float = math.inf) -> _T:
-        """Give the result of work, or raise what it raises, or the refusal of `give_up`.
+        """Return the result of work, or raise what it raises, or the refusal of `give_up`.
 
         Work that waits for others for longer than ``patience`` (s) is left undone: TIMED_OUT.
         """

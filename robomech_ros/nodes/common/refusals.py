@@ -36,7 +36,7 @@ class Refusal(NamedTuple):
 
 
 def refusal_values(refusal: Refusal) -> dict[str, object]:
-    """Give a refusal as facts of a status."""
+    """Return a refusal as facts of a status."""
     return {
         _COUNT: refusal.number,
         _TEXT: refusal.text,
@@ -56,7 +56,7 @@ def read_refusal(values: Mapping[str, str]) -> Refusal | None:
 
 
 def trajectory_label(message: JointTrajectory) -> str:
-    """Give a text by which a trajectory is known again: stamp, size, and a sum of its ends."""
+    """Return a text by which a trajectory is known again: stamp, size, and a sum of its ends."""
     stamp, points = message.header.stamp, message.points
     total = zlib.crc32("\n".join(message.joint_names).encode())
     for point in points[:1] + points[-1:]:

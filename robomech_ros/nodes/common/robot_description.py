@@ -177,11 +177,11 @@ class RobotModel:
         return self.frame_of(self.chain.base)
 
     def frame_of(self, link: str) -> str:
-        """Give the frame of a link, as tf knows it: its name behind the prefix."""
+        """Return the frame of a link, as tf knows it: its name behind the prefix."""
         return f"{self.frame_prefix}{link}"
 
     def link_of(self, frame: str) -> str:
-        """Give the link of a frame; what is none of this robot's comes back as it is.
+        """Return the link of a frame; what is none of this robot's comes back as it is.
 
         Parameters
         ----------
@@ -194,12 +194,12 @@ class RobotModel:
         return bare if frame not in links and bare in links else frame
 
     def full_frame(self, frame: str) -> str:
-        """Give a frame as tf knows it, where a request may leave out the prefix; "" is the base."""
+        """Return the full tf name of a frame without prefix; "" is the base."""
         link = self.link_of(frame or self.chain.base)
         return self.frame_of(link) if link in self.description.links else link
 
     def chain_to(self, link: str) -> SerialChain:
-        """Give the chain from the base to any link of the robot; "" is the configured tip.
+        """Return the chain from the base to any link of the robot; "" is the configured tip.
 
         Parameters
         ----------
@@ -235,7 +235,7 @@ class RobotModel:
         return {name: group_of_chain(name, self.chain) for name in (WHOLE_CHAIN, self.chain.name)}
 
     def chain_of(self, group: str, link: str = "") -> SerialChain:
-        """Give the chain of a group, to its tip or to another link that it moves.
+        """Return the chain of a group, to its tip or to another link that it moves.
 
         Without the name of a group, and where none are given, it begins at the configured base.
 
@@ -308,7 +308,7 @@ def _check_ends(robot: str, ends: tuple[str, str], given: tuple[str, str, str], 
 
 
 def _at_home(description: RobotDescription, semantic: SemanticDescription) -> RobotDescription:
-    """Give a robot that begins where the states home of its groups say."""
+    """Return a robot that begins where the states home of its groups say."""
     followers = description.followers
     home = {name: at for name, at in semantic.home().items() if name not in followers}
     return replace(description, home={**description.home, **home}) if home else description

@@ -73,7 +73,7 @@ class SemanticSource:
         return bool(self._group) and self._group not in listed and not known
 
     def semantic(self, description: RobotDescription) -> SemanticDescription:
-        """Give what the chain of a robot is chosen by.
+        """Return what the chain of a robot is chosen by.
 
         Raises
         ------

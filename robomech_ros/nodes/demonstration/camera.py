@@ -53,7 +53,7 @@ class Scene:
     centre: Array
 
     def seen(self, hand: Array) -> Array:
-        """Give the target in the camera, with the hand (4, 4) in the base."""
+        """Return the target in the camera, with the hand (4, 4) in the base."""
         moving = hand if self.in_hand else inverse_pose(hand)
         return inverse_pose(moving @ self.camera) @ self.target
 

@@ -93,7 +93,7 @@ class DemoClient:
         return self._rows[-1][1]
 
     def recording(self) -> tuple[Array, Array, Array]:
-        """Give times from the first message (s), positions and velocities, (m,) and (m, n)."""
+        """Return times from the first message (s), positions and velocities, (m,) and (m, n)."""
         rows = list(self._rows)
         times = np.array([row[0] for row in rows])
         keep = np.flatnonzero(np.diff(times, prepend=-np.inf) > 0.0)
@@ -106,7 +106,7 @@ class DemoClient:
         return self._rows[0][0]
 
     def now(self) -> float:
-        """Give the time of the recording, s: that of the last joint state heard."""
+        """Return the time of the recording, s: that of the last joint state heard."""
         return self._rows[-1][0] - self._rows[0][0] if self._rows else 0.0
 
     def wait_until_up(self, services: dict[str, Any]) -> None:

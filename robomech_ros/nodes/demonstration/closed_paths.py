@@ -46,7 +46,7 @@ class ClosedPath:
         return float(self.lengths[-1])
 
     def at(self, length: float) -> tuple[Array, Array]:
-        """Give pose and motion of the base after a length (m).
+        """Return pose and motion of the base after a length (m).
 
         Returns
         -------
@@ -68,14 +68,14 @@ class ClosedPath:
         )
 
     def twists(self) -> Array:
-        """Give the twists of the base at 1 m/s, shape (m, 3) (rad/s, m/s), in its own axes."""
+        """Return the twists of the base at 1 m/s, shape (m, 3) (rad/s, m/s), in its own axes."""
         turn = np.gradient(self.headings, self.lengths)
         ahead = self.tangents - self.headings
         return np.column_stack([turn, np.cos(ahead), np.sin(ahead)])
 
 
 def rounded_square(radius: float, *, turning: bool) -> ClosedPath:
-    """Give a square whose corners are turned at a radius (m), with continuous curvature.
+    """Return a square whose corners are turned at a radius (m), with continuous curvature.
 
     A base that is ``turning`` turns once against the path, evenly; others look along it.
     """
@@ -92,7 +92,7 @@ def rounded_square(radius: float, *, turning: bool) -> ClosedPath:
 
 
 def figure_of_eight(radius: float, *, looking_ahead: bool) -> ClosedPath:
-    """Give an eight with a least radius (m), whose curvature is a sine of the length.
+    """Return an eight with a least radius (m), whose curvature is a sine of the length.
 
     A base that is not ``looking_ahead``, along the path, keeps its heading.
     """

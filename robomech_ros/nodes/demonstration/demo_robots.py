@@ -47,10 +47,10 @@ class RobotToShow(Protocol):
         """Poses (4, 4) where to pick and where to place."""
 
     def way_to_place(self, pick: Array, place: Array) -> Way | None:
-        """Give the path of the tip from pick to place; None where only the joints matter."""
+        """Return the path of the tip from pick to place; None where only the joints matter."""
 
     def way_on(self, place: Array) -> Way | None:
-        """Give a path of the tip that begins at place; None for no more."""
+        """Return a path of the tip that begins at place; None for no more."""
 
 
 class ArmToShow:

@@ -185,7 +185,7 @@ def _words(place: Array) -> str:
 
 
 def _row(stamp: Any, pose: Any) -> Array:
-    """Give time (s), x, y (m) and heading (rad) of a pose on the ground."""
+    """Return time (s), x, y (m) and heading (rad) of a pose on the ground."""
     heading = 2.0 * math.atan2(pose.orientation.z, pose.orientation.w)
     time = stamp.sec + stamp.nanosec / NANO
     return np.array([time, pose.position.x, pose.position.y, heading])

@@ -74,7 +74,7 @@ class PathFollower:
         self.gone, self.off, self.arrived = 0.0, 0.0, False
 
     def command(self, time: float, pose: Array) -> Array:
-        """Give the twist ``[omega, v_x, v_y]`` (rad/s, m/s) to command now.
+        """Return the twist ``[omega, v_x, v_y]`` (rad/s, m/s) to command now.
 
         Parameters
         ----------

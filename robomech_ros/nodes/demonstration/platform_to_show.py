@@ -86,7 +86,7 @@ class PlatformToShow:
         return [q for q in found if q is not None]
 
     def _free(self, start: Array, goal: Array) -> Array | None:
-        """Give the posture at the end of a straight way of the drives; None if one ends it."""
+        """Return the posture at the end of a straight way of the drives; None if one ends it."""
         drives = self.mechanism.drive_index
         end = goal[drives] if len(goal) == self.mechanism.n else goal
         way = np.linspace(start[drives], end, _LOOKS)
@@ -110,7 +110,7 @@ class PlatformToShow:
         return None
 
     def way_on(self, place: Array) -> Way | None:
-        """Give a circle that begins at place, as in machining; with a tilt if it can turn so."""
+        """Return a circle that begins at place, as in machining; with a tilt if it can turn so."""
         angles = np.linspace(0.0, _ROUND, _WAYPOINTS + 1)[1:]
         # Its middle is where home is, seen from the place: there is most room.
         inwards = self.pose(self.home())[:2, 3] - place[:2, 3]

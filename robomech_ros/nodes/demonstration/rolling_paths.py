@@ -23,7 +23,7 @@ _LEAST = 1e-3
 
 
 def paths_for(base: RollingBase) -> tuple[float, tuple[ClosedPath, ClosedPath]]:
-    """Give the paths of a base, and the radius at which they turn (m)."""
+    """Return the paths of a base, and the radius at which they turn (m)."""
     places = np.array([wheel.position for wheel in base.wheels])
     size = max(float(np.ptp(places, axis=0).max()), float(base.radii.max()))
     tightest = max(abs(1.0 / value) for value in base.curvatures)
@@ -34,7 +34,7 @@ def paths_for(base: RollingBase) -> tuple[float, tuple[ClosedPath, ClosedPath]]:
 
 
 def speed_on(robot: RollingRobot, path: ClosedPath, radius: float) -> tuple[float, float]:
-    """Give a speed (m/s) and an acceleration (m/s^2) on a path, well within all limits.
+    """Return a speed (m/s) and an acceleration (m/s^2) on a path, well within all limits.
 
     Raises
     ------

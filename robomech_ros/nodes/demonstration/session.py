@@ -132,7 +132,7 @@ def _page(
 
 
 def _start(task: PickAndPlace) -> float:
-    """Give when what is worth a look begins (s): the robot waited for its first motion."""
+    """Return when what is worth a look begins (s): the robot waited for its first motion."""
     return max(task.marks[0][0] - _LEAD_SECONDS, 0.0)
 
 

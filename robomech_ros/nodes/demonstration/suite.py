@@ -38,7 +38,7 @@ class Suite:
             raise DemoFailedError(f"node {name} ended by itself with exit code {code}")
 
     def last_words(self) -> str:
-        """Give the last lines of what the nodes have logged."""
+        """Return the last lines of what the nodes have logged."""
         lines = self._log.read_text(encoding="utf-8", errors="replace").splitlines()
         return "\n".join(lines[-_LOG_LINES:])
 

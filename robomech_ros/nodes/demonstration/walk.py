@@ -120,11 +120,11 @@ class Walk:
         return took
 
     def _now(self) -> float:
-        """Give the ROS time (s)."""
+        """Return the ROS time (s)."""
         return float(self._client.node.get_clock().now().nanoseconds / NANO)
 
     def _ahead(self, pose: Array, since: float, now: float) -> Array:
-        """Give the pose (x, y, heading) to which twists lead that were sent from a time on."""
+        """Return the pose (x, y, heading) to which twists lead that were sent from a time on."""
         while len(self._sent) > 1 and self._sent[1][0] <= since:
             self._sent.popleft()
         times = [*(max(one, since) for one, _ in self._sent), now]

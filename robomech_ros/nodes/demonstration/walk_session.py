@@ -85,7 +85,7 @@ def demonstrate(robot: str, output: Path) -> None:
 
 
 def quickest(robot: LeggedRobot) -> Walker:
-    """Give the gait that is fastest; the trunk does not sway in it.
+    """Return the gait that is fastest; the trunk does not sway in it.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def quickest(robot: LeggedRobot) -> Walker:
 
 
 def eight_for(walker: Walker) -> tuple[ClosedPath, float, float]:
-    """Give a path that suits a walker, on which it looks about, its radius (m) and speed (m/s)."""
+    """Return a figure-eight path for a walker, its radius (m) and speed (m/s)."""
     turn, ahead = walker.fastest[:2]
     speed = _SPEED * float(ahead)
     # Its length is in proportion to its radius.
@@ -110,13 +110,13 @@ def eight_for(walker: Walker) -> tuple[ClosedPath, float, float]:
 
 
 def _planned(walk: Walk, path: ClosedPath) -> Array:
-    """Give the path over the ground (m), shape (p, 2): it begins where the walk does."""
+    """Return the path over the ground (m), shape (p, 2): it begins where the walk does."""
     begin = walk.trunk[1][0]
     return np.asarray(path.places @ begin[:2, :2].T + begin[:2, 3])
 
 
 def _off(walk: Walk, path: ClosedPath) -> float:
-    """Give how far the trunk was from the path (m)."""
+    """Return how far the trunk was from the path (m)."""
     places = _planned(walk, path)
     return float(max(np.hypot(*(places - T[:2, 3]).T).min() for T in walk.trunk[1]))
 
@@ -172,7 +172,7 @@ def _slip(robot: LeggedRobot, walk: Walk, client: DemoClient) -> tuple[int, floa
 
 
 def _on_ground(robot: LeggedRobot, q: Array, T: Array) -> Array:
-    """Give where the feet are over the ground (m), (m, k, 3), by joints and by the trunk."""
+    """Return where the feet are over the ground (m), (m, k, 3), by joints and by the trunk."""
     feet = [
         forward_kinematics(leg, q[:, 3 * k : 3 * k + 3])[:, :3, 3]
         for k, leg in enumerate(robot.legs)

@@ -55,7 +55,7 @@ class MovingFrames:
         self._inbox: Inbox | None = None
 
     def look(self) -> frozenset[str]:
-        """Give the frames that others publish at present."""
+        """Return the frames that others publish at present."""
         if not self.others.look():
             self._heard.clear()
             return frozenset()
@@ -111,7 +111,7 @@ class FixedFrames:
         self._subscription: Any = None
 
     def look(self) -> frozenset[str] | None:
-        """Give the frames that others publish; None where that will be known at the next look."""
+        """Return the frames that others publish; None where that will be known at the next look."""
         if not self.others.look():
             self._heard.clear()
             return frozenset()

@@ -73,7 +73,7 @@ class RobotDisplay:
 
 
 def _found_by_others(text: str, description: RobotDescription) -> str:
-    """Give the document with meshes that are found from anywhere, where it came from a file."""
+    """Return the document with meshes that are found from anywhere, where it came from a file."""
     file = Path(description.where)
     return with_mesh_urls(text, file.parent) if description.document and file.is_file() else text
 

@@ -10,7 +10,7 @@ from robomech_ros.typing import Array
 
 
 def system_of(model: RobotModel) -> DynamicSystem:
-    """Give what is asked for its dynamics: the configured chain, or a parallel robot."""
+    """Return what is asked for its dynamics: the configured chain, or a parallel robot."""
     if model.mechanism is None:
         return ChainDynamics(model.chain)
     from robomech_ros.parallel import ParallelDynamics
@@ -64,7 +64,7 @@ class Drives:
         return self.names
 
     def postures(self, rows: Array, what: str) -> Array:
-        """Give all joints (k, n) for positions of the drives (k, m), or of all joints (k, n).
+        """Return all joints (k, n) for positions of the drives (k, m), or of all joints (k, n).
 
         Loops of a parallel robot are closed, each row in the assembly mode of that before, and the
         first in that of the present posture, or nearest to home where it is not known.

@@ -114,7 +114,7 @@ def rates(state: JointState, field: str, drives: Drives, model: RobotModel) -> A
 
 
 def without_rates(state: JointState) -> JointState:
-    """Give the positions of a state with their names, which may be those of other numbers alone."""
+    """Return the positions and names of a state without its rates."""
     numbers = len(state.velocity) + len(state.effort)
     return JointState() if numbers and not len(state.position) else state
 

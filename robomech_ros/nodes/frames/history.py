@@ -95,7 +95,7 @@ class FrameHistory:
         del self._samples[0]
 
     def at(self, stamp: int) -> Sample:
-        """Give the sample at an instant (ns): between two samples in between, as tf2 has it.
+        """Return the sample at an instant (ns): between two samples in between, as tf2 has it.
 
         Before the first sample that is the first, behind the last the last; between samples with
         different parents the one before.

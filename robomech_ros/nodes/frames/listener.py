@@ -164,5 +164,5 @@ class FrameListener:
 
 
 def _bare(frame: str) -> str:
-    """Give the name of a frame without the slash that tf had before it once."""
+    """Return the name of a frame without the slash that tf had before it once."""
     return str(frame).removeprefix("/")

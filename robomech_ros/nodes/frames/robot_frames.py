@@ -53,7 +53,7 @@ class Place:
         return () if self.chain is None else self.chain.joint_names
 
     def pose(self, positions: Positions) -> Array | None:
-        """Give its pose in the base at positions by joint; None for the base itself.
+        """Return its pose in the base at positions by joint; None for the base itself.
 
         It is of shape (..., 4, 4) where joints move it, else of (4, 4) (m).
         """
@@ -63,7 +63,7 @@ class Place:
         return self.pose_at(np.stack(values, axis=-1))
 
     def pose_at(self, q: Array) -> Array | None:
-        """Give the same at joint values (..., n) of its chain."""
+        """Return the same at joint values (..., n) of its chain."""
         if self.chain is None:
             return self.offset
         T = forward_kinematics(self.chain, q)
@@ -152,7 +152,7 @@ class RobotFrames:
         stamp: Time | None = None,
         at: Positions | None = None,
     ) -> Array | None:
-        """Give the pose of a frame in the base, (4, 4) (m); None for the base itself.
+        """Return the pose of a frame in the base, (4, 4) (m); None for the base itself.
 
         Parameters
         ----------
@@ -239,7 +239,7 @@ class RobotFrames:
         raise NoTransformError(self._not_connected(way))
 
     def _root_of(self, frame: str, instant: int | None = None) -> str | None:
-        """Give the frame on which another one hangs in tf; None for what tf lacks, or a circle."""
+        """Return the root of a frame in tf; None for an unknown frame, or a circle."""
         try:
             return self._listener.tree.way_up(frame, instant)[-1]
         except NoTransformError:
@@ -291,5 +291,5 @@ class RobotFrames:
 
 
 def _instant(stamp: Time | None) -> int | None:
-    """Give a stamp in ns; None for none and for 0, which both mean now."""
+    """Return a stamp in ns; None for none and for 0, which both mean now."""
     return None if stamp is None else (stamp.sec * NANO + stamp.nanosec) or None

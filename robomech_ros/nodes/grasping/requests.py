@@ -52,7 +52,7 @@ def read_contacts(request: Any) -> list[Contact]:
 
 
 def _for_each(what: str, given: list[Any], count: int, default: object) -> list[Any]:
-    """Give an entry for each contact: one stands for all, none for the default."""
+    """Return an entry for each contact: one stands for all, none for the default."""
     if len(given) not in (0, 1, count):
         raise WrongSizeError(what, len(given), f"0, 1 or {count}, one for each position")
     return given if len(given) == count else (given or [default]) * count
@@ -84,7 +84,7 @@ def _numbered(what: str, k: int) -> str:
 
 
 def _in_plane(vector: Array, what: str) -> Array:
-    """Give x and y of a vector without a part along z; NaN is for others to refuse."""
+    """Return x and y of a vector without a part along z; NaN is for others to refuse."""
     if vector[2] != 0.0 and np.isfinite(vector[2]):
         raise BadValueError(f"{what}.z", float(vector[2]), "0, since planar is true")
     return vector[:2] if vector[2] == 0.0 else vector
@@ -120,7 +120,7 @@ def load_wrench(request: Any) -> Array:
 
 
 def in_space(wrench: Array) -> Array:
-    """Give a wrench with its moment first, shape (6,), that may be one in the plane, shape (3,)."""
+    """Return a wrench, shape (6,), moment first, from one in space or in the plane (3,)."""
     if len(wrench) == 6:
         return wrench
     return np.array([0.0, 0.0, wrench[0], wrench[1], wrench[2], 0.0])
@@ -143,7 +143,7 @@ class GivenHand:
         self._prefix = frame_prefix
 
     def required(self) -> Hand:
-        """Give the hand.
+        """Return the hand.
 
         Raises
         ------

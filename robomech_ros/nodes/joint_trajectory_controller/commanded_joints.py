@@ -175,15 +175,15 @@ class CommandedJoints:
         return self.joint_names
 
     def shown(self) -> State:
-        """Give where the joints of `shown_names` are; the lock is held."""
+        """Return where the joints of `shown_names` are; the lock is held."""
         return self._shown
 
     def shown_efforts(self) -> Array | None:
-        """Give what their drives exert (N m or N); None where no forces are simulated."""
+        """Return what their drives exert (N m or N); None where no forces are simulated."""
         return self.simulated_joints.effort
 
     def kept(self) -> Array:
-        """Give what a process that comes after a crash needs to `resume` (rad or m)."""
+        """Return what a process that comes after a crash needs to `resume` (rad or m)."""
         return self._real
 
     @property
@@ -196,7 +196,7 @@ class CommandedJoints:
         self._put(kept, "")
 
     def stamp(self) -> tuple[int, int]:
-        """Give the ROS time (s and ns) of the follower's states, which may be some time ago."""
+        """Return the ROS time (s and ns) of the follower's states, which may be some time ago."""
         return divmod(max(self._clock.stamp(self.follower.now), 0), _NANO)
 
     def execute(

@@ -143,7 +143,7 @@ class DynamicPlant:
         wanted[:, 1:][np.broadcast_to(far[:, None], (len(wanted), 2, far.shape[1]))] = 0.0
 
     def _servo_with(self, settings: ControllerSettings) -> tuple[DynamicSystem, ControlledArm]:
-        """Give what moves, and its controller."""
+        """Return what moves, and its controller."""
         mass, com = _load(settings)
         load = Body(mass, np.array(com), np.zeros((3, 3)))
         plant = self._model.with_payload(load) if mass else self._model
@@ -164,7 +164,7 @@ def _load(settings: ControllerSettings) -> tuple[float, tuple[float, ...]]:
 
 
 def _between(before: State, command: State, span: float, periods: int) -> Array:
-    """Give what is wanted at the beginning of each period, shape (periods, 3, m).
+    """Return what is wanted at the beginning of each period, shape (periods, 3, m).
 
     Positions follow cubics with the velocities of both ends, and velocities cubics with their
     accelerations, so that what a jump of the position adds to the velocity is left out.

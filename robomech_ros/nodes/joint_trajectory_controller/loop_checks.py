@@ -94,7 +94,7 @@ def _require_limits(mechanism: Mechanism, positions: Array) -> None:
 
 
 def _places(times: Array) -> Array:
-    """Give all times of points (s), and some between them where they are few."""
+    """Return all times of points (s), and some between them where they are few."""
     between = math.ceil(_PLACES / len(times))
     parts = [np.linspace(a, b, between, endpoint=False) for a, b in pairwise(times)]
     return np.concatenate([*parts, times[-1:]])

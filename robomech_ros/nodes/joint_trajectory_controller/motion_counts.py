@@ -8,7 +8,7 @@ from robomech_ros.nodes.common.refusals import Refusal
 
 
 def _nothing() -> Refusal:
-    """Give what there is before any refusal, named by the time of this start of the robot."""
+    """Return what there is before any refusal, named by the time of this start of the robot."""
     return Refusal(0, 0, "", "", str(time.time_ns()))
 
 

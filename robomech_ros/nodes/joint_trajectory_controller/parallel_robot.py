@@ -69,7 +69,7 @@ class ParallelRobot(SimulatedRobot):
         return self.mechanism.joint_names
 
     def shown_efforts(self) -> Array | None:
-        """Give what drives exert (N m or N), NaN of passive joints; None without forces."""
+        """Return what drives exert (N m or N), NaN of passive joints; None without forces."""
         efforts = self.simulated_joints.effort
         if efforts is None:
             return None
@@ -134,7 +134,7 @@ class ParallelRobot(SimulatedRobot):
 
 
 def _initial_posture(settings: ControllerSettings, mechanism: Mechanism) -> Array:
-    """Give all joints (n,) at start: those of the parameter, or of its drives, or home."""
+    """Return all joints (n,) at start: those of the parameter, or of its drives, or home."""
     given = settings.initial_positions
     if not given:
         return mechanism.home()

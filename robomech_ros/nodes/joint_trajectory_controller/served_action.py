@@ -102,7 +102,7 @@ class ServedAction(ABC, Generic[Motion]):
             self._server.destroy()
 
     def all_ended(self) -> Future:
-        """Give a future that is done when the results of all goals have been handed over."""
+        """Return a future that is done when the results of all goals have been handed over."""
         self._idle = Future()
         if not self._served:
             self._idle.set_result(None)

@@ -267,7 +267,7 @@ def follower_settings(settings: ControllerSettings) -> FollowerSettings:
 
 
 def initial_position(settings: ControllerSettings, limits: Limits, home: Array) -> Array:
-    """Give the initial position (rad or m), shape (n,): that of the parameter, else home.
+    """Return the initial position (rad or m), shape (n,): that of the parameter, else home.
 
     Raises
     ------

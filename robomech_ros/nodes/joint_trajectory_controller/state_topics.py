@@ -125,7 +125,7 @@ class StateQuery:
         return response
 
     def _desired_at(self, stamp: Time) -> tuple[State, float]:
-        """Give where the joints should be at a time, and how long (s) past the end that is."""
+        """Return where the joints should be at a time, and how long (s) past the end that is."""
         robot = self._robot
         if robot.refuse_all:
             raise TrajectoryRefusedError(robot.refuse_all)

@@ -144,7 +144,7 @@ class SolutionPoints:
         self._points: list[JointTrajectoryPoint] = []
 
     def filled(self, q: Array) -> list[JointTrajectoryPoint]:
-        """Give k points with the rows of q, shape (k, n), as positions."""
+        """Return k points with the rows of q, shape (k, n), as positions."""
         while len(self._points) < len(q):
             self._points.append(JointTrajectoryPoint())
         points, flat, n = self._points[: len(q)], floats(q), q.shape[1]

@@ -285,7 +285,7 @@ class KinematicsNode(Node):
         return _Posture(chain, q, point, None if frame is None else frame[:3, :3])
 
     async def _known_space(self) -> ReachableSpace:
-        """Give what is the same for all poses, and show the boundary if that is not done."""
+        """Return what is the same for all poses, and show the boundary if that is not done."""
         space = await self._space.get()
         if space.boundary is not None and self._table.settings.publish_markers:
             self._markers.show_boundary(space.boundary)
@@ -298,7 +298,7 @@ class KinematicsNode(Node):
                 await self._known_space()
 
     def _moving_chain(self, link: str) -> SerialChain:
-        """Give the chain to a link, "" being the configured tip, that joints move."""
+        """Return the chain to a link, "" being the configured tip, that joints move."""
         chain = self._model.chain_to(link)
         if not chain.n:
             expected = f"a link that joints move: nothing moves between it and '{chain.base}'"

@@ -96,7 +96,7 @@ def platform_solutions(
 
 
 def conditions(mechanism: Mechanism, q: Array, length: float = 1.0) -> Array:
-    """Give condition numbers of the twists of the drives, (k,), infinite where singular.
+    """Return condition numbers of the twists of the drives, (k,), infinite where singular.
 
     Parameters
     ----------

@@ -101,7 +101,7 @@ class PlatformServices:
 
     @guarded
     async def solve_fk(self, request: Any, response: Any) -> Any:
-        """Give poses of links; of drives alone those of all assembly modes."""
+        """Return poses of links; of drives alone those of all assembly modes."""
         ways = [self._model.chain_to(link) for link in request.links or [""]]
         self._check_size("states times links", max(len(request.states), 1) * len(ways))
         patience = self._settings().state_timeout
@@ -121,7 +121,7 @@ class PlatformServices:
         return answer(response, Code.NONE, text)
 
     def _rows(self, states: list[JointState]) -> tuple[list[Array], str]:
-        """Give the postures (n,) of states, all modes of one state of drives, and what to say."""
+        """Return the postures (n,) of states, all modes of one state of drives, and what to say."""
         if len(states) == 1 and self._loops.gives_drives(states[0]):
             return self._modes(states[0])
         rows = []
@@ -134,7 +134,7 @@ class PlatformServices:
         return rows, ""
 
     def _modes(self, state: JointState, what: str = "states[0]") -> tuple[list[Array], str]:
-        """Give all joints (n,) in all assembly modes, nearest to the present one first."""
+        """Return all joints (n,) in all assembly modes, nearest to the present one first."""
         mechanism, present = self.mechanism, self._joints.present_posture()
         drives = positions_by_name(state, mechanism.actuated, what)
         near = mechanism.home() if present is None else present
@@ -150,7 +150,7 @@ class PlatformServices:
 
     @guarded
     async def solve_ik(self, request: Any, response: Any) -> Any:
-        """Give all postures that hold the platform in a pose."""
+        """Return all postures that hold the platform in a pose."""
         self._check_tip(request.tip_link)
         T = matrix_from_pose(request.target.pose, "target")
         options = _platform_options(inverse_options(request))
@@ -166,7 +166,7 @@ class PlatformServices:
 
     @guarded
     async def solve_ik_batch(self, request: Any, response: Any) -> Any:
-        """Give all postures for many poses."""
+        """Return all postures for many poses."""
         T, allowed = matrices_from_pose_rows(request.poses), self._settings().batch_timeout
         self._check_size("poses", len(T))
         seed = self._joints.seed(self.mechanism, JointState(position=request.seed))
@@ -205,7 +205,7 @@ class PlatformServices:
 
     @guarded
     async def get_jacobian(self, request: Any, response: Any) -> Any:
-        """Give the twist of any link that a limb carries, for rates of the drives."""
+        """Return the twist of any link that a limb carries, for rates of the drives."""
         chain = self._model.chain_to(request.tip_link)
         if not chain.n:
             raise BadValueError("tip_link", request.tip_link, "a link of a limb, which joints move")

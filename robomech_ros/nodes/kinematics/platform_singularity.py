@@ -29,7 +29,7 @@ def singularity_at(robot: ParallelRobot | Mechanism, q: Array, point: Array) -> 
 
 
 def jacobian_at(mechanism: Mechanism, q: Array, point: Array) -> Array | None:
-    """Give the Jacobian (6, m) of a point (3,) of the platform, angular rows first, in the base.
+    """Return the Jacobian (6, m) of a point (3,) of the platform, angular rows first, in the base.
 
     None where the drives do not determine its motion.
     """
@@ -80,7 +80,7 @@ def encode_singularity(
 
 
 def _raw_values(mechanism: Mechanism, q: Array) -> NDArray[np.floating[Any]]:
-    """Give the singular values of the twists of the drives, none where those are not determined."""
+    """Return the singular values of the drives' twists, none if those are not determined."""
     try:
         return np.asarray(np.linalg.svd(mechanism.twist_matrix(q), compute_uv=False))
     except SingularPostureError:

@@ -81,7 +81,7 @@ class PlatformSpace:
         return float("nan") if own is None else float(own.distance(point)[0])
 
     def surface(self, T: Array | None = None) -> WorkspaceSurface | None:
-        """Give the boundary for the orientation of a pose, by default that of home.
+        """Return the boundary for the orientation of a pose, by default that of home.
 
         It is explored from home, or from the pose where the platform cannot turn so at home; None
         where it can be in neither, and for robots that only turn.
@@ -107,7 +107,7 @@ class PlatformSpace:
         return workspace_surface(found)
 
     def reach(self) -> tuple[float, float]:
-        """Give the least and the greatest distance (m) of the platform from the base's origin.
+        """Return the least and the greatest distance (m) of the platform from the base's origin.
 
         With the orientation of home; NaN where that is not known.
         """

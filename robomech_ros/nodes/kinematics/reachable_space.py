@@ -72,7 +72,7 @@ class SpaceFinder:
         self._found: ReachableSpace | None = None
 
     async def get(self) -> ReachableSpace:
-        """Give the space; the first call takes some seconds."""
+        """Return the space; the first call takes some seconds."""
         if self._found is None:
             return await self._worker.do(self._find)
         return self._found

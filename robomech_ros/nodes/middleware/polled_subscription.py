@@ -89,7 +89,7 @@ class Inbox:
         return str(self._subscription.topic_name)
 
     def take(self) -> Iterator[Any]:
-        """Give the messages that have come since the last look, the oldest first."""
+        """Yield the messages that have come since the last look, the oldest first."""
         for data in self._waiting():
             try:
                 message = unpack(data, self._kind)

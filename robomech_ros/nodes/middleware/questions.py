@@ -90,7 +90,7 @@ class Question:
             self._send()
 
     def answer(self) -> Any:
-        """Give the first answer, which must be there; what comes later is dropped."""
+        """Return the first answer, which must be there; what comes later is dropped."""
         self.give_up()
         return self.answered.result().result()
 

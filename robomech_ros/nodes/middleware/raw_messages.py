@@ -15,7 +15,7 @@ class UnreadableMessageError(RobomechError):
 
 
 def unpack(data: bytes, kind: type) -> Any:
-    """Give the message in serialised bytes.
+    """Return the message in serialised bytes.
 
     Parameters
     ----------

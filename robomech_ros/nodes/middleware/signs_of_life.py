@@ -124,14 +124,14 @@ class SignsOfLife:
         self._gained = count > 0
 
     def _living(self) -> set[bytes]:
-        """Give the participants of those servers that are there and live."""
+        """Return the participants of those servers that are there and live."""
         there = self._servers()
         living = {each for each in there if self._lives.get(each, True)}
         # Where somebody else came back than was thought, those that are left may be it.
         return living or set(there if self._gained else ())
 
     def _servers(self) -> list[bytes]:
-        """Give the participants of all servers in the graph, also of those that were killed."""
+        """Return the participants of all servers in the graph, also of those that were killed."""
         topic = self._subscription.topic_name
         return _participants(self._node.get_publishers_info_by_topic(topic))
 

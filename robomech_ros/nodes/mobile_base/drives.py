@@ -197,7 +197,7 @@ def _mecanum(settings: MobileBaseSettings) -> tuple[RollingBase, WheelJoints]:
 
 
 def _steered(rear: int, front: int) -> Callable[..., tuple[RollingBase, WheelJoints]]:
-    """Give what makes a base with so many rear and front wheels."""
+    """Return what makes a base with so many rear and front wheels."""
 
     def make(settings: MobileBaseSettings) -> tuple[RollingBase, WheelJoints]:
         traction, steering = settings.traction_joints_names, settings.steering_joints_names
@@ -232,12 +232,12 @@ def _steered(rear: int, front: int) -> Callable[..., tuple[RollingBase, WheelJoi
 
 
 def _across(count: int, track: float) -> tuple[float, ...]:
-    """Give where the wheels of an axle are, the right one first (m)."""
+    """Return where the wheels of an axle are, the right one first (m)."""
     return (0.0,) if count == 1 else (-0.5 * track, 0.5 * track)
 
 
 def _length(settings: MobileBaseSettings, *names: str) -> float:
-    """Give the first of these parameters that is a length (m)."""
+    """Return the first of these parameters that is a length (m)."""
     given = (float(getattr(settings, name)) for name in names)
     found = next((value for value in given if value > 0.0), None)
     if found is None:

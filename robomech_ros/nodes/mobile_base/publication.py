@@ -29,7 +29,7 @@ _DEPTH = 10
 
 
 def frame_prefix(settings: MobileBaseSettings, namespace: str) -> str:
-    """Give what the names of frames begin with, as ros2_controllers have it."""
+    """Return what the names of frames begin with, as ros2_controllers have it."""
     if not settings.tf_frame_prefix_enable:
         return ""
     given = settings.tf_frame_prefix

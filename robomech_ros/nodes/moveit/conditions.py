@@ -107,7 +107,7 @@ def frames_of(constraints: Any) -> list[str]:
 
 
 def _turning(constraints: Any) -> tuple[Any, ...]:
-    """Give the constraints on poses of links."""
+    """Return the constraints on poses of links."""
     return (*constraints.position_constraints, *constraints.orientation_constraints)
 
 
@@ -168,7 +168,7 @@ def _of_position(
 
 
 def _seen_from(frame: Place, T: Array, positions: Positions) -> Array:
-    """Give a pose (4, 4) in the base as seen from a frame."""
+    """Return a pose (4, 4) in the base as seen from a frame."""
     pose = frame.pose(positions)
     return T if pose is None else inverse_pose(pose) @ T
 

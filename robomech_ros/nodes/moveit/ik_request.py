@@ -104,7 +104,7 @@ async def read_ik_request(request: Any, robot: WholeRobot, patience: float) -> I
 
 
 def _in_base(chain: SerialChain, pose: Array, robot: WholeRobot, positions: Positions) -> Array:
-    """Give a pose in the configured base in the base of a chain."""
+    """Return a pose in the configured base in the base of a chain."""
     if chain.base == robot.model.chain.base:
         return pose
     below: Array = inverse_pose(robot.base_of(chain, positions)) @ pose

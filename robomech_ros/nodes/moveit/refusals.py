@@ -48,7 +48,7 @@ def refused_as(code: int) -> Iterator[None]:
 
 
 def code_of_outcome(status: Status) -> int:
-    """Give the code of inverse kinematics that found nothing."""
+    """Return the code of inverse kinematics that found nothing."""
     if status == Status.TIMED_OUT:
         return int(MoveItErrorCodes.TIMED_OUT)
     return int(MoveItErrorCodes.NO_IK_SOLUTION)

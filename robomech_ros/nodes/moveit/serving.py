@@ -41,7 +41,7 @@ def answering(node: Node, callback: _Callback) -> _Callback:
 
 
 def chain_of(model: RobotModel, group: str, link: str) -> SerialChain:
-    """Give the chain of a group to a link that its joints move.
+    """Return the chain of a group to a link that its joints move.
 
     Without a group it begins at the configured base; without a link it ends at the tip.
     """

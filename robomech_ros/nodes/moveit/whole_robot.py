@@ -187,7 +187,7 @@ class WholeRobot:
         return tuple(dict.fromkeys(leaders.get(name, name) for name in moving))
 
     def base_of(self, chain: SerialChain, positions: Positions) -> Array:
-        """Give the pose of a chain's base in the configured base, shape (4, 4) (m).
+        """Return the pose of a chain's base in the configured base, shape (4, 4) (m).
 
         Parameters
         ----------
@@ -203,7 +203,7 @@ class WholeRobot:
         return below
 
     def pose(self, link: str, positions: Positions) -> Array:
-        """Give the pose of a link in the base, shape (4, 4) (m)."""
+        """Return the pose of a link in the base, shape (4, 4) (m)."""
         fixed = self.model.fixed_frames.get(self.model.link_of(link))
         if fixed is not None:
             return fixed

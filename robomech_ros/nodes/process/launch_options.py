@@ -65,7 +65,7 @@ class LaunchOptions:
         return tuple(node for node in NODE_MODULES if optional.get(node, node not in others))
 
     def commands(self) -> dict[str, list[str]]:
-        """Give the command line of each node's process."""
+        """Return the command line of each node's process."""
         shared, own = _apart(self.ros_arguments())
         return {
             node: node_command(node, [*shipped, *shared, *_given(own.get(node, {}))])
@@ -74,7 +74,7 @@ class LaunchOptions:
 
     @contextmanager
     def arguments_of_one_process(self) -> Iterator[list[str]]:
-        """Give the ROS arguments for all nodes in one process, as long as it needs them."""
+        """Yield the ROS arguments for all nodes in one process, as long as it needs them."""
         files = [argument for shipped in self._shipped().values() for argument in shipped]
         shared, own = _apart(self.ros_arguments())
         with tempfile.TemporaryDirectory() as folder:
@@ -140,14 +140,14 @@ class LaunchOptions:
         }
 
     def _prefixes(self, name: str) -> dict[str, str]:
-        """Give the prefix of frames by the parameter of those nodes that have it."""
+        """Return the prefix of frames by the parameter of those nodes that have it."""
         owners = [node for node in self.nodes if name in _parameter_names(node)]
         every = len(owners) == len(self.nodes)
         names = [name] if every else [f"{node}:{name}" for node in owners]
         return dict.fromkeys(names, self._frame_prefix())
 
     def _addressed(self) -> list[str]:
-        """Give the other arguments, with parameters addressed to the nodes that have them.
+        """Return the other arguments, with parameters addressed to the nodes that have them.
 
         The other nodes would warn of each.  What none has, such as use_sim_time, goes to all.
         """
@@ -223,7 +223,7 @@ def _parameter_names(node: str) -> set[str]:
 
 
 def config_file(name: str) -> list[str]:
-    """Give the ROS arguments for parameters that the package ships, for a node or a variant."""
+    """Return the ROS arguments for parameters that the package ships, for a node or a variant."""
     for folder in robot_folders():
         path = folder.parent / f"{name}.yaml"
         if path.is_file():

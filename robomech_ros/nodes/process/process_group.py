@@ -18,7 +18,7 @@ _PR_SET_PDEATHSIG = 1
 
 
 def node_command(node: str, ros_args: Sequence[str] = ()) -> list[str]:
-    """Give the command line of a node's process."""
+    """Return the command line of a node's process."""
     tail = ["--ros-args", *ros_args] if ros_args else []
     return [sys.executable, "-m", "robomech_ros.nodes.process.start", node, *tail]
 
@@ -74,7 +74,7 @@ class ProcessGroup:
         return (name, code) if name else None
 
     def dead(self) -> dict[str, int]:
-        """Give names and exit codes of the processes that have ended."""
+        """Return names and exit codes of the processes that have ended."""
         codes = {name: process.poll() for name, process in self.processes.items()}
         return {name: code for name, code in codes.items() if code is not None}
 

@@ -11,7 +11,7 @@ _NAME = "robomech_ros"
 
 
 def runtime_folder() -> Path:
-    """Give the folder, made where it is missing: nobody else can put anything there.
+    """Return the folder, made where it is missing: nobody else can put anything there.
 
     It is in ``$XDG_RUNTIME_DIR``; where that is not this user's, in the temporary folder.
 

@@ -157,7 +157,7 @@ def seen_marker(model: RobotModel, marker: Marker) -> SeenMarker:
 
 
 def _points(marker: Marker, kind: str) -> Array:
-    """Give the ends of an arrow, or pairs of ends of lines, shape (m, 3)."""
+    """Return the ends of an arrow, or pairs of ends of lines, shape (m, 3)."""
     if len(marker.points) > _MOST_POINTS:
         raise BadValueError("points of the marker", len(marker.points), f"{_MOST_POINTS} at most")
     points: Sequence[object] = [(p.x, p.y, p.z) for p in marker.points]

@@ -41,7 +41,7 @@ class Requests:
         return len(self._waiting)
 
     def name(self, client: Client) -> str:
-        """Give the full name of a service, quoted."""
+        """Return the full name of a service, quoted."""
         return f"'{self._node.resolve_service_name(client.srv_name)}'"
 
     def send(

@@ -79,7 +79,7 @@ class CommandIntake:
             self._servo.forget()
 
     def take(self, now: float) -> bool:
-        """Give all commands that wait to the servo; says whether there was a message."""
+        """Return all commands that wait to the servo; says whether there was a message."""
         some = False
         for inbox, read in self._readers:
             for message in inbox.take():
@@ -91,7 +91,7 @@ class CommandIntake:
         return some
 
     def refusal(self, now: float) -> str:
-        """Give why a command was refused within the command timeout; empty if none was."""
+        """Return why a command was refused within the command timeout; empty if none was."""
         return self._refusal if now <= self._refused_until else ""
 
     def _offer(self, command: Command, topic: str, now: float) -> None:

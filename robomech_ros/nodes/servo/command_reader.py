@@ -140,7 +140,7 @@ class CommandReader:
     def _joint_speeds(
         self, names: Sequence[str], values: Sequence[float], what: str, *, scaled: bool
     ) -> Array:
-        """Give the speeds of all joints of the chain (rad/s or m/s)."""
+        """Return the speeds of all joints of the chain (rad/s or m/s)."""
         known = self._chain.joint_names
         if len(names) != len(values):
             raise WrongSizeError(what, len(values), f"{len(names)}, one for every name")
@@ -185,7 +185,7 @@ class CommandReader:
         return given * scales if unitless else given
 
     def _until(self, header: Any) -> float:
-        """Give until when (s) a command counts that was made at the stamp of its header.
+        """Return until when (s) a command counts that was made at the stamp of its header.
 
         The stream is sent ahead of its time, so the robot brakes later than that.
         """

@@ -149,7 +149,7 @@ def check_settings(settings: ServoNodeSettings) -> None:
 
 
 def longest_lead(settings: ServoNodeSettings) -> int:
-    """Give how many periods the stream may be ahead at most."""
+    """Return how many periods the stream may be ahead at most."""
     return max(settings.lead, settings.longest_lead)
 
 

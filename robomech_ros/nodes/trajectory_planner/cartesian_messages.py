@@ -86,7 +86,7 @@ def read_path_request(request: Any, settings: PlannerSettings) -> PathRequest:
 async def in_base(
     asked: PathRequest, request: Any, frames: RobotFrames, at: Positions, patience: float
 ) -> PathRequest:
-    """Give a request with its waypoints in the base.
+    """Return a request with its waypoints in the base.
 
     Parameters
     ----------

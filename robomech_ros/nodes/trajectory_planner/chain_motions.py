@@ -30,7 +30,7 @@ class ChainMotions:
         self.way, self.limits, self._joints = chain, Limits.of(chain), joints
 
     def commanded(self, q: Array) -> Array:
-        """Give all joints."""
+        """Return all joints."""
         return q
 
     def read_goal(self, state: JointState) -> tuple[Array, Array | None]:

@@ -60,7 +60,7 @@ class ActionGoals(Protocol):
         """Make a goal."""
 
     def verdict(self, status: int, result: Any, began: bool) -> Verdict:
-        """Give the code and the text of a result; `began` says whether the robot moved."""
+        """Return the code and the text of a result; `began` says whether the robot moved."""
 
 
 class ActionLink:

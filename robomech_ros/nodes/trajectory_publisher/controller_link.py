@@ -99,11 +99,11 @@ class ControllerLink:
         return self._life.has_successor(self._sent_to)
 
     def positions(self, names: Sequence[str]) -> Array | None:
-        """Give the present positions, rad or m; None if not known."""
+        """Return the present positions, rad or m; None if not known."""
         return self._monitor.positions(names)
 
     def heard(self, names: Sequence[str]) -> int:
-        """Give a number that has grown when all these joints were heard of anew."""
+        """Return a number that has grown when all these joints were heard of anew."""
         return self._monitor.heard(names)
 
     def kinds(self, names: Sequence[str]) -> JointKinds:
@@ -116,7 +116,7 @@ class ControllerLink:
         return JointKinds(continuous, [self._units.get(name, "") for name in names])
 
     def acceleration(self, names: Sequence[str]) -> Array | None:
-        """Give the acceleration limits, rad/s^2 or m/s^2; None where they are not all known."""
+        """Return the acceleration limits, rad/s^2 or m/s^2; None where they are not all known."""
         if not all(name in self._acceleration for name in names):
             return None
         return np.array([self._acceleration[name] for name in names])

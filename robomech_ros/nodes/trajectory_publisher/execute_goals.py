@@ -27,5 +27,5 @@ class ExecuteGoals:
         )
 
     def verdict(self, status: int, result: Any, began: bool) -> Verdict:
-        """Give code and text, which the result has."""
+        """Return code and text, which the result has."""
         return Verdict(int(result.error_code), str(result.error_msg))

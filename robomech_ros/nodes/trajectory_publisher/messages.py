@@ -98,7 +98,7 @@ def message_from_delivery(delivery: Delivery, now: int) -> JointTrajectory:
 
 
 def _stamp(now: int, delay: float) -> Time:
-    """Give the stamp `delay` (s) from now; 0, which means at once, where there is none."""
+    """Return the stamp `delay` (s) from now; 0, which means at once, where there is none."""
     if delay <= 0.0:
         return Time()
     seconds, nanoseconds = divmod(now + round(delay * _NANO), _NANO)
@@ -106,7 +106,7 @@ def _stamp(now: int, delay: float) -> Time:
 
 
 def _row(rows: Array | None, k: int) -> object:
-    """Give a row; nothing where it is NaN."""
+    """Return a row; nothing where it is NaN."""
     if rows is None or np.isnan(rows[k]).any():
         return []
     return floats(rows[k])

@@ -125,7 +125,7 @@ class MotionLeft:
 
 
 def _written(delivery: Delivery, now: float, waiting: int) -> bytes:
-    """Give what the next process needs of a motion under way."""
+    """Return what the next process needs of a motion under way."""
     motion = {
         "joints": list(delivery.names),
         "goal": delivery.goal.tolist(),

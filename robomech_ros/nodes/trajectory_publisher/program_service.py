@@ -106,7 +106,7 @@ class ProgramService:
         return f"{len(program.steps)} steps, {count}"
 
     def _place(self, chain: SerialChain) -> Array:
-        """Give where the robot stands (rad or m), while nothing is executed."""
+        """Return where the robot stands (rad or m), while nothing is executed."""
         if self._loop.dispatcher.busy:
             raise self._busy()
         position = self._link.positions(chain.joint_names)

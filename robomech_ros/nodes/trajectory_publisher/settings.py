@@ -118,7 +118,7 @@ class PublisherSettings(RobotSettings):
 
 
 def answering_transport(settings: PublisherSettings) -> Transport:
-    """Give the transport by which the controller says how a motion ended."""
+    """Return the transport by which the controller says how a motion ended."""
     wanted = Transport(settings.transport)
     return wanted if wanted.answers else Transport.ACTION
 
@@ -144,7 +144,7 @@ def asked_tolerances(settings: PublisherSettings) -> AskedTolerances:
 
 
 def action_goals(transport: Transport) -> ActionGoals:
-    """Give the action of a transport.
+    """Return the action of a transport.
 
     Raises
     ------

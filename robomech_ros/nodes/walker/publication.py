@@ -91,7 +91,7 @@ class WalkPublication:
 
 
 def mean_twist(before: Array, trunk: Array, seconds: float) -> Array:
-    """Give the mean twist [w; v] of the trunk, in its own axes, since it was published last.
+    """Return the mean twist [w; v] of the trunk, in its own axes, since it was published last.
 
     That of a trunk that has not moved is exactly zero: people wait for that.
     """

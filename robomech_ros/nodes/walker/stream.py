@@ -139,7 +139,7 @@ class WalkStream:
         return self._repeats > 0
 
     def samples(self) -> Samples:
-        """Give positions and rates of the joints behind the present knot, to rest.
+        """Return positions and rates of the joints behind the present knot, to rest.
 
         Times are counted from the present knot (s).
         """
@@ -167,7 +167,7 @@ def _moves(update: WalkUpdate) -> bool:
 
 
 def rising(walker: Walker, position: Array, part: float) -> Samples:
-    """Give the way of the joints from where they are (n,) to where the walker stands.
+    """Return the way of the joints from where they are (n,) to where the walker stands.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ def as_rows(array: Array) -> Array:
 
 
 def finite(result: Array) -> Array:
-    """Give a result, or raise NonFiniteError where the arguments are too large for one."""
+    """Return a result, or raise NonFiniteError where the arguments are too large for one."""
     if not np.isfinite(result).all():
         raise NonFiniteError("result", result)
     return result
@@ -31,7 +31,7 @@ def finite(result: Array) -> Array:
 def loop_arguments(
     mechanism: Mechanism,
 ) -> tuple[Array, IntArray, IntArray, float]:
-    """Give model, starts, drives and scale, as the kernels name them.
+    """Return model, starts, drives and scale, as the kernels name them.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def loop_arguments(
 
 
 def states(mechanism: Mechanism, q: ArrayLike, **of_drives: ArrayLike) -> list[Array]:
-    """Give joints (..., n), and what belongs to the drives (..., m), with the same batch.
+    """Return joints (..., n), and what belongs to the drives (..., m), with the same batch.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def states(mechanism: Mechanism, q: ArrayLike, **of_drives: ArrayLike) -> list[A
 
 
 def complements(mechanism: Mechanism, q: Array, rates: Array) -> tuple[Array, Array, Array, Array]:
-    """Give q, the rates of all joints (..., n), N (..., n, m) and its rate."""
+    """Return q, the rates of all joints (..., n), N (..., n, m) and its rate."""
     n, m = mechanism.n, mechanism.dof
     N, N_dot = np.empty((2, *q.shape[:-1], n, m))
     qd = np.empty(q.shape)
@@ -76,7 +76,7 @@ def complements(mechanism: Mechanism, q: Array, rates: Array) -> tuple[Array, Ar
 def compiled_forward(
     mechanism: Mechanism, gravity: ArrayLike, tip_wrench: ArrayLike | None
 ) -> CompiledForward:
-    """Give forward dynamics of single states without checks: accelerations into the last.
+    """Return forward dynamics of single states without checks: accelerations into the last.
 
     LostPostureError is raised where the posture is singular or open.
     """

@@ -153,7 +153,7 @@ def joint_reactions(
 
 
 def _acting(span: Array, point: Array, centres: Array, behind: int, before: int) -> Array:
-    """Give rows (k, 6 n) of wrenches (k, 6) at a point on one body, and reversed on another."""
+    """Return rows (k, 6 n) of wrenches (k, 6) at a point on one body, and reversed on another."""
     rows = np.zeros((len(span), len(centres), 6))
     for body, sign in ((behind, 1.0), (before, -1.0)):
         if body >= 0:

@@ -19,7 +19,7 @@ from robomech_ros.typing import Array
 
 
 def platform_body(mechanism: Mechanism) -> Body:
-    """Give the body of the platform.
+    """Return the body of the platform.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def platform_body(mechanism: Mechanism) -> Body:
 
 
 def limb_bodies(mechanism: Mechanism) -> list[list[Body | None]]:
-    """Give what moves with each joint of each limb, in its frame; the platform with the first.
+    """Return what moves with each joint of each limb, in its frame; the platform with the first.
 
     Raises
     ------

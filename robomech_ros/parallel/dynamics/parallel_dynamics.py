@@ -138,7 +138,7 @@ class ParallelDynamics:
         return float(limb_totals(self.mechanism, *np.zeros((2, self.mechanism.n)))[0])
 
     def checked_posture(self, q: ArrayLike, what: str = "q") -> Array:
-        """Give joint values (n,) that close all loops, or raise an error.
+        """Return joint values (n,) that close all loops, or raise an error.
 
         Loops that are open by rounding, up to 1e-6 rad and of the robot's size, are closed.
 
@@ -161,7 +161,7 @@ class ParallelDynamics:
         return found.q
 
     def posture(self, values: Array, near: Array) -> Array:
-        """Give all joints (n,) for values of the drives (m,), in the assembly mode of ``near``.
+        """Return all joints (n,) for values of the drives (m,), in the assembly mode of ``near``.
 
         LostPostureError says where the mode ends before, in a singular posture.
         """
@@ -171,15 +171,15 @@ class ParallelDynamics:
         return found.q
 
     def complement(self, q: ArrayLike) -> Array:
-        """Give N (..., n, m), from the rates of the drives to those of all joints."""
+        """Return N (..., n, m), from the rates of the drives to those of all joints."""
         return self.mechanism.complement(q)
 
     def joint_rates(self, q: ArrayLike, rates: ArrayLike) -> Array:
-        """Give the rates of all joints (..., n)."""
+        """Return the rates of all joints (..., n)."""
         return self.mechanism.rates(q, rates)[0]
 
     def tip_twist(self, q: ArrayLike, rates: ArrayLike) -> Array:
-        """Give the twist [omega; v] (..., 6) of the platform in the base."""
+        """Return the twist [omega; v] (..., 6) of the platform in the base."""
         return self.mechanism.rates(q, rates)[1]
 
     def inverse(
@@ -262,7 +262,7 @@ class ParallelDynamics:
         return finite(out)
 
     def compiled_forward(self, gravity: ArrayLike, tip_wrench: ArrayLike | None) -> CompiledForward:
-        """Give :meth:`forward` of single states without checks: accelerations into the last."""
+        """Return :meth:`forward` of single states without checks: accelerations into the last."""
         return compiled_forward(self.mechanism, gravity, tip_wrench)
 
     def compiled_servo(self, plant: ParallelDynamics, law: ServoLaw) -> CompiledServo:
@@ -375,7 +375,7 @@ class ParallelDynamics:
         return joint_reactions(self.mechanism, *shaped, gains, around)
 
     def with_payload(self, payload: Body) -> ParallelDynamics:
-        """Give the robot whose platform carries a load, seen in the frame of the platform.
+        """Return the robot whose platform carries a load, seen in the frame of the platform.
 
         Raises
         ------

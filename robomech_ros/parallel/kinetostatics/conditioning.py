@@ -229,7 +229,7 @@ def dexterity(
 
 
 def inverse_condition(found: ScaledMatrices) -> Array:
-    """Give the reciprocal condition number (...) of the map between drives and twists."""
+    """Return the reciprocal condition number (...) of the map between drives and twists."""
     values = np.linalg.svd(found.K, compute_uv=False)
     regular = (np.abs(found.J) > RANK).all(axis=-1) & (values[..., -1] > RANK * values[..., 0])
     entries = np.where(regular[..., None], found.J, 1.0)

@@ -65,13 +65,13 @@ class Legs:
     extends: bool
 
     def rows(self) -> tuple[Array, Array]:
-        """Give the rows (..., m, 6) of K and the diagonal (..., m) of J."""
+        """Return the rows (..., m, 6) of K and the diagonal (..., m) of J."""
         n = _unit(self.legs)
         K = np.concatenate((np.cross(self.arms, n), n), axis=-1)
         return K, np.ones(n.shape[:-1]) if self.extends else (n * self.first).sum(axis=-1)
 
     def row_rates(self, twist: Array, rates: Array) -> tuple[Array, Array]:
-        """Give the time derivatives of both, for twists (..., 6) and drive rates (..., m)."""
+        """Return the time derivatives of both, for twists (..., 6) and drive rates (..., m)."""
         n = _unit(self.legs)
         lengths = np.linalg.norm(self.legs, axis=-1, keepdims=True)
         turned = np.cross(twist[..., None, :3], self.arms)
@@ -103,12 +103,12 @@ class Arcs:
     lever: Array
 
     def rows(self) -> tuple[Array, Array]:
-        """Give the rows (..., m, 6) of K and the diagonal (..., m) of J."""
+        """Return the rows (..., m, 6) of K and the diagonal (..., m) of J."""
         c = np.cross(self.platform, self.middle) / self.sines[:, None]
         return np.concatenate((c, np.zeros_like(c)), axis=-1), (self.base * c).sum(axis=-1)
 
     def row_rates(self, twist: Array, rates: Array) -> tuple[Array, Array]:
-        """Give the time derivatives of both, for twists (..., 6) and drive rates (..., m)."""
+        """Return the time derivatives of both, for twists (..., 6) and drive rates (..., m)."""
         dv = np.cross(twist[..., None, :3], self.platform)
         dw = np.cross(self.base, self.middle) * rates[..., None]
         dc = (np.cross(dv, self.middle) + np.cross(self.platform, dw)) / self.sines[:, None]
@@ -116,7 +116,7 @@ class Arcs:
 
 
 def motions_of(robot: ParallelRobot | Mechanism) -> tuple[int, ...]:
-    """Give the columns of a twist [angular; linear] that the platform has.
+    """Return the columns of a twist [angular; linear] that the platform has.
 
     Raises
     ------
@@ -130,12 +130,12 @@ def motions_of(robot: ParallelRobot | Mechanism) -> tuple[int, ...]:
 
 
 def drives_of(robot: ParallelRobot) -> int:
-    """Give the number of drives, which is that of the platform's degrees of freedom."""
+    """Return the number of drives, which is that of the platform's degrees of freedom."""
     return len(motions_of(robot))
 
 
 def motion_basis(robot: ParallelRobot | Mechanism, limbs: Legs | Arcs | Wrenches) -> Array:
-    """Give twists (..., 6, m) that span those that the platform has (rad/s and m/s)."""
+    """Return twists (..., 6, m) that span those that the platform has (rad/s and m/s)."""
     if isinstance(limbs, Wrenches):
         return np.asarray(limbs.motions(limbs.size) / np.repeat([limbs.size, 1.0], 3)[:, None])
     return np.eye(6)[:, list(motions_of(robot))]
@@ -144,7 +144,7 @@ def motion_basis(robot: ParallelRobot | Mechanism, limbs: Legs | Arcs | Wrenches
 def motion_entries(
     robot: ParallelRobot | Mechanism, limbs: Legs | Arcs | Wrenches
 ) -> tuple[int, ...]:
-    """Give the entries of a twist [angular; linear] that the platform has."""
+    """Return the entries of a twist [angular; linear] that the platform has."""
     if not isinstance(limbs, Wrenches):
         return motions_of(robot)
     sizes = np.abs(limbs.motions(limbs.size)).reshape(-1, 6, limbs.work.shape[-1])
@@ -152,7 +152,7 @@ def motion_entries(
 
 
 def poses_of(robot: ParallelRobot | Mechanism, T: ArrayLike) -> Array:
-    """Give poses (..., 4, 4) that the platform can have as to their kind.
+    """Return poses (..., 4, 4) that the platform can have as to their kind.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ def _short_form(robot: ParallelRobot, given: Array) -> Array:
 
 
 def _turns_off(poses: Array, motions: tuple[int, ...]) -> Array:
-    """Give how far rotations (..., 3) are from those about z, or from none."""
+    """Return how far rotations (..., 3) are from those about z, or from none."""
     off = np.abs(poses[..., :3, :3] - np.eye(3))
     if 2 in motions:
         off = off[..., 2, :]
@@ -249,7 +249,7 @@ def limbs_at(
 
 
 def leg_lengths(robot: StewartGough | Planar3RPR, poses: Array) -> Array:
-    """Give the lengths (..., legs) of legs that extend, for poses (..., 4, 4) (m)."""
+    """Return the lengths (..., legs) of legs that extend, for poses (..., 4, 4) (m)."""
     if isinstance(robot, StewartGough):
         return robot.inverse(poses)
     found = limbs_at(robot, poses, None)

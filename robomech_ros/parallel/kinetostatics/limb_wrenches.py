@@ -60,14 +60,14 @@ class Wrenches:
     carriers: IntArray
 
     def rows(self) -> tuple[Array, Array]:
-        """Give the rows (..., m, 6) of K, of motions that the platform has, and J's diagonal."""
+        """Return the rows (..., m, 6) of K, of motions that the platform has, and J's diagonal."""
         units = np.repeat([1.0 / self.size, 1.0], _ANGULAR)
         S = self.motions(self.size)
         K = (self.borne * units) @ S @ np.swapaxes(S, -1, -2) / units
         return np.asarray(K), self.work
 
     def motions(self, length: float) -> Array:
-        """Give the twists (..., 6, m) that the platform has.
+        """Return the twists (..., 6, m) that the platform has.
 
         Columns are orthonormal after multiplication of the angular part by the length.  In postures
         in which it has more than m, those come first that locked drives do not hold.
@@ -160,7 +160,7 @@ def _check_held(mechanism: Mechanism, poses: Array, q: Array) -> None:
 
 
 def _reciprocal(screws: Array, limb: int) -> Array:
-    """Give wrenches (..., 6, k), orthonormal, that do no work on joints (..., 6, j)."""
+    """Return wrenches (..., 6, k), orthonormal, that do no work on joints (..., 6, j)."""
     count = screws.shape[-1]
     sizes = np.linalg.norm(screws, axis=-2, keepdims=True)
     basis, values, _ = np.linalg.svd(screws / sizes)
@@ -194,7 +194,7 @@ def _of_drive(
 def _begins(
     mechanism: Mechanism, joint: tuple[int, int], screws: Array, W: Array, q: Array
 ) -> Array:
-    """Give the coordinates (w,) in W of the wrench whose work on a drive is about to begin."""
+    """Return the coordinates (w,) in W of the wrench whose work on a drive is about to begin."""
     i, k = joint
     own = slice(mechanism.loops.starts[i], mechanism.loops.starts[i + 1])
     others = np.delete(screws, k, axis=-1)
@@ -208,7 +208,7 @@ def _begins(
 
 
 def _tangents(mechanism: Mechanism, q: Array) -> Array:
-    """Give the rates (r, n) of all joints that keep the loops closed."""
+    """Return the rates (r, n) of all joints that keep the loops closed."""
     ends = np.zeros((len(mechanism.limbs), _TWIST, mechanism.n))
     for i, limb in enumerate(mechanism.limbs):
         own = slice(mechanism.loops.starts[i], mechanism.loops.starts[i + 1])
@@ -262,7 +262,7 @@ def _lever(
     prismatic: BoolArray,
     size: float,
 ) -> Array:
-    """Give the most (...) that a wrench can work on a drive, about the joint next to it."""
+    """Return the most (...) that a wrench can work on a drive, about the joint next to it."""
     others = np.flatnonzero(~prismatic).tolist()
     turning = [j for j in others if j > k] or [j for j in others[::-1] if j < k]
     if prismatic[k] or not turning:
@@ -283,6 +283,6 @@ def _lever(
 
 
 def _axis(screw: Array, size: float) -> tuple[Array, Array]:
-    """Give the direction of the axis of a joint and its point nearest to the platform's origin."""
+    """Return the direction of a joint's axis and its point nearest to the platform's origin."""
     e = screw[..., :_ANGULAR]
     return e, np.cross(e, screw[..., _ANGULAR:] * size)

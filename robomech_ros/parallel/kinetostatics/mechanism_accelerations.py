@@ -23,7 +23,7 @@ _PREVENTED = 1e-6
 def mechanism_drive_accelerations(
     mechanism: Any, q: ArrayLike | None, limbs: Wrenches, t: Array, dt: Array
 ) -> Array:
-    """Give what the entries of J times the accelerations of the drives are, (..., m).
+    """Return what the entries of J times the accelerations of the drives are, (..., m).
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def mechanism_drive_accelerations(
 def mechanism_platform_acceleration(
     mechanism: Any, q: ArrayLike | None, limbs: Wrenches, t: Array
 ) -> tuple[Array, Array]:
-    """Give the work (..., m) that K does on the acceleration of the platform without the drives'.
+    """Return the work (..., m) that K does on the acceleration of the platform without the drives'.
 
     Besides, its part (..., 6) that limbs prescribe; arguments as above, t NaN where unknown.
     """
@@ -64,7 +64,7 @@ def mechanism_platform_acceleration(
 
 
 def _biases(mechanism: Any, q: ArrayLike | None, limbs: Wrenches, t: Array) -> tuple[Array, Array]:
-    """Give what wrenches do on the accelerations of limbs whose joints keep their rates.
+    """Return what wrenches do on the accelerations of limbs whose joints keep their rates.
 
     Of those that drives bear (..., m), and of those that limbs bear by themselves (..., c).
     """

@@ -36,7 +36,7 @@ def mechanism_length(mechanism: Mechanism) -> float:
 
 
 def _best(limbs: Wrenches, S: Array) -> float:
-    """Give the length with the least condition number of any posture, 0 if none is regular."""
+    """Return the length with the least condition number of any posture, 0 if none is regular."""
     # Of unit twists in S those that turn most first: turns and displacements stay orthogonal.
     S = S @ np.swapaxes(np.linalg.svd(S[:, :_ANGULAR], full_matrices=True)[2], -1, -2)
     K = limbs.borne / np.repeat([limbs.size, 1.0], _ANGULAR) @ S

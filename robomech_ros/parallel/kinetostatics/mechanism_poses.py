@@ -29,7 +29,7 @@ _JUMP, _PARTS, _AT_LIMIT = 0.3, 8, 1e-3
 
 
 def exclusion(mechanism: Mechanism, pose: Array, near: Array) -> tuple[str, float, Array]:
-    """Give what excludes a pose, by how much, and all joints (n,) of the posture nearest to one."""
+    """Return the reason that excludes a pose, the excess, and all joints (n,) nearest to one."""
     found = mechanism.postures(pose, seed=near)
     if found.status == Code.NONE:
         return "", 0.0, np.array(found.q[0])
@@ -45,7 +45,7 @@ def exclusion(mechanism: Mechanism, pose: Array, near: Array) -> tuple[str, floa
 def followed(
     mechanism: Mechanism, pose_at: Callable[[float], Array], begin: float, end: float, q: Array
 ) -> tuple[str, float, Array]:
-    """Give :func:`exclusion` of a pose at the end of a way, in the branches of its beginning.
+    """Return :func:`exclusion` of a pose at the end of a way, in the branches of its beginning.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def _stop(mechanism: Mechanism, q: Array, joint: int) -> str:
 
 
 def free_axes(mechanism: Mechanism, pose: Array, q: Array, *, turns: bool) -> Array:
-    """Give axes (3, d) along which the platform moves without turning, or turns about its origin.
+    """Return axes (3, d) along which the platform moves without turning, or turns about its origin.
 
     Only motions that it goes on with count: a platform that shifts as it tilts does not tilt at its
     place.
@@ -123,7 +123,7 @@ def _goes_on(mechanism: Mechanism, pose: Array, axis: Array, turns: bool) -> boo
 
 
 def side_of_mechanism(mechanism: Mechanism, poses: Array, q: Array, centre: Array) -> Array:
-    """Give on which side (k,) of a singularity of type 2 poses are, with all their joints (k, n).
+    """Return on which side (k,) of a singularity of type 2 poses are, with all their joints (k, n).
 
     It is the sign of the determinant of K for the motions that the platform has, in the order and
     with the signs of those in the posture ``centre`` (n,).
@@ -137,7 +137,7 @@ def side_of_mechanism(mechanism: Mechanism, poses: Array, q: Array, centre: Arra
 
 
 def way_across(mechanism: Mechanism) -> float:
-    """Give how far the platform can be from the base (m); of endless slides, some sizes."""
+    """Return how far the platform can be from the base (m); of endless slides, some sizes."""
     chains = [limb.chain for limb in mechanism.limbs]
     bounds = [
         reach_bound(chain)

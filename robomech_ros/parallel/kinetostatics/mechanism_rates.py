@@ -23,7 +23,7 @@ _WEIGHTS = np.array([1.0, -8.0, 8.0, -1.0]) / 12.0
 
 
 def mechanism_matrix_rates(mechanism: Mechanism, q: Array, rates: Array) -> tuple[Array, Array]:
-    """Give the rates of K (..., m, 6) and of the diagonal of J (..., m).
+    """Return the rates of K (..., m, 6) and of the diagonal of J (..., m).
 
     Parameters
     ----------

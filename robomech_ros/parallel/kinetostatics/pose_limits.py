@@ -117,7 +117,7 @@ def as_branches(robot: ParallelRobot | Mechanism, branches: object) -> str | Non
 
 
 def limits_at(robot: ParallelRobot | Mechanism, poses: Array, branches: str | None) -> PoseLimits:
-    """Give :func:`pose_limits` of checked poses (k, 4, 4)."""
+    """Return :func:`pose_limits` of checked poses (k, 4, 4)."""
     if isinstance(robot, StewartGough | Planar3RPR):
         return _of_legs(robot, poses)
     if isinstance(robot, Mechanism):
@@ -163,7 +163,7 @@ def _of_legs(robot: StewartGough | Planar3RPR, poses: Array) -> PoseLimits:
 def _of_limbs(
     robot: Delta | Planar3RRR | Spherical3RRR, pose: Array, branches: str | None
 ) -> tuple[str, float, Array]:
-    """Give the cause, the excess and the drives (3,) of one pose."""
+    """Return the cause, the excess and the drives (3,) of one pose."""
     nowhere = np.full(_LIMBS, np.nan)
     found = (robot if branches is None else _unlimited(robot)).inverse(pose)
     if found.status == Code.SINGULAR_CONTINUUM:
@@ -192,7 +192,7 @@ def _of_limbs(
 
 
 def _unlimited(robot: Delta | Planar3RRR | Spherical3RRR) -> Delta | Planar3RRR | Spherical3RRR:
-    """Give the same robot with drives that turn all round."""
+    """Return the same robot with drives that turn all round."""
     free = copy.copy(robot)
     free.limits = np.tile([-np.pi, np.pi], (_LIMBS, 1))
     return free

@@ -21,7 +21,7 @@ _TRIES = 64
 
 
 def size_of(robot: ParallelRobot) -> float:
-    """Give how far from the base's middle the platform's can be (m); its size without strokes."""
+    """Return how far from the base's middle the platform's can be (m); its size without strokes."""
     if isinstance(robot, Delta):
         return robot.base_radius + robot.platform_radius + robot.arm + robot.forearm
     if isinstance(robot, Spherical3RRR):

@@ -189,7 +189,7 @@ def loop_singularity(
 
 
 def _row_space(rows: Array) -> Array:
-    """Give an orthonormal basis of the space of some rows."""
+    """Return an orthonormal basis of the space of some rows."""
     if not len(rows):
         return rows
     values, basis = np.linalg.svd(rows, full_matrices=False)[1:]
@@ -197,21 +197,21 @@ def _row_space(rows: Array) -> Array:
 
 
 def _twists(scaled: Array, motions: Array, length: float) -> Array:
-    """Give twists (k, 6) of rows (k, m) whose linear part is divided by the length."""
+    """Return twists (k, 6) of rows (k, m) whose linear part is divided by the length."""
     out = np.asarray(scaled @ motions.T)
     out[:, _ANGULAR:] *= length
     return out
 
 
 def _wrenches(scaled: Array, motions: Array, length: float) -> Array:
-    """Give wrenches (k, 6) of rows (k, m) whose moment is divided by the length."""
+    """Return wrenches (k, 6) of rows (k, m) whose moment is divided by the length."""
     out = np.asarray(scaled @ motions.T)
     out[:, :_ANGULAR] *= length
     return out
 
 
 def _numbers(robot: ParallelRobot | Mechanism, drives: IntArray) -> tuple[int, ...]:
-    """Give the limbs of drives, from 1."""
+    """Return the limbs of drives, from 1."""
     if isinstance(robot, Mechanism):
         where = robot.drive_index[drives]
         drives = np.unique(np.searchsorted(robot.loops.starts, where, side="right") - 1)

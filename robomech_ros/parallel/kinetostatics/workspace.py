@@ -83,7 +83,7 @@ class PlatformWorkspace:
         return np.asarray(self.poses[:, :3, 3])
 
     def shares(self) -> dict[str, float]:
-        """Give which part of the directions each cause ends, the largest first."""
+        """Return which part of the directions each cause ends, the largest first."""
         names, counts = np.unique(self.causes, return_counts=True)
         order = np.argsort(-counts, kind="stable")
         return {str(names[k]): float(counts[k] / len(self.causes)) for k in order}
@@ -190,7 +190,7 @@ def _pose(centre: Array, turns: bool, direction: Array, distance: float) -> Arra
 
 
 def _axes(robot: ParallelRobot | Mechanism, centre: Array, first: PoseLimits, turns: bool) -> Array:
-    """Give axes (3, d) along which a platform moves or about which it turns, one at least."""
+    """Return axes (3, d) along which a platform moves or about which it turns, one at least."""
     name = type(robot).__name__
     if isinstance(robot, Mechanism):
         name, axes = robot.name, free_axes(robot, centre, first.q[0], turns=turns)
@@ -234,7 +234,7 @@ def _directions(given: int | ArrayLike, axes: Array) -> Array:
 
 
 def _poses(centre: Array, turns: bool, directions: Array, distances: Array) -> Array:
-    """Give the poses (k, 4, 4) at distances along directions."""
+    """Return the poses (k, 4, 4) at distances along directions."""
     steps = distances[:, None] * directions
     if not turns:
         T = np.tile(centre, (len(steps), 1, 1))
@@ -296,7 +296,7 @@ def _explored(
 
 
 def _far(robot: ParallelRobot | Mechanism, centre: Array) -> float:
-    """Give how far places are looked at (m)."""
+    """Return how far places are looked at (m)."""
     if isinstance(robot, StewartGough | Planar3RPR) and robot.strokes is None:
         return _FARTHEST * size_of(robot)
     far = way_across(robot) if isinstance(robot, Mechanism) else size_of(robot)
@@ -306,7 +306,7 @@ def _far(robot: ParallelRobot | Mechanism, centre: Array) -> float:
 def _side(
     robot: ParallelRobot | Mechanism, poses: Array, found: PoseLimits, first: PoseLimits
 ) -> Array:
-    """Give the sign (k,) of the determinant of K for the platform's motions."""
+    """Return the sign (k,) of the determinant of K for the platform's motions."""
     if isinstance(robot, Mechanism):
         return side_of_mechanism(robot, poses, found.q, first.q[0])
     K = limbs_at(robot, poses, found.q).rows()[0]

@@ -69,12 +69,12 @@ class WorkspaceSurface:
 
     @cached_property
     def _from_centre(self) -> Array:
-        """Give for each facet the matrix from a point to its parts along the corners."""
+        """Return for each facet the matrix from a point to its parts along the corners."""
         return np.asarray(np.linalg.pinv(np.swapaxes(self.facets - self.centre, -1, -2)))
 
     @cached_property
     def _on_facet(self) -> tuple[Array, Array]:
-        """Give two sides of each triangle of the boundary, and the matrix from a point to parts."""
+        """Return two sides of each boundary triangle, and the matrix from points to parts."""
         facets = self.boundary
         sides = np.stack((facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0]), axis=-1)
         return sides, np.asarray(np.linalg.pinv(sides))
@@ -87,7 +87,7 @@ class WorkspaceSurface:
         return not len(total) or bool(total.min() <= 1.0)
 
     def _nearest(self, point: Array) -> float:
-        """Give the distance (m) of a point (3,) from the facets of the boundary."""
+        """Return the distance (m) of a point (3,) from the facets of the boundary."""
         facets = self.boundary
         corners = facets.shape[1]
         edges = [_from_line(facets[:, k - 1], facets[:, k], point) for k in range(1, corners)]
@@ -126,7 +126,7 @@ def neighbours(directions: Array) -> IntArray:
 
 
 def _from_line(first: Array, last: Array, point: Array) -> Array:
-    """Give the distances (f,) of a point from lines between ends (f, 3)."""
+    """Return the distances (f,) of a point from lines between ends (f, 3)."""
     way = last - first
     length = np.maximum((way**2).sum(axis=1), np.finfo(float).tiny)
     part = np.clip(((point - first) * way).sum(axis=1) / length, 0.0, 1.0)

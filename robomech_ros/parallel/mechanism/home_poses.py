@@ -64,7 +64,7 @@ def _best(
     poses: Array,
     size: float,
 ) -> tuple[Array, float]:
-    """Give the pose with the best ratio of singular values, if some are within the strokes."""
+    """Return the pose with the best ratio of singular values, if some are within the strokes."""
     poses = np.ascontiguousarray(poses)
     lengths, rows = np.empty((len(poses), 6)), np.zeros((len(poses), 6, 6))
     leg_lengths(a, b, poses, lengths)
@@ -84,7 +84,7 @@ def _best(
 
 
 def planar_homes(base_points: Array, platform_points: Array) -> Array:
-    """Give poses (k, 4, 4) with the centre of the platform over that of the base, all round."""
+    """Return poses (k, 4, 4) with the centre of the platform over that of the base, all round."""
     angles = np.linspace(np.pi, -np.pi, _TURNS, endpoint=False)
     shift = base_points.mean(axis=0)
     poses = pose_about_z(np.stack((0.0 * angles, 0.0 * angles, angles), axis=1))
@@ -93,7 +93,7 @@ def planar_homes(base_points: Array, platform_points: Array) -> Array:
 
 
 def spherical_homes() -> Array:
-    """Give poses (k, 4, 4) about a fixed point: none, and turns all round."""
+    """Return poses (k, 4, 4) about a fixed point: none, and turns all round."""
     turns = np.random.default_rng(8).normal(size=(_TRIED, 3))
     turns[0] = 0.0
     return assembled(matrix_from_rotation_vector(turns), np.zeros((_TRIED, 3)))

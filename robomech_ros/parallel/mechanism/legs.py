@@ -56,7 +56,7 @@ def extending_legs(
 def _frames(
     a: Array, b: Array, home: Array, on_base: Array | None, on_platform: Array | None
 ) -> tuple[Array, Array]:
-    """Give the frame of a leg in the base (3, 3), and the platform's in it, all joints at zero."""
+    """Return a leg's frame in the base (3, 3), and the platform's in it, joints at zero."""
     along = home[:3, :3] @ b + home[:3, 3] - a
     F = _upright(along / np.linalg.norm(along) if on_base is None else on_base)
     if on_platform is None:
@@ -109,7 +109,7 @@ def _leg(
 
 
 def _upright(z: Array) -> Array:
-    """Give axes (3, 3), one a column, of which x is horizontal."""
+    """Return axes (3, 3), one a column, of which x is horizontal."""
     x = np.cross((0.0, 0.0, 1.0), z) if abs(z[2]) < 0.999999 else np.array([0.0, 1.0, 0.0])
     y = np.cross(z, x / np.linalg.norm(x))
     y /= np.linalg.norm(y)
@@ -117,7 +117,7 @@ def _upright(z: Array) -> Array:
 
 
 def _cardan(z: Array, row: Array | None = None) -> tuple[float, float, float]:
-    """Give angles of turns about x, y and z, from the third column and the first row."""
+    """Return angles of turns about x, y and z, from the third column and the first row."""
     x = math.atan2(-z[1], z[2]) if math.hypot(z[1], z[2]) > 0.0 else 0.0
     y = math.atan2(z[0], math.hypot(z[1], z[2]))
     return x, y, 0.0 if row is None else math.atan2(-row[1], row[0])

@@ -254,7 +254,7 @@ def checked_drive_limits(
 
 
 def with_drive_limits(limbs: Sequence[Limb], limits: Mapping[str, Array]) -> list[Limb]:
-    """Give the drives of limbs, counted limb by limb, their limits (m,)."""
+    """Return the drives of limbs, counted limb by limb, their limits (m,)."""
     found, drive = [], 0
     for limb in limbs:
         chain, index = limb.chain, []

@@ -56,7 +56,7 @@ class Loops:
         return cls(packed, starts, drives, size, np.where(slides, 1.0 / size, 1.0))
 
     def limb_poses(self, q: Array) -> Array:
-        """Give where each limb of postures (..., n) holds the platform, (..., limbs, 4, 4)."""
+        """Return where each limb of postures (..., n) holds the platform, (..., limbs, 4, 4)."""
         out = np.empty((*q.shape[:-1], len(self.starts) - 1, 4, 4))
         flat = out.reshape(-1, *out.shape[-3:])
         if rates.limb_poses(self.packed, self.starts, _flat(q, q.shape[:-1], q.shape[-1:]), flat):
@@ -64,7 +64,7 @@ class Loops:
         return out
 
     def rates(self, q: Array, given: Array) -> tuple[Array, Array]:
-        """Give rates of joints (..., n, c) and twists (..., 6, c) for those of drives."""
+        """Return rates of joints (..., n, c) and twists (..., 6, c) for those of drives."""
         lead = np.broadcast_shapes(q.shape[:-1], given.shape[:-2])
         tail = given.shape[-2:]
         out = np.empty((*lead, q.shape[-1], tail[1]))
@@ -83,7 +83,7 @@ class Loops:
         return out, twists
 
     def accelerations(self, q: Array, qd: Array, given: Array) -> tuple[Array, Array]:
-        """Give accelerations of joints (..., n) and platform (..., 6) for those of drives."""
+        """Return accelerations of joints (..., n) and platform (..., 6) for those of drives."""
         lead = np.broadcast_shapes(q.shape[:-1], qd.shape[:-1], given.shape[:-1])
         out, platform = np.empty((*lead, q.shape[-1])), np.empty((*lead, 6))
         status = rates.accelerations(

@@ -77,7 +77,7 @@ def check_drives(chains: list[SerialChain], loops: Loops, home: Array) -> None:
 
 
 def _beside(loops: Loops, home: Array) -> Array:
-    """Give a posture near home that is not special, if the drives lead to one."""
+    """Return a posture near home that is not special, if the drives lead to one."""
     rng = np.random.default_rng(7)
     driven = np.flatnonzero(loops.drives >= 0)
     drives = home[driven]

@@ -132,7 +132,7 @@ class Mechanism(LoopMotion):
     effort: Array
 
     def with_platform_body(self, body: Body) -> Mechanism:
-        """Give the mechanism whose platform has another body, seen in its frame."""
+        """Return the mechanism whose platform has another body, seen in its frame."""
         other = copy.copy(self)
         other.__dict__.pop("description", None)
         other.platform_body = body
@@ -141,7 +141,7 @@ class Mechanism(LoopMotion):
     def with_direct(
         self, direct: Callable[[Array, Array | None], DirectKinematicsResult]
     ) -> Mechanism:
-        """Give the mechanism whose poses for given drives are found in another way."""
+        """Return the mechanism whose poses for given drives are found in another way."""
         other = copy.copy(self)
         other._direct = direct
         return other
@@ -261,7 +261,7 @@ class Mechanism(LoopMotion):
         return AssemblyModes(**{key: getattr(found, key) for key in fields}, q=q)
 
     def home(self) -> Array:
-        """Give the posture to begin with: of those offered, the first one furthest from singular.
+        """Return the posture to begin with: of those offered, the first one furthest from singular.
 
         Returns
         -------
@@ -307,7 +307,7 @@ class Mechanism(LoopMotion):
         return first
 
     def _regularity(self, q: Array) -> float:
-        """Give the ratio of least to greatest singular value of the twists of the drives."""
+        """Return the ratio of least to greatest singular value of the twists of the drives."""
         try:
             twists = self.twist_matrix(q) / self.loops.weights[self.drive_index]
         except BadValueError:

@@ -59,7 +59,7 @@ class Parts:
 def limbs_with_parts(
     limbs: Sequence[Limb], platform: str, parts: Parts
 ) -> tuple[tuple[Limb, ...], Body | None]:
-    """Give limbs with the bodies of their links, and the body of the platform.
+    """Return limbs with the bodies of their links, and the body of the platform.
 
     The last joint of a limb moves the platform, so a limb has no body there.
 
@@ -92,7 +92,7 @@ def limbs_with_parts(
 
 
 def _body_frames(chain: SerialChain) -> list[Array]:
-    """Give the frame of each joint's body in the frame that moves with the joint, (4, 4)."""
+    """Return the frame of each joint's body in the frame that moves with the joint, (4, 4)."""
     constants = chain.transforms
     poses = [constants[0]]
     for step in constants[1:-1]:
@@ -122,6 +122,6 @@ def _body_frames(chain: SerialChain) -> list[Array]:
 
 
 def _across(vector: Array, axis: Array) -> Array:
-    """Give the part of a vector across a unit axis."""
+    """Return the part of a vector across a unit axis."""
     part: Array = vector - float(vector @ axis) * axis
     return part

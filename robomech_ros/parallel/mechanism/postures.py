@@ -107,7 +107,7 @@ def _into_limits(limb: Limb, found: LimbBranches, near: Array | None) -> tuple[A
 
 
 def joints_of_mode(limbs: Sequence[Limb], loops: Loops, T: Array, drives: Array) -> Array:
-    """Give all joints (n,) for a pose (4, 4) and the drives (m,) that hold it; NaN of no branch."""
+    """Return all joints (n,) for a pose (4, 4) and its drives (m,); NaN for no branch."""
     q = np.empty(len(loops.drives))
     for limb, start in zip(limbs, loops.starts, strict=False):
         own = slice(start, start + limb.chain.n)

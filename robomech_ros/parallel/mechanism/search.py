@@ -56,7 +56,7 @@ class AssemblySearch:
         return self._found(q, starts, near)
 
     def closed(self, drives: Array, count: int, rng: np.random.Generator) -> Array:
-        """Give postures (k, n) with closed loops, from so many random ones."""
+        """Return postures (k, n) with closed loops, from so many random ones."""
         loops = self.loops
         q = rng.uniform(self.lower, self.upper, (count, len(self.lower)))
         # Half of them without limits: modes beyond those of passive joints are modes, too.

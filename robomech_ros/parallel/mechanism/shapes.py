@@ -98,7 +98,7 @@ def _guide(chain: SerialChain, steps: Array, i: int, size: float, home: float) -
 
 
 def _telescope(chain: SerialChain, steps: Array, i: int, home: float) -> float:
-    """Give the least length (m) of a leg that joint i extends from nothing, 0 for other slides."""
+    """Return the least length (m) of a leg that joint i extends, 0 for other slides."""
     reaches = i + 1 < chain.n and float(np.linalg.norm(steps[i + 1, :3, 3])) > _SAME * abs(home)
     low = float(chain.lower[i])
     if i == 0 or reaches or low < 0.0 or home <= 0.0:

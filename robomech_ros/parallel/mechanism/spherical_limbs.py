@@ -71,6 +71,6 @@ class _Solver:
 
 
 def _turn_about(axis: Array, start: Array, end: Array) -> float:
-    """Give the angle (rad) by which one direction turns into another about an axis."""
+    """Return the angle (rad) by which one direction turns into another about an axis."""
     start = start - float(axis @ start) * axis
     return math.atan2(float(np.cross(start, end) @ axis), float(start @ end))

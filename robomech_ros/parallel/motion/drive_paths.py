@@ -145,7 +145,7 @@ def require_closed(mechanism: Mechanism, q: ArrayLike, what: str = "start") -> A
 
 
 def _singular_row(mechanism: Mechanism, rows: Array, most: float) -> tuple[float, int | None]:
-    """Give the largest condition number of rows (k, n), and the first that is too near."""
+    """Return the largest condition number of rows (k, n), and the first that is too near."""
     if not len(rows):
         return 1.0, None
     values = singular_values(mechanism, rows)

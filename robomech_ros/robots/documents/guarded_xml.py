@@ -181,7 +181,7 @@ def is_xml(text: str) -> bool:
 
 
 def text_of_xml(document: str | bytes) -> str:
-    """Give a document that :func:`parse_xml` accepts as text, declared to be UTF-8.
+    """Return a document that :func:`parse_xml` accepts as text, declared to be UTF-8.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ def documents_in(folders: Iterable[Path], suffixes: tuple[str, ...] = SUFFIXES) 
 def document_source(
     given: object, files: Callable[[], Mapping[str, Path]], largest: int
 ) -> tuple[str | bytes, str]:
-    """Give the text of a YAML document, and what it is called in messages.
+    """Return the text of a YAML document, and what it is called in messages.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ _FILENAME = re.compile(rb"(\sfilename\s*=\s*)(\"[^\"]*\"|'[^']*')")
 
 
 def with_mesh_urls(text: str, folder: Path) -> str:
-    """Give a URDF in which paths of mesh files are URLs, file:///...; other URLs stay.
+    """Return a URDF in which paths of mesh files are URLs, file:///...; other URLs stay.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ _ADDED_LIMITS = ("acceleration", "jerk")
 
 
 def urdf_from_description(description: RobotDescription) -> str:
-    """Give a URDF in which every part of a robot can be seen.
+    """Return a URDF in which every part of a robot can be seen.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def written_urdf(
 
 
 def _with_axes_in_links(description: RobotDescription) -> Iterator[Joint]:
-    """Give joints after which nothing follows, as in URDF: fixed ones take what does."""
+    """Yield joints after which nothing follows, as in URDF: fixed ones take what does."""
     taken = {*description.links, *(joint.name for joint in description.joints)}
     for joint in description.joints:
         if joint.type == "fixed":
@@ -155,7 +155,7 @@ def _inside(given: XmlElement, data: bytes, children: list[str]) -> tuple[int, i
 
 
 def _margin(data: bytes, at: int) -> bytes:
-    """Give the blanks in front of a place, if nothing else is in front of it on its line."""
+    """Return the blanks in front of a place, if nothing else is in front of it on its line."""
     line = data[data.rfind(b"\n", 0, at) + 1 : at]
     return b"" if line.strip() else line
 

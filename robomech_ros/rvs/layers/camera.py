@@ -35,7 +35,7 @@ class CameraLayer:
         """Do nothing: the eye stays while the arm moves."""
 
     def controls(self, client: Any) -> Controls:
-        """Give the button."""
+        """Return the button."""
         hint = "All that is shown of the robot fills the picture, seen from where you look now"
         button = client.gui.add_button("Fit view", hint=hint, order=ORDER)
 

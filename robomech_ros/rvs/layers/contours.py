@@ -68,7 +68,7 @@ class ContoursLayer:
             self._view.mark_here(_here(arm.q))
 
     def controls(self, client: Any) -> Controls:
-        """Give the folder: a switch, or a sentence for arms that have no contours."""
+        """Return the folder: a switch, or a sentence for arms that have no contours."""
         gui = client.gui
         self._view, self._on, self._target = None, False, None
         folder = gui.add_folder("Contours", order=ORDER, expand_by_default=False)
@@ -117,12 +117,12 @@ class ContoursLayer:
         self._place.ask(("contours", kind), request)
 
     def problem(self, pair: tuple[int, int]) -> CurveProblem | None:
-        """Give the contours of the pose; None where they have been switched off."""
+        """Return the contours of the pose; None where they have been switched off."""
         T = self._target
         return None if T is None else PostureProblem(self._place.chain, T, pair)
 
     def disc(self, found: Finding) -> tuple[str, str]:
-        """Give the number and the colour of a posture in the table, none outside the limits."""
+        """Return the number and the colour of a posture in the table, none outside the limits."""
         number = self._number(found)
         if number is None:
             return "", ROOT
@@ -145,7 +145,7 @@ class ContoursLayer:
 
 
 def _here(q: Array) -> Array:
-    """Give joints 4 and 5 within the turn that is drawn."""
+    """Return joints 4 and 5 within the turn that is drawn."""
     here: Array = (q[list(JOINTS)] + np.pi) % (2.0 * np.pi) - np.pi
     return here
 

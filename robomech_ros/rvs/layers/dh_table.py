@@ -93,7 +93,7 @@ class DHTableLayer:
             self._place.ask(("dh table", self._cell(text)), change)
 
     def _cell(self, text: str) -> tuple[int, str] | None:
-        """Give which number is changed: those of different cells do not displace each other."""
+        """Return which number is changed: those of different cells do not displace each other."""
         try:
             return read_change(text, self._place.chain.n)[:2]
         except BadValueError:

@@ -125,7 +125,7 @@ class HandScene:
 
 
 def _longest(hand: SeenHand, study: GraspStudy) -> float:
-    """Give the greatest of the forces on the object (N)."""
+    """Return the greatest of the forces on the object (N)."""
     forces = np.vstack([study.forces, hand.load[None, 3:]])
     return float(np.linalg.norm(forces, axis=1).max())
 

@@ -81,7 +81,7 @@ class SeenArm(Moved):
         return forward_kinematics(self.chain, self._q)
 
     def travel(self, joint: int) -> Travel:
-        """Give between what a joint's slider moves: its limits, or a range about 0."""
+        """Return between what a joint's slider moves: its limits, or a range about 0."""
         slides = self.chain.types[joint] == PRISMATIC
         most = OPEN_SLIDE if slides else OPEN_TURN
         low, high = float(self.chain.lower[joint]), float(self.chain.upper[joint])
@@ -105,7 +105,7 @@ class SeenArm(Moved):
         return inside
 
     def like(self, chain: SerialChain) -> SeenArm:
-        """Give another arm in the same posture, or at home where it has no such posture."""
+        """Return another arm in the same posture, or at home where it has no such posture."""
         same = chain.joint_names == self.chain.joint_names
         inside = same and bool(((self._q >= chain.lower) & (self._q <= chain.upper)).all())
         return SeenArm(chain, self._q if inside else None)
@@ -128,7 +128,7 @@ class SeenArm(Moved):
         self.move_to(self.chain.home())
 
     def ghosts(self, seen: SeenRobot) -> Ghosts:
-        """Give the pieces of ghosts."""
+        """Return the pieces of ghosts."""
         return Ghosts(seen.tree.chain(self.chain.base, self.chain.tip), seen.shapes)
 
     def drag(self, T: ArrayLike) -> None:
@@ -161,7 +161,7 @@ class SeenArm(Moved):
         self._look_around()
 
     def self_motion(self) -> SelfMotionCurve | None:
-        """Give how the arm can move while its tip stays; None if it cannot.
+        """Return how the arm can move while its tip stays; None if it cannot.
 
         It begins where the arm was last brought to; :meth:`slide` moves the arm along it.
         """

@@ -118,12 +118,12 @@ def draw_plane(
 
 
 def part_of_width(side: float) -> float:
-    """Give how wide a drawing is, as part of one whose plane is as wide as it can be."""
+    """Return how wide a drawing is, as part of one whose plane is as wide as it can be."""
     return (LEFT + side + RIGHT) / (LEFT + SIDE + RIGHT)
 
 
 def place_script(axes: tuple[Axis, Axis], side: float = SIDE) -> str:
-    """Give JavaScript that makes ``text`` of where the drawing is clicked; empty outside."""
+    """Return JavaScript that makes ``text`` of where the drawing is clicked; empty outside."""
     (_, _, x, right), (_, _, y, top) = axes
     return (
         "var p=new DOMPoint(event.clientX,event.clientY)"
@@ -135,7 +135,7 @@ def place_script(axes: tuple[Axis, Axis], side: float = SIDE) -> str:
 
 
 def placed_points(axes: tuple[Axis, Axis], points: Array, side: float = SIDE) -> Array:
-    """Give points (k, 2) of the plane in the picture."""
+    """Return points (k, 2) of the plane in the picture."""
     low = np.array([axis.low for axis in axes])
     width = np.array([axis.high - axis.low for axis in axes])
     parts = (np.asarray(points, float) - low) / width
@@ -143,7 +143,7 @@ def placed_points(axes: tuple[Axis, Axis], points: Array, side: float = SIDE) ->
 
 
 def curve_line(axes: tuple[Axis, Axis], pieces: Sequence[Array], side: float = SIDE) -> str:
-    """Give the way of a curve's pieces (k, 2) in the picture, as the ``d`` of a path."""
+    """Return the way of a curve's pieces (k, 2) in the picture, as the ``d`` of a path."""
     text = []
     for piece in pieces:
         points = _thinned(placed_points(axes, piece, side))
@@ -229,7 +229,7 @@ def _title(axis: Axis) -> str:
 
 
 def _ticks(axis: Axis, most: float = MOST_TICKS) -> list[tuple[float, str]]:
-    """Give where an axis has ticks, and what is written there."""
+    """Return where an axis has ticks, and what is written there."""
     width = axis.high - axis.low
     if axis.unit == "rad" and math.isclose(width, 2.0 * math.pi):
         # A turn: halves of pi, whatever it begins with.

@@ -73,7 +73,7 @@ class CurveProblem(Protocol):
         """How many equations are left over."""
 
     def curves(self) -> tuple[tuple[Array, ...], ...]:
-        """Give the two curves, each in pieces of connected points (k, 2)."""
+        """Return the two curves, each in pieces of connected points (k, 2)."""
 
     def refine(self, estimate: ArrayLike) -> Finding:
         """Refine an estimate (2,); raises what ``CurvePair.refine`` does."""
@@ -107,7 +107,7 @@ class PostureProblem:
         self.others = len(MINORS) - 2
 
     def curves(self) -> tuple[tuple[Array, ...], ...]:
-        """Give the contours."""
+        """Return the contours."""
         return self._contours.curves()
 
     def refine(self, estimate: ArrayLike) -> Finding:
@@ -160,7 +160,7 @@ class EquationsProblem:
         )
 
     def curves(self) -> tuple[tuple[Array, ...], ...]:
-        """Give the curves."""
+        """Return the curves."""
         return self._pair.curves()
 
     def refine(self, estimate: ArrayLike) -> Finding:

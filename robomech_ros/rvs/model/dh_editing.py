@@ -36,7 +36,7 @@ class DHChange(NamedTuple):
 
 
 def table_of(chain: SerialChain) -> DHTable:
-    """Give the table that a chain was made from, or one that is recovered."""
+    """Return the table that a chain was made from, or one that is recovered."""
     return chain.dh_given if chain.dh_given is not None else dh_from_chain(chain)
 
 

@@ -36,7 +36,7 @@ class Eye(NamedTuple):
 
 
 def seen_points(seen: SeenRobot, postures: Iterable[Mapping[str, float]]) -> Array:
-    """Give the corners of boxes around all bodies in several postures.
+    """Return the corners of boxes around all bodies in several postures.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def seen_points(seen: SeenRobot, postures: Iterable[Mapping[str, float]]) -> Arr
 def marker_points(
     seen: SeenRobot, markers: Iterable[SeenMarker], positions: Mapping[str, float]
 ) -> Array:
-    """Give where markers are, and the ends of their lines.
+    """Return where markers are, and the ends of their lines.
 
     Parameters
     ----------

@@ -76,7 +76,7 @@ class FollowingGoal:
             self._follows = True
 
     def followed(self) -> Array | None:
-        """Give where the goal is brought (rad or m); None if it stays where it is."""
+        """Return where the goal is brought (rad or m); None if it stays where it is."""
         with self._lock:
             if not self._follows:
                 return None

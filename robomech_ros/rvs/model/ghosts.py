@@ -70,7 +70,7 @@ class GhostMaker(Protocol):
         """Place the pieces of ghosts; those of the first posture come first."""
 
     def middles(self, postures: Sequence[Array]) -> Array:
-        """Give where numbers are written (k, 3), in the base (m)."""
+        """Return where numbers are written (k, 3), in the base (m)."""
 
 
 class Ghosts:
@@ -111,7 +111,7 @@ class Ghosts:
         return len(self._link)
 
     def middles(self, postures: Sequence[Array]) -> Array:
-        """Give where numbers are written (k, 3), in the base (m): at the middle of the arm."""
+        """Return where numbers are written (k, 3), in the base (m): at the middle of the arm."""
         poses: Array = link_poses(self._chain, np.array(postures), [self._labelled])
         return np.asarray(poses[:, 0, :3, 3])
 

@@ -156,7 +156,7 @@ class JogSwitch(Generic[Held]):
             self._end()
 
     def held(self) -> Held | None:
-        """Give what is held now; None if nothing is."""
+        """Return what is held now; None if nothing is."""
         with self._change:
             self._end_if_silent()
             return self._what

@@ -79,7 +79,7 @@ def _found(filename: str, folder: Path | None) -> Path:
 
 
 def _places(filename: str, folder: Path | None) -> Iterator[tuple[Path, Path]]:
-    """Give where it may be: the folder that must contain it, and the path."""
+    """Yield where it may be: the folder that must contain it, and the path."""
     scheme, _, rest = filename.rpartition("://")
     if scheme in ("package", "model"):
         package, _, inside = unquote(rest).partition("/")

@@ -58,7 +58,7 @@ class MotionCurves(NamedTuple):
 
 
 def motion_curves(motion: Motion) -> MotionCurves:
-    """Give the curves of a motion: of all joints of an arm, of the drives of a parallel robot.
+    """Return the curves of a motion: of all joints of an arm, of the drives of a parallel robot.
 
     Rates that the motion does not bring are differences of what it brings; torques are those of
     the rigid bodies, without friction.
@@ -93,7 +93,7 @@ def motion_curves(motion: Motion) -> MotionCurves:
 
 
 def driven_joints(robot: SerialChain | Mechanism) -> list[int]:
-    """Give the numbers of the joints whose curves are drawn."""
+    """Return the numbers of the joints whose curves are drawn."""
     if isinstance(robot, SerialChain):
         return list(range(robot.n))
     return [int(k) for k in robot.drive_index]

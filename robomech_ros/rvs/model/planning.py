@@ -104,7 +104,7 @@ def of_goal(text: str) -> str:
 
 
 def sample_times(trajectory: PiecewiseTrajectory) -> Array:
-    """Give times (k,) in s at which steps of the derivatives of a plan are seen as steps."""
+    """Return times (k,) in s at which steps of the derivatives of a plan are seen as steps."""
     end = trajectory.duration
     inner = trajectory.pieces.breaks[1:-1]
     instants = [np.linspace(0.0, end, SAMPLES + 1), inner - BESIDE_BREAKS, inner + BESIDE_BREAKS]

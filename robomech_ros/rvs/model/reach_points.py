@@ -60,7 +60,7 @@ class ReachPoints:
 
 
 def scale_colours(parts: ArrayLike) -> NDArray[np.uint8]:
-    """Give the colours (k, 3) of parts (k,) of the scale, 0 to 1."""
+    """Return the colours (k, 3) of parts (k,) of the scale, 0 to 1."""
     at, wanted = np.linspace(0.0, 1.0, len(_SCALE)), np.asarray(parts, dtype=np.float64)
     channels = [np.interp(wanted, at, channel) for channel in _SCALE.T]
     return np.stack(channels, axis=-1).astype(np.uint8)
@@ -105,7 +105,7 @@ def computed_map(
 
 
 def reach_points(found: ReachMap, measure: str, *, cut: bool) -> ReachPoints:
-    """Give the points that are reached, with what is measured there.
+    """Return the points that are reached, with what is measured there.
 
     Parameters
     ----------

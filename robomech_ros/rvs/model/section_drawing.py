@@ -31,7 +31,7 @@ _SWATCH = (
 
 
 def colour_of_count(count: int) -> str:
-    """Give the colour of a number of postures, from 1."""
+    """Return the colour of a number of postures, from 1."""
     return COLOURS[min(count, len(COLOURS)) - 1]
 
 
@@ -74,7 +74,7 @@ def here_rule(view: SectionView, coordinates: Array) -> str:
 
 
 def section_points(view: SectionView, coordinates: Array) -> Array:
-    """Give where coordinates (..., 2) (m) are in the picture."""
+    """Return where coordinates (..., 2) (m) are in the picture."""
     return placed_points(view.axes, coordinates, _side(view))
 
 
@@ -94,7 +94,7 @@ def section_legend(view: SectionView) -> str:
 
 
 def _squares(view: SectionView, count: int) -> str:
-    """Give the squares with a number of postures as the ``d`` of a path, columns of them as one."""
+    """Return the squares with a number of postures as the ``d`` of a path, columns joined."""
     (x, y), text = view.edges, []
     for column, counts in enumerate(view.counts):
         same = np.concatenate([[False], counts == count, [False]])

@@ -49,7 +49,7 @@ def residual_ratios(result: HandEyeResult) -> Array:
 
 
 def position_half_axes(result: HandEyeResult) -> tuple[Array, Array]:
-    """Give the ellipsoid that has the sensor's position with a probability of 95 %.
+    """Return the ellipsoid that has the sensor's position with a probability of 95 %.
 
     Directions that are free are left out of it.
 
@@ -71,7 +71,7 @@ def position_half_axes(result: HandEyeResult) -> tuple[Array, Array]:
 
 
 def drawing_factor(longest: float, room: float) -> float:
-    """Give how many times larger something is drawn: 1, 2, 5, 10, ... as there is room for.
+    """Return how many times larger something is drawn: 1, 2, 5, 10, ... as there is room for.
 
     Parameters
     ----------

@@ -56,21 +56,21 @@ class SectionView:
     counts: IntArray
 
     def local(self, T: Array) -> Array:
-        """Give the point (3,) in the frame of joint 1, the tip being at a pose (4, 4) (m)."""
+        """Return the point (3,) in the frame of joint 1, the tip being at a pose (4, 4) (m)."""
         point: Array = self.space.section.in_frame(T[:3, :3] @ self.in_tip + T[:3, 3])
         return point
 
     def azimuth(self, T: Array) -> float:
-        """Give where the section is in which the point is: turned (rad), or slid (m)."""
+        """Return where the section is in which the point is: turned (rad), or slid (m)."""
         x, y, z = self.local(T).tolist()
         return float(z) if self.space.section.slides[0] else math.atan2(y, x)
 
     def coordinates(self, T: Array) -> Array:
-        """Give the coordinates (2,) of the point, the tip being at a pose (4, 4) (m)."""
+        """Return the coordinates (2,) of the point, the tip being at a pose (4, 4) (m)."""
         return self.space.section.coordinates(self.local(T))
 
     def plane(self, T: Array) -> Array:
-        """Give the pose (4, 4), in the base, of the section in which the point is."""
+        """Return the pose (4, 4), in the base, of the section in which the point is."""
         section = self.space.section
         shift = np.eye(4)
         if section.slides[0]:
@@ -82,7 +82,7 @@ class SectionView:
         return moved
 
     def target(self, coordinates: Array, T: Array) -> Array:
-        """Give the pose of the tip (4, 4) that brings the point to coordinates (2,) (m).
+        """Return the pose of the tip (4, 4) that brings the point to coordinates (2,) (m).
 
         The orientation, and the azimuth or height of the point, are those of a pose T (4, 4).
         """
@@ -95,7 +95,7 @@ class SectionView:
         return wanted
 
     def segments(self) -> tuple[Array, list[str]]:
-        """Give the curves as lines (k, 2, 3) in the plane of the section (m), and their roles."""
+        """Return the curves as lines (k, 2, 3) in the plane of the section (m), and their roles."""
         lines: list[Array] = []
         roles: list[str] = []
         for curve in self.space.curves:
@@ -105,7 +105,7 @@ class SectionView:
         return np.concatenate(lines), roles
 
     def surface(self, *, cut: bool) -> Solid | None:
-        """Give what the boundary sweeps, in the base; None of an arm that stays in its plane.
+        """Return what the boundary sweeps, in the base; None of an arm that stays in its plane.
 
         Parameters
         ----------
@@ -153,7 +153,7 @@ class SectionView:
         return np.column_stack((np.cos(value) * a, np.sin(value) * a, b))
 
     def _in_plane(self, points: Array) -> Array:
-        """Give points (k, 2) of the section in three coordinates of its plane."""
+        """Return points (k, 2) of the section in three coordinates of its plane."""
         still = np.zeros(len(points))
         order = (*points.T, still) if self.space.section.slides[0] else _upright(points)
         return np.column_stack(order)
@@ -216,7 +216,7 @@ def why_no_section(chain: SerialChain, error: RobomechError) -> str:
 
 
 def open_intervals(low: float, high: float) -> list[tuple[float, float]]:
-    """Give what is left of azimuths from ``low`` to ``high`` (rad) without the open sector."""
+    """Return what is left of azimuths from ``low`` to ``high`` (rad) without the open sector."""
     middle, half = OPENING
     turn, left = 2.0 * math.pi, []
     start = low
@@ -240,7 +240,7 @@ def is_in_opening(azimuths: Array) -> BoolArray:
 
 
 def _axes(space: Workspace, low: Array, high: Array) -> tuple[Axis, Axis]:
-    """Give axes that hold all curves with some room around, the first as long or shorter."""
+    """Return axes that hold all curves with some room around, the first as long or shorter."""
     margin = MARGIN * float((high - low).max())
     low, high = low - margin, high + margin
     height = float((high - low).max())
@@ -261,7 +261,7 @@ def _upright(points: Array) -> tuple[Array, Array, Array]:
 
 
 def _strips(steps: int, wanted: BoolArray) -> IntArray:
-    """Give the triangles between rows of points, where the gap between two of a row is wanted."""
+    """Return the triangles between rows of points, where the gap between two of a row is wanted."""
     points = len(wanted) + 1
     corner = (np.arange(steps - 1)[:, None] * points + np.flatnonzero(wanted)).ravel()
     return np.concatenate([

@@ -41,10 +41,10 @@ class Owner(Protocol):
         """Have something done on the thread of the page; of a kind, the latest."""
 
     def problem(self, pair: tuple[int, int]) -> CurveProblem | None:
-        """Give what is drawn, for two equations; None for nothing; called in ``compute``."""
+        """Return what is drawn, for two equations; None for nothing; called in ``compute``."""
 
     def disc(self, found: Finding) -> tuple[str, str]:
-        """Give text and colour of the disc of a root; called in ``compute``."""
+        """Return text and colour of the disc of a root; called in ``compute``."""
 
     def take(self, found: Finding) -> None:
         """Do what follows from a root; called in ``present``."""

@@ -106,7 +106,7 @@ def _panel(quantity: Quantity, times: Array, height: int, units: Units) -> str:
 
 
 def _range(quantity: Quantity) -> tuple[float, float, str]:
-    """Give what is drawn, the curves and the limits near them, and what is said of limits."""
+    """Return what is drawn, the curves and the limits near them, and what is said of limits."""
     low, high = float(quantity.values.min()), float(quantity.values.max())
     span = max(high - low, 1e-3 * max(abs(low), abs(high)), 1e-6)
     limits = np.concatenate([quantity.lower, quantity.upper])

@@ -93,11 +93,11 @@ class EquationsPage:
             request()
 
     def problem(self, pair: tuple[int, int]) -> CurveProblem:
-        """Give the curves of two equations."""
+        """Return the curves of two equations."""
         return self._make(pair)
 
     def disc(self, _: Finding) -> tuple[str, str]:
-        """Give the disc of a root."""
+        """Return the disc of a root."""
         return "", ROOT
 
     def take(self, found: Finding) -> None:

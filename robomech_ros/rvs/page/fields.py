@@ -2,7 +2,7 @@
 
 
 def script_that_fills(label: str) -> str:
-    """Give JavaScript that writes ``text`` into the text field of a label, as if it were typed.
+    """Return JavaScript that writes ``text`` into the text field of a label, as if it were typed.
 
     Parameters
     ----------

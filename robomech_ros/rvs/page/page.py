@@ -234,11 +234,11 @@ class RobotPage:
         return controls
 
     def _shown_to(self, browser: int | None) -> dict[str, bool]:
-        """Give what of the stage a browser is shown, and whether its page is dark."""
+        """Return what of the stage a browser is shown, and whether its page is dark."""
         return {**self._switches, "dark": browser in self._dark}
 
     def _switched(self) -> dict[str, bool]:
-        """Give what can be shown, that of layers, too, and whether who commands is shown it."""
+        """Return what can be shown, that of layers, too, and whether who commands is shown it."""
         offered = {what: switch.is_on() for what, switch in self._offered.items()}
         return {**self._shown_to(self._audience.commander), **offered}
 

@@ -68,7 +68,7 @@ def motion_page(
     notes: Sequence[str] = (),
     trail: str = "",
 ) -> str:
-    """Give the page that plays a motion, as HTML.
+    """Return the page that plays a motion, as HTML.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def _recorded(
 
 
 def _way_of(link: str, seen: SeenRobot, motion: Motion, q: Array) -> Array:
-    """Give where a link is in postures (m, n), shape (m, 3), in the root (m); nothing of none."""
+    """Return where a link is in postures (m, n), shape (m, 3), in the root (m); nothing of none."""
     if not link:
         return np.empty((0, 3))
     to_link, rest = seen.tree.chain(None, link), seen.tree.joint_positions()
@@ -142,7 +142,7 @@ def _way_of(link: str, seen: SeenRobot, motion: Motion, q: Array) -> Array:
 def _base_and_ghosts(
     seen: SeenRobot, chain: SerialChain | Mechanism | RobotDescription
 ) -> tuple[str, GhostMaker]:
-    """Give the base link of what moves, and the pieces of its ghosts."""
+    """Return the base link of what moves, and the pieces of its ghosts."""
     if isinstance(chain, RobotDescription):
         return chain.root, NoGhosts()
     if isinstance(chain, SerialChain):

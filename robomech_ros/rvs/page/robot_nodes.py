@@ -23,7 +23,7 @@ MARKED = (220, 40, 40)
 
 
 def placed(T: Array) -> dict[str, Array]:
-    """Give a pose (4, 4) as the position and the quaternion of a node, scalar first."""
+    """Return a pose (4, 4) as the position and the quaternion of a node, scalar first."""
     position, quaternion = position_quaternion_from_pose(T)
     return {"position": position, "wxyz": np.roll(quaternion, 1)}
 
@@ -136,7 +136,7 @@ class RobotNodes:
         self._scene._queue_scene_message(SetOrientationMessage(node.name, tuple(wxyz.tolist())))
 
     def path(self, link: str) -> str:
-        """Give the name of the node of a link."""
+        """Return the name of the node of a link."""
         return self._paths[link]
 
     def show(self, shown: bool) -> None:

@@ -79,7 +79,7 @@ class Stage:
         return self._robot, self._arm
 
     def path(self, link: str) -> str:
-        """Give the name of the node of a link of the robot."""
+        """Return the name of the node of a link of the robot."""
         return self._robot.path(link)
 
     def switch(self, what: str, shown: bool) -> None:

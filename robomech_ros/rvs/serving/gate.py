@@ -75,7 +75,7 @@ class Gate:
         return f"http://{shown}:{self.port}/?{urlencode({TOKEN: self.token})}"
 
     def over(self, answer: Answer) -> Answer:
-        """Give what answers requests: this gate first, then another."""
+        """Return what answers requests: this gate first, then another."""
 
         def guarded(connection: Any, request: Request) -> Response | None:
             refusal = self.check(request)
@@ -143,7 +143,7 @@ class Gate:
 
 
 def _netloc(origin: str) -> str | None:
-    """Give the host of a page, in small letters; None where it cannot be read."""
+    """Return the host of a page, in small letters; None where it cannot be read."""
     try:
         return urlsplit(origin).netloc.lower()
     except ValueError:

@@ -174,7 +174,7 @@ def require_rigid(
 
 
 def angular_velocity_covariance(points: ArrayLike, deviation: ArrayLike) -> Array:
-    r"""Give the covariance of the angular velocity that noisy velocities lead to.
+    r"""Return the covariance of the angular velocity that noisy velocities lead to.
 
     With independent errors of standard deviation sigma in every coordinate of the velocities,
     that of least squares is :math:`\sigma^2 J^{-1}`.

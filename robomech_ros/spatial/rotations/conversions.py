@@ -57,7 +57,7 @@ _FOUR = (QUATERNION, AXIS_ANGLE, LINEAR_INVARIANTS)
 
 
 def tail_of(kind: int) -> tuple[int, ...]:
-    """Give the shape of one rotation of a kind."""
+    """Return the shape of one rotation of a kind."""
     if kind == MATRIX:
         return (3, 3)
     return (4,) if kind in _FOUR else (3,)
@@ -145,7 +145,7 @@ def convert_rotation(value: ArrayLike, source: str, target: str) -> Array:
 
 
 def rotation_rows(what: str, value: ArrayLike, kind: int) -> tuple[Array, tuple[int, ...]]:
-    """Give rotations of a kind as rows and their batch shape."""
+    """Return rotations of a kind as rows and their batch shape."""
     tail = tail_of(kind)
     return as_rows(what, value, tail, 9 if kind == MATRIX else tail[0])
 

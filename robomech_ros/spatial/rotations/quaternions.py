@@ -177,7 +177,7 @@ def compose_quaternions(second: ArrayLike, first: ArrayLike) -> Array:
 
 
 def inverse_quaternion(quaternion: ArrayLike) -> Array:
-    """Give the opposite rotation.
+    """Return the opposite rotation.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ def inertia_of_point_mass(mass: ArrayLike, position: ArrayLike) -> Array:
 def inertia_about_point(
     mass: ArrayLike, inertia: ArrayLike, center: ArrayLike, point: ArrayLike
 ) -> Array:
-    r"""Give the inertia of a body about any point, from that about its mass centre.
+    r"""Return the inertia of a body about any point, from that about its mass centre.
 
     .. math:: I_A = I_C + m (|r|^2 1 - r r^T), \qquad r = c - a
 

@@ -52,7 +52,7 @@ class CommonNormal:
 
 
 def line_through(point: ArrayLike, direction: ArrayLike) -> Array:
-    """Give the Pluecker coordinates of a line.
+    """Return the Pluecker coordinates of a line.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def line_through(point: ArrayLike, direction: ArrayLike) -> Array:
 
 
 def line_through_points(first: ArrayLike, second: ArrayLike) -> Array:
-    """Give the Pluecker coordinates of the line through two points, from the first to the second.
+    """Return the Pluecker coordinates of the line through two points, from the first to the second.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ def line_nearest_point(line: ArrayLike, point: ArrayLike | None = None) -> Array
 
 
 def transfer_line(line: ArrayLike, from_point: ArrayLike, to_point: ArrayLike) -> Array:
-    """Give the coordinates of a line with the moment about another point.
+    """Return the coordinates of a line with the moment about another point.
 
     Parameters
     ----------
@@ -341,7 +341,7 @@ def line_intersection(first: ArrayLike, second: ArrayLike, tolerance: float = _M
 
 
 def _any_normal(e: Array) -> Array:
-    """Give unit vectors at right angles to unit vectors."""
+    """Return unit vectors at right angles to unit vectors."""
     least = np.eye(3)[np.argmin(np.abs(e), axis=-1)]
     normal = cross(e, least)
     unit: Array = normal / np.linalg.norm(normal, axis=-1, keepdims=True)

@@ -22,7 +22,7 @@ _SIX = 6
 
 
 def transfer_twist(twist: ArrayLike, from_point: ArrayLike, to_point: ArrayLike) -> Array:
-    r"""Give the twist of a body at another of its points.
+    r"""Return the twist of a body at another of its points.
 
     .. math:: v_P = v_A + \omega \times (p - a)
 
@@ -61,7 +61,7 @@ def transfer_twist(twist: ArrayLike, from_point: ArrayLike, to_point: ArrayLike)
 
 
 def transfer_wrench(wrench: ArrayLike, from_point: ArrayLike, to_point: ArrayLike) -> Array:
-    r"""Give the wrench on a body with its moment about another point.
+    r"""Return the wrench on a body with its moment about another point.
 
     .. math:: n_P = n_A + (a - p) \times f
 

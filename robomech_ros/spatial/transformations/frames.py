@@ -279,7 +279,7 @@ def same_in_two_frames(first: ArrayLike, second: ArrayLike, tolerance: float = _
 
 
 def _mixed_products(symmetric: Array, vector: Array) -> Array:
-    """Give v.Sv, v.SSv and v.(Sv x SSv), which no rotation of the frame alters, (..., 3)."""
+    """Return v.Sv, v.SSv and v.(Sv x SSv), which no rotation of the frame alters, (..., 3)."""
     once = (symmetric @ vector[..., None])[..., 0]
     twice = (symmetric @ once[..., None])[..., 0]
     seen = (once, twice, cross(once, twice))

@@ -171,7 +171,7 @@ def projection_on_plane(normal: ArrayLike) -> Array:
 
 
 def unit_vectors(what: str, value: ArrayLike) -> Array:
-    """Give vectors (..., 3) of length 1.
+    """Return vectors (..., 3) of length 1.
 
     Raises
     ------

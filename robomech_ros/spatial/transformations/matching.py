@@ -19,7 +19,7 @@ _MOST = 3
 
 
 def top_vectors(values: Array, vectors: Array) -> Array:
-    """Give those rows (9,) of vectors as matrices (m, 3, 3) whose values are nearly the largest.
+    """Return those rows (9,) of vectors as matrices (m, 3, 3) whose values are nearly the largest.
 
     Parameters
     ----------

@@ -239,7 +239,7 @@ def _check_axes(r: Array, s: Array, differences: Array) -> None:
 
 
 def single_match(frames: Array, misfits: Array, freedom: int) -> int:
-    """Give the number of the frame that fits best, if it does so clearly.
+    """Return the number of the frame that fits best, if it does so clearly.
 
     Parameters
     ----------

@@ -123,7 +123,7 @@ def _least_distance(A: Array, b: Array, G: Array, h: Array) -> Array | None:
 
 
 def _extreme_instants(unit: PiecewisePolynomial, values: Array) -> Array:
-    """Give when the spline with these values at the knots stops inside its segments (s)."""
+    """Return when the spline with these values at the knots stops inside its segments (s)."""
     _, c, b, a = unit.coefficients @ values
     # Roots of c + 2 b t + 3 a t^2, the larger one first, for which nothing is lost by subtraction.
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -185,7 +185,7 @@ def _at_end(size: int, orders: tuple[int, ...]) -> Array:
 
 
 def _on_unit_spans(curve: PiecewisePolynomial) -> Array:
-    """Give the coefficients in powers of the part of each segment that is over."""
+    """Return the coefficients in powers of the part of each segment that is over."""
     if not len(curve.spans):
         return curve.coefficients
     powers: Array = curve.coefficients * _powers(curve.spans, len(curve.coefficients) - 1)
@@ -193,14 +193,14 @@ def _on_unit_spans(curve: PiecewisePolynomial) -> Array:
 
 
 def _rate_scales(curve: PiecewisePolynomial, orders: tuple[int, ...]) -> Array:
-    """Give by what derivatives over parts of segments are multiplied, shape (k, max(s, 1), 1)."""
+    """Return by what derivatives over parts of segments are multiplied, shape (k, max(s, 1), 1)."""
     spans = curve.spans if len(curve.spans) else np.ones(1)
     scales: Array = 1.0 / _powers(spans, max(orders))[list(orders)]
     return scales
 
 
 def _powers(values: Array, highest: int) -> Array:
-    """Give powers 0 to the highest of values (s,), shape (highest + 1, s, 1)."""
+    """Return powers 0 to the highest of values (s,), shape (highest + 1, s, 1)."""
     table = np.empty((highest + 1, len(values), 1))
     table[0] = 1.0
     table[1:, :, 0] = values

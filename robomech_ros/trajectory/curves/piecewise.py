@@ -73,7 +73,7 @@ class PiecewisePolynomial:
         return values
 
     def stretched(self, factor: float) -> PiecewisePolynomial:
-        """Give the same curve over a time longer by a factor, from the same instant on."""
+        """Return the same curve over a time longer by a factor, from the same instant on."""
         powers = factor ** np.arange(len(self.coefficients))
         breaks = self.breaks[0] + factor * (self.breaks - self.breaks[0])
         return lasting_pieces(breaks, self.coefficients / powers[:, None, None])[0]

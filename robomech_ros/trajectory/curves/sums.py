@@ -30,7 +30,7 @@ def summed(one: PiecewisePolynomial, other: PiecewisePolynomial) -> PiecewisePol
 
 
 def _divided(curve: PiecewisePolynomial, breaks: Array) -> Array:
-    """Give the coefficients between breaks that include those of the curve."""
+    """Return the coefficients between breaks that include those of the curve."""
     size, _, joints = curve.coefficients.shape
     local = np.empty((len(breaks) - 1, joints, size))
     time_rows.local_path(curve.breaks, curve.coefficients, breaks, local)

@@ -157,7 +157,7 @@ class JoinedArms:
             raise WrongSizeError("joints", len(self.joints), len(self.arms))
 
     def shares(self, q: Array) -> list[tuple[Arm, Array]]:
-        """Give each arm with its own joint values of all (n,)."""
+        """Return each arm with its own joint values of all (n,)."""
         ends = np.cumsum(self.joints)[:-1]
         return list(zip(self.arms, np.split(q, ends), strict=True))
 

@@ -310,7 +310,7 @@ def cylinder_intersection(
 
 
 def _height_squared(R: float, d: float, y: Array) -> Array:
-    """Give R^2 - (y - d)^2 and four derivatives from y (5, m) and its derivatives."""
+    """Return R^2 - (y - d)^2 and four derivatives from y (5, m) and its derivatives."""
     e = y.copy()
     e[0] -= d
     return np.stack(
@@ -325,7 +325,7 @@ def _height_squared(R: float, d: float, y: Array) -> Array:
 
 
 def _root_of(w: Array) -> Array:
-    """Give the square root z of w (5, m) and its derivatives, from those of z z = w."""
+    """Return the square root z of w (5, m) and its derivatives, from those of z z = w."""
     z = np.empty_like(w)
     z[0] = np.sqrt(w[0])
     z[1] = w[1] / (2.0 * z[0])

@@ -70,7 +70,7 @@ class JointPath:
         return np.stack(self.pieces.sample(as_parameters("s", s, 0.0, self.length)))
 
     def only(self, joints: Sequence[int]) -> JointPath:
-        """Give the path of some joints, by their numbers."""
+        """Return the path of some joints, by their numbers."""
         if list(joints) == list(range(self.joints)):
             return self
         pieces = self.pieces
@@ -78,7 +78,7 @@ class JointPath:
         return JointPath(kept, self.stops)
 
     def until(self, s: float) -> JointPath:
-        """Give the part from the start up to a coordinate (m), above 0 and at most `length`."""
+        """Return the part from the start up to a coordinate (m), above 0 and at most `length`."""
         pieces = self.pieces
         last = int(np.searchsorted(pieces.breaks, s, side="left"))
         breaks = np.append(pieces.breaks[:last], s)

@@ -97,7 +97,7 @@ class PathTracking:
         return 1.0 if complete else min(self.reached / self.length, 1.0)
 
     def cut(self, cut: PathCut) -> PathTracking:
-        """Give the part up to a place; no joint path where that is too near to the start."""
+        """Return the part up to a place; no joint path where that is too near to the start."""
         assert self.path is not None
         begins = cut.s > _SHORTEST * self.length
         return PathTracking(

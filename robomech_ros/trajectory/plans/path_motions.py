@@ -234,7 +234,7 @@ def _resting(start: Array, tracking: PathTracking) -> PathMotion:
 
 
 def _found(path: PosePath, tracking: PathTracking) -> JointPath:
-    """Give the joint path that has been found along a pose path."""
+    """Return the joint path that has been found along a pose path."""
     if not isinstance(tracking, PathTracking):
         raise BadValueError("tracking", tracking, "a PathTracking")
     if tracking.path is None:
@@ -244,7 +244,7 @@ def _found(path: PosePath, tracking: PathTracking) -> JointPath:
 
 
 def _edges(joints: JointPath, needs_smooth: bool) -> list[tuple[float, float]]:
-    """Give the parts of a joint path between which the motion must rest.
+    """Return the parts of a joint path between which the motion must rest.
 
     At its stops the first derivative steps; where the second one does, the acceleration would.
     """

@@ -155,7 +155,7 @@ def _fastest(places: Array, profile: str, limits: Limits) -> Array:
 
 
 def _grid(axis: Array, dimensions: int) -> Array:
-    """Give all points with coordinates of an axis, shape (k, dimensions)."""
+    """Return all points with coordinates of an axis, shape (k, dimensions)."""
     return np.stack(np.meshgrid(*[axis] * dimensions), axis=-1).reshape(-1, dimensions)
 
 

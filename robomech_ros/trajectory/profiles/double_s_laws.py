@@ -8,7 +8,7 @@ from robomech_ros.typing import Array
 
 
 def unit_double_s(ramp: float, rounding: float) -> PiecewisePolynomial:
-    """Give a double-S profile of one joint over a way of 1 in a time of 1.
+    """Return a double-S profile of one joint over a way of 1 in a time of 1.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def unit_double_s_samples(ramps: Array, roundings: Array, inside: Array) -> Arra
 
 
 def _unit_phases(ramps: Array, roundings: Array) -> tuple[Array, Array]:
-    """Give lengths and jerks of the seven phases of profiles over a way and a time of 1."""
+    """Return lengths and jerks of the seven phases of profiles over a way and a time of 1."""
     step = 0.5 * ramps * roundings
     jerk = 1.0 / ((1.0 - ramps) * (ramps - step) * step)
     up, none = [step, ramps - 2.0 * step, step], np.zeros_like(jerk)

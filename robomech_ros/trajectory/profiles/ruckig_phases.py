@@ -127,7 +127,7 @@ def rest_to_rest(rise: Array, limits: Limits, shortest: float) -> Any:
 
 
 def phases_from_rest(motion: Any, rise: Array, limits: Limits) -> Phases:
-    """Give the phases of what `rest_to_rest` found; positions count from the start."""
+    """Return the phases of what `rest_to_rest` found; positions count from the start."""
     still = np.zeros_like(rise)
     return _phases_of(motion, _request(rise, still, still, limits, 1.0, 1.0), 1.0)
 

@@ -63,7 +63,7 @@ class StraightMotion(ABC):
     @classmethod
     @abstractmethod
     def _fastest(cls, start: Array, goal: Array, limits: Limits) -> tuple[float, Any]:
-        """Give the shortest duration (s), 0 for no way at all, and what `_lasting` needs."""
+        """Return the shortest duration (s), 0 for no way at all, and what `_lasting` needs."""
 
     @classmethod
     @abstractmethod

@@ -36,7 +36,7 @@ class _Straight(MotionToRest, StraightMotion):
     @staticmethod
     @abstractmethod
     def shape(*rates: float) -> tuple[Ramp, float, Rate]:
-        """Give ramp, duration and the limit that binds, for a way of 1 within limits of rates."""
+        """Return ramp, duration and the limit that binds, for a way of 1 within limits of rates."""
 
     @classmethod
     def _fastest(
@@ -80,7 +80,7 @@ class Trapezoidal(_Straight):
 
     @staticmethod
     def shape(*rates: float) -> tuple[Ramp, float, Rate]:
-        """Give ramp, duration and the limit that binds, for a way of 1 within limits of rates."""
+        """Return ramp, duration and the limit that binds, for a way of 1 within limits of rates."""
         velocity, acceleration = rates
         ramp = velocity / acceleration
         cruise = 1.0 / velocity - ramp
@@ -97,7 +97,7 @@ class DoubleS(_Straight):
 
     @staticmethod
     def shape(*rates: float) -> tuple[Ramp, float, Rate]:
-        """Give ramp, duration and the limit that binds, for a way of 1 within limits of rates."""
+        """Return ramp, duration and the limit that binds, for a way of 1 within limits of rates."""
         velocity, acceleration, jerk = rates
         binding: Rate = "velocity"
         step = min(acceleration / jerk, math.sqrt(velocity / jerk))

@@ -31,7 +31,7 @@ class DrivenRobot(Protocol):
         ...
 
     def checked_posture(self, q: Array, what: str) -> Array:
-        """Give joint values (n,) whose loops are closed, with the same drives, or raise."""
+        """Return joint values (n,) whose loops are closed, with the same drives, or raise."""
         ...
 
     def inverse(self, q: Array, rates: Array, accelerations: Array) -> npt.ArrayLike:

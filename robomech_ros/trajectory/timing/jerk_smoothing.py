@@ -218,7 +218,7 @@ class _Clock:
 
 
 def _clock(profile: SpeedProfile, window: float) -> _Clock:
-    """Give the path coordinate of a profile over time."""
+    """Return the path coordinate of a profile over time."""
     local = np.stack([profile.nodes[:-1], np.ones(len(profile.spans))], axis=1)[:, None, :]
     line = replace(profile, local=local)
     rates = np.abs(np.diff(profile.squares)) / profile.spans
@@ -283,7 +283,7 @@ class _Attempt:
 
 
 def _factors(path: PiecewisePolynomial, limits: PathLimits, jerk: Array, mean: Array) -> Array:
-    """Give by which factor the speed is too high at samples (4, m) of the mean, shape (2, m).
+    """Return by which factor the speed is too high at samples (4, m) of the mean, shape (2, m).
 
     First for all that depends on speed and acceleration along the path, then for all jerk.
     """

@@ -52,7 +52,7 @@ class SpeedLimit:
             object.__setattr__(self, "rate", _interpolated("rate of a speed limit", self.rate, ()))
 
     def powers(self, nodes: Array) -> Array:
-        """Give the rate over the limit in every cell, in powers of sigma, shape (m, 5)."""
+        """Return the rate over the limit in every cell, in powers of sigma, shape (m, 5)."""
         values = _values("rate of a speed limit", self.rate, nodes, ())
         return _in_powers(values / self.limit)
 
@@ -103,7 +103,7 @@ class TorqueLimits:
         return len(self.lower)
 
     def powers(self, nodes: Array) -> tuple[Array, Array, Array]:
-        """Give a, b and c in every cell, scaled to limits of -1 and 1, each of shape (m, l, 5)."""
+        """Return a, b and c in every cell, scaled to limits of -1 and 1, each (m, l, 5)."""
         given = self.coefficients(_places(nodes))
         if not isinstance(given, tuple | list) or len(given) != 3:
             raise BadValueError("coefficients of torque limits", given, "a tuple of a, b and c")
@@ -119,7 +119,7 @@ class TorqueLimits:
 
 
 def checked_list(what: str, given: object, kind: type) -> list[Any]:
-    """Give one limit or a sequence of them as a list."""
+    """Return one limit or a sequence of them as a list."""
     if isinstance(given, kind):
         return [given]
     if not isinstance(given, Sequence) or not all(isinstance(one, kind) for one in given):

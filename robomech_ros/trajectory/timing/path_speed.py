@@ -127,12 +127,12 @@ def _profile(
 
 
 def _square(speed: float, rate: Array) -> float:
-    """Give the wanted square of the speed at an end; any, -1, if the joints rest there anyway."""
+    """Return the wanted square of the speed at an end; any, -1, if the joints rest there anyway."""
     return -1.0 if speed == 0.0 and not rate.any() else speed * speed
 
 
 def _last_rate(local: Array, spans: Array) -> Array:
-    """Give the derivatives of the joints at the end of the path, zero if only rounding is left."""
+    """Return the derivatives of the joints at the path's end, zero if they are rounding."""
     powers = np.arange(1.0, local.shape[2])
     terms = local[-1, :, 1:] * powers * spans[-1] ** (powers - 1.0)
     rate: Array = terms.sum(axis=1)

@@ -77,7 +77,7 @@ class PathSection:
         return s
 
     def pieces(self) -> PiecewisePolynomial:
-        """Give the joints over the path coordinate in this section only."""
+        """Return the joints over the path coordinate in this section only."""
         whole = self.joints.pieces
         first, last = np.searchsorted(whole.breaks, [self.low, self.high])
         return PiecewisePolynomial(

@@ -203,7 +203,7 @@ class _Model:
         return TorqueLimits(coefficients, -bound, bound)
 
     def first_speed(self, velocity: Array) -> _Speed:
-        """Give so little of the speed that the velocity limits allow that only dry friction counts.
+        """Return so small a part of the speed limits that only dry friction counts.
 
         A tangent at too high a speed would ask for torques that no slow motion takes.
         """
@@ -310,7 +310,7 @@ def _at_reversals(curve: PiecewisePolynomial) -> PiecewisePolynomial:
 def _efforts(
     limits: object, known: Limits, drives: list[int], effort: npt.ArrayLike | None
 ) -> Array:
-    """Give the effort limits of the drives, infinite for none, shape (m,)."""
+    """Return the effort limits of the drives, infinite for none, shape (m,)."""
     names, given = [known.joint_names[k] for k in drives], effort
     if effort is None and (own := getattr(limits, "effort", None)) is not None:
         given = _sized(own, len(known.joint_names))[drives]

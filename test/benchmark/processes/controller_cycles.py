@@ -56,7 +56,7 @@ class Regularity:
 
 
 def on_one_core(command: Sequence[str]) -> tuple[str, ...]:
-    """Give the command that runs another on one core only."""
+    """Return the command that runs another on one core only."""
     return ("taskset", "-c", str(CORE), *command)
 
 
@@ -117,7 +117,7 @@ class Watcher:
             self._executor.spin_once(timeout_sec=left)
 
     def _swinging(self, seconds: float) -> JointTrajectory:
-        """Give a trajectory by quintics from side to side, which ends in the middle."""
+        """Return a trajectory by quintics from side to side, which ends in the middle."""
         middle = self._chain.home()
         message = JointTrajectory(joint_names=list(self._chain.joint_names))
         still = [0.0] * self._chain.n

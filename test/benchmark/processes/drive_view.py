@@ -62,7 +62,7 @@ def running_view(options: Sequence[str]) -> Iterator[tuple[int, Page]]:
 
 
 def processor_seconds(pid: int) -> float:
-    """Give the processor time that a process has taken (s)."""
+    """Return the processor time that a process has taken (s)."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
@@ -82,7 +82,7 @@ def move_joints(node: Node, ended: threading.Event) -> None:
 
 
 def measured(*options: str) -> dict[str, float]:
-    """Give the share of a core that the node takes, and how often its page was told something."""
+    """Return the share of a core that the node takes, and how often its page was told something."""
     rclpy.init(args=[])
     node, ended = Node("moving_joints"), threading.Event()
     mover = threading.Thread(target=move_joints, args=(node, ended))

@@ -18,7 +18,7 @@ REGULAR = tuple(n for n in NAMES if n not in (*SINGULAR, "ik6r_tsai_morgan_1"))
 
 
 def golden(name):
-    """Give what a golden file holds, the arm and the pose."""
+    """Return what a golden file holds, the arm and the pose."""
     case = json.loads((GOLDEN / f"{name}.json").read_text())
     T = np.eye(4)
     T[:3, :3], T[:3, 3] = case["R"], case["p"]
@@ -26,7 +26,7 @@ def golden(name):
 
 
 def arm_and_pose(name):
-    """Give a golden arm, or the random arm of a number, with its pose."""
+    """Return a golden arm, or the random arm of a number, with its pose."""
     if isinstance(name, str):
         return golden(name)[1:]
     chain = general_arm(f"random-{name}")

@@ -15,14 +15,14 @@ FEW, MANY = range(12), range(12, 100)
 
 
 def unmatched(found, expected):
-    """Give the greatest distance of a posture, perhaps complex, from the nearest of the others."""
+    """Return the greatest distance of a posture, perhaps complex, from the nearest other."""
     difference = np.asarray(found)[:, None] - np.asarray(expected)[None]
     turned = (difference.real + np.pi) % (2 * np.pi) - np.pi + 1j * difference.imag
     return np.abs(turned).max(axis=2).min(axis=1).max()
 
 
 def bound_of(name):
-    """Give how well postures are known: where m have merged, to the m-th root of the rounding."""
+    """Return how well postures are known: where m have merged, to the m-th root of the rounding."""
     return 1e-4 if name in SINGULAR else 1e-8
 
 

@@ -35,7 +35,7 @@ NARROW = ranges([-2.5, -0.4, -2.6], [2.2, 2.1, 0.9])
 
 
 def arm(name, limited):
-    """Give an arm, those that are made here with or without limits."""
+    """Return an arm, those that are made here with or without limits."""
     limits = NARROW if limited else None
     made = {
         "elbow": lambda: chain_from_dh([0, 0.5, 0.3], [0, 0, 0], [H, 0, 0]),
@@ -395,7 +395,7 @@ def test_a_planar_arm_in_closed_form():
 
 
 def scaled(chain, factor):
-    """Give an arm with all its lengths multiplied."""
+    """Return an arm with all its lengths multiplied."""
     C, slides = unpack_chain(chain.packed).copy(), chain.types == PRISMATIC
     C[:, :3, 3] *= factor
     lower, upper = (np.where(slides, factor, 1.0) * ends for ends in (chain.lower, chain.upper))

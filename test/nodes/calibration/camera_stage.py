@@ -116,12 +116,12 @@ class Stage:
         return answer
 
     def add(self, robot, tracking):
-        """Give samples, whatever is answered."""
+        """Return samples, whatever is answered."""
         return self.ask("add_samples", robot=array_of(robot), tracking=array_of(tracking))
 
 
 def array_of(poses, frame=""):
-    """Give matrices as a PoseArray."""
+    """Return matrices as a PoseArray."""
     message = PoseArray(poses=[pose_from_matrix(T) for T in poses])
     message.header.frame_id = frame
     return message

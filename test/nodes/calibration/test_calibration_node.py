@@ -33,7 +33,7 @@ NOISE = (2e-3, 5e-4)
 
 
 def matrix(message):
-    """Give a Transform, or the pose of a PoseStamped, as a matrix."""
+    """Return a Transform, or the pose of a PoseStamped, as a matrix."""
     p, q = message.translation, message.rotation
     return pose_from_position_quaternion([p.x, p.y, p.z], [q.x, q.y, q.z, q.w])
 

@@ -336,7 +336,10 @@ def test_file_of_each_node_gives_the_defaults_of_its_table(node):
 
 
 def documented(node):
-    """Give the parameters of a node in the documentation: name to default, and whether it is *."""
+    """Return the parameters of a node in the documentation.
+
+    Name to default, and whether it is *.
+    """
     page = (CONFIG.parent / "doc" / "interfaces.md").read_text(encoding="utf-8")
     parts = re.split(r"^(Of all nodes|`\w+`)(?=[: ])", page, flags=re.MULTILINE)
     tables = dict(zip(parts[1::2], parts[2::2], strict=True))

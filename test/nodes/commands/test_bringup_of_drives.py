@@ -17,12 +17,12 @@ PARAMETER = "reference_timeout:=0.1"
 
 
 def timeout(graph, words):
-    """Give the time-out (s) of the node with these ROS arguments."""
+    """Return the time-out (s) of the node with these ROS arguments."""
     return graph.start(partial(MobileBaseNode, cli_args=words))._base.options.timeout
 
 
 def timeout_by(graph, robot="mecanum", **given):
-    """Give the time-out (s) of the node that bringup starts."""
+    """Return the time-out (s) of the node that bringup starts."""
     words = LaunchOptions(robot, kind="rolling", **given).commands()["mobile_base"]
     return timeout(graph, words[words.index("--ros-args") :])
 

@@ -30,7 +30,7 @@ LAYOUTS = [
 
 @pytest.fixture
 def limited(tmp_path):
-    """Give the joints of the robot by name, limited by a file with this text."""
+    """Return the joints of the robot by name, limited by a file with this text."""
 
     def load(text):
         file = tmp_path / "limits.yaml"

@@ -49,7 +49,7 @@ class PinocchioRobot:
         self.links = bodies - {"universe"}
 
     def poses(self, positions):
-        """Give the pose of every link in the root, at positions of all joints that move."""
+        """Return the pose of every link in the root, at positions of all joints that move."""
         q = pinocchio.neutral(self.model)
         for name, position in positions.items():
             joint = self.model.joints[self.model.getJointId(name)]
@@ -164,7 +164,7 @@ class Listener:
         return found
 
     def latest(self):
-        """Give the last transform of every frame, moving or fixed."""
+        """Return the last transform of every frame, moving or fixed."""
         with self._news:
             messages = [*self.fixed, *self.moving]
         return {entry.child_frame_id: entry for m in messages for entry in m.transforms}

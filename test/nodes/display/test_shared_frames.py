@@ -28,7 +28,7 @@ def stop(graph, node):
 
 
 def lifts(frames):
-    """Give how far frames are lifted, which is the mark of the other one."""
+    """Return how far frames are lifted, which is the mark of the other one."""
     home = dict(zip(load_robot("ur5e").joint_names, load_robot("ur5e").home(), strict=True))
     poses = UR5E.link_poses(home)
     found = {}

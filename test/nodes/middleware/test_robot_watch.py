@@ -32,7 +32,7 @@ def looked(joints, *rows, rates=None, span=PERIOD):
 
 
 def moved(joints, k, way):
-    """Give home with one joint elsewhere, on the side where its limits leave more room."""
+    """Return home with one joint elsewhere, on the side where its limits leave more room."""
     q = joints.home.copy()
     q[k] += way if joints.upper[k] - q[k] > q[k] - joints.lower[k] else -way
     return q

@@ -40,7 +40,7 @@ def slipping(graph):
 
 
 def told(graph, accept):
-    """Give the next status of the motion that is accepted: itself and its slip (m/s)."""
+    """Return the next status of the motion that is accepted: itself and its slip (m/s)."""
 
     def slip_of(message):
         (value,) = (one.value for one in message.status[0].values if one.key == "slip (m/s)")

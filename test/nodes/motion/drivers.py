@@ -63,7 +63,7 @@ class Watcher:
             assert self._news.wait_for(condition, TIMEOUT), "it never came"
 
     def path(self, since=0):
-        """Give times (s, from the first), positions and velocities of the states until now."""
+        """Return times (s, from the first), positions and velocities of the states until now."""
         states = self.states[since:]
         stamps = [state.header.stamp for state in states]
         times = np.array([s.sec - stamps[0].sec + 1e-9 * s.nanosec for s in stamps])
@@ -260,5 +260,5 @@ class Suite(Watcher):
         return self.graph.receive(DiagnosticArray, "/diagnostics", 10, accepted).status[0]
 
     def value(self, key, accept=lambda status: True):
-        """Give one of the facts of such a status."""
+        """Return one of the facts of such a status."""
         return {entry.key: entry.value for entry in self.condition(accept).values}[key]

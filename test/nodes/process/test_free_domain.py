@@ -32,7 +32,7 @@ def first(worker_id):
 
 @pytest.fixture
 def two_domains(monkeypatch, first):
-    """Give these two."""
+    """Return these two."""
     domains = range(first, first + 2)
     monkeypatch.setattr(module, "_DOMAINS", domains)
     return domains

@@ -81,7 +81,7 @@ def kinematics(domain_id):
 
 
 def largest_ever(process):
-    """Give the most that a process ever held, MB."""
+    """Return the most that a process ever held, MB."""
     text = Path(f"/proc/{process.pid}/status").read_text()
     return int(re.search(r"VmHWM:\s+(\d+)", text)[1]) / 1e3
 

@@ -26,7 +26,7 @@ def stream_of(gait, **options):
 
 
 def time_to_stop(stream):
-    """Give how often to go on: feet go back to their places within two cycles of the gait."""
+    """Return how often to go on: feet go back to their places within two cycles of the gait."""
     return 100 + round(2.0 * stream.walker.cycle / 0.02)
 
 

@@ -19,7 +19,7 @@ def dynamics_of(name):
 
 
 def with_friction(mechanism, driven, passive):
-    """Give all drives, and all passive joints, the same friction."""
+    """Return all drives, and all passive joints, the same friction."""
     limbs = []
     for limb in mechanism.limbs:
         drives = [

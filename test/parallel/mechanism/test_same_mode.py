@@ -100,7 +100,7 @@ def test_a_long_way_ends_in_the_mode_in_which_short_ones_end(name):
 
 
 def _conditions(mechanism, q):
-    """Give what passive joints and a twist of the platform do at the ends of limbs, (k, 6 l, p)."""
+    """Return limb end conditions of passive joints and a platform twist, (k, 6 l, p)."""
     loops, starts = mechanism.loops, mechanism.loops.starts
     blocks = []
     for i, limb in enumerate(mechanism.limbs):

@@ -64,7 +64,7 @@ def test_the_interpolated_samples_keep_to_the_limits(seed, profile):
 
 
 def peaks(points):
-    """Give the largest acceleration and jerk of the quintics, by the textbook."""
+    """Return the largest acceleration and jerk of the quintics, by the textbook."""
     h = np.diff(points.times)[:, None]
     rise = np.diff(points.positions, axis=0)
     v0, v1 = points.velocities[:-1] * h, points.velocities[1:] * h

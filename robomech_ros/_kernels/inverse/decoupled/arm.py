@@ -256,7 +256,7 @@ def step_aside(data, arm, J, amount):
 
 @lean
 def _aside(start, error):
-    """Give the distance of start 1 and following from a fold with an error of the first order.
+    """Return the distance of start 1 and following from a fold with an error of the first order.
 
     From outside of its two solutions Newton's steps lead to the nearer one, so first that far;
     near a continuum a joint may have to turn all the way.

@@ -44,7 +44,7 @@ from robomech_ros._kernels.tolerances import ON_AXIS
 
 @lean
 def circle(data, w):
-    """Give p(z) = B Rz(z) w: constant, cosine and sine part of each of its three components."""
+    """Return p(z) = B Rz(z) w: constant, cosine and sine part of each of its three components."""
     k = at.SECOND
     x, y, z = w
     return (
@@ -144,7 +144,7 @@ def across(data, split, e, eta, room, scale):
 
 @lean
 def _right_sides(data, c, p):
-    """Give the constant, cosine and sine parts of M and N."""
+    """Return the constant, cosine and sine parts of M and N."""
     px, py, pz = p
     k = at.FIRST
     tx, ty, tz = data[k + 3], data[k + 7], data[k + 11]

@@ -108,7 +108,7 @@ def _unturn(data, k, Q):
 
 @lean
 def _reduced_target(data, T):
-    """Give the wrist centre in frame 1 (units of SIZE) and the rotation between joints 1 and 6."""
+    """Return the wrist centre in frame 1 (in SIZE) and the rotation between joints 1 and 6."""
     hx, hy, hz = data[at.CENTRE], data[at.CENTRE + 1], data[at.CENTRE + 2]
     k = at.BASE
     px = T[0, 0] * hx + T[0, 1] * hy + T[0, 2] * hz + T[0, 3] - data[k + 3]

@@ -32,7 +32,7 @@ BINOMIALS = np.array([float(math.comb(DEGREE, i)) for i in range(DEGREE + 1)])
 
 
 def _bernstein(powers: np.ndarray) -> np.ndarray:
-    """Give the Bernstein coefficients on [-1, 1] of a polynomial given by powers of t."""
+    """Return the Bernstein coefficients on [-1, 1] of a polynomial given by powers of t."""
     shifted = np.zeros(1)
     for value in powers[::-1]:
         shifted = np.convolve(shifted, [-1.0, 2.0])[: DEGREE + 1]

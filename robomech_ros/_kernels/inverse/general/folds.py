@@ -45,7 +45,7 @@ def _normalised(x):
 
 @inline
 def _slope(packed, size, q, u, v, J, pose):
-    """Give the slope of u . J v along v by central difference."""
+    """Return the slope of u . J v along v by central difference."""
     trial = np.empty(6)
     slope = 0.0
     for sign in (-1.0, 1.0):

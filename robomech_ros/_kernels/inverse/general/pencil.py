@@ -53,7 +53,7 @@ def _orthonormal(u, v):
 
 @inline
 def _restricted(equation, u, v):
-    """Give p, h and r of ``p a a + 2 h a b + r b b``, the equation on the pencil."""
+    """Return p, h and r of ``p a a + 2 h a b + r b b``, the equation on the pencil."""
     i, j, k, m, w = equation[0], equation[1], equation[2], equation[3], equation[4]
     p = u[i] * u[j] + w * u[k] * u[m]
     h = 0.5 * (u[i] * v[j] + v[i] * u[j] + w * (u[k] * v[m] + v[k] * u[m]))

@@ -244,7 +244,7 @@ def _angle(arc, t):
 
 @lean
 def _tolerance(noise, level):
-    """Give the rounding of coefficients after so many halvings; -1 before the first one."""
+    """Return the rounding of coefficients after so many halvings; -1 before the first one."""
     if level >= 0:
         return noise * _FROM_INTERVAL[min(level, _LAST)]
     return noise * _FROM_CIRCLE

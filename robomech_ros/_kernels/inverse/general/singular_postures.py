@@ -68,7 +68,7 @@ def distance(data, a, b):
 
 @inline
 def _unit(data, j):
-    """Give what joint j moves by a step of 1: 1 rad, or the size (m)."""
+    """Return what joint j moves by a step of 1: 1 rad, or the size (m)."""
     return 1.0 if data[at.PACKED + 13 * j] == 0.0 else data[at.SIZE]
 
 
@@ -132,7 +132,7 @@ def _newton_step(J, e, unit, damping, A, step):
 
 @inline
 def _lengthening(step, last):
-    """Give the sum of a sequence of steps that shrink by a factor, over the first; 1 if none."""
+    """Return the sum of a sequence of steps that shrink by a factor, over the first; 1 if none."""
     square, along, before = 0.0, 0.0, 0.0
     for i in range(6):
         square += step[i] * step[i]
@@ -203,7 +203,7 @@ def settle(data, T, q, calm):
 
 @inline
 def regularity(data, packed, q, u, v):
-    """Give the last two pivots of the Jacobian (lengths over the size) over the first.
+    """Return the last two pivots of the Jacobian (lengths over the size) over the first.
 
     u (6,) and v (6,) become the directions that it takes nearest to zero: one of them where the
     last pivot alone is small, their pencil where both are.

@@ -67,7 +67,7 @@ def demanded_turn(between, cosine, sine, M):
 
 @inline
 def middle(between, M):
-    """Give constant, cosine and sine part of the equation for joint c."""
+    """Return constant, cosine and sine part of the equation for joint c."""
     B, C = between[1], between[2]
     constant = B[8] * C[8] - M[8]
     cosine = B[6] * C[2] + B[7] * C[5]
@@ -147,7 +147,7 @@ def round_loop(data, form, loop, turns, way, slides):
 
 @inline
 def triple(u, v, w):
-    """Give the triple product of three vectors."""
+    """Return the triple product of three vectors."""
     x = v[1] * w[2] - v[2] * w[1]
     y = v[2] * w[0] - v[0] * w[2]
     z = v[0] * w[1] - v[1] * w[0]
@@ -156,7 +156,7 @@ def triple(u, v, w):
 
 @inline
 def root(constant, cosine, sine, sign):
-    """Give cosine and sine, complex, of one solution of the equation for joint c."""
+    """Return cosine and sine, complex, of one solution of the equation for joint c."""
     square = cosine * cosine + sine * sine
     room = (square - constant * constant) / (square * square)
     h = complex(math.sqrt(room), 0.0) if room >= 0.0 else complex(0.0, math.sqrt(-room))

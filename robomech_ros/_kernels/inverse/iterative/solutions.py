@@ -111,7 +111,7 @@ def _entered(data, rows, q, sharp, solutions, marks, found):
 
 @inline
 def _norms(e, weights):
-    """Give the position error (m) and the orientation error (rad) of the task's components."""
+    """Return the position error (m) and the orientation error (rad) of the task's components."""
     angular = 0.0
     linear = 0.0
     for k in range(3):

@@ -28,7 +28,7 @@ FREE = -1  # every q_a satisfies the equation that is to determine it
 
 @lean
 def equations(data, G):
-    """Give (k, C, S) of d_1 and d_2 = k + C cos q_a + S sin q_a, lengths in units of the size."""
+    """Return (k, C, S) of d_1 and d_2 = k + C cos q_a + S sin q_a, lengths in units of the size."""
     cos56 = data[at.COS_56]
     unit = 1.0 / data[at.SIZE]
     if data[at.ORDER] == at.AXIS_BEFORE:
@@ -52,7 +52,7 @@ def equations(data, G):
 
 @lean
 def seen_from_axis_5(data, c, s):
-    """Give (gamma, g_1, g_2), the components of z along frame 5 before its turn."""
+    """Return (gamma, g_1, g_2), the components of z along frame 5 before its turn."""
     return (
         data[at.GAMMA] + data[at.GAMMA + 1] * c + data[at.GAMMA + 2] * s,
         data[at.FIRST] + data[at.FIRST + 1] * c + data[at.FIRST + 2] * s,
@@ -62,7 +62,7 @@ def seen_from_axis_5(data, c, s):
 
 @lean
 def z_in_frame_6(data, G, c, s):
-    """Give z in frame 6 as the target demands it, for this q_a."""
+    """Return z in frame 6 as the target demands it, for this q_a."""
     if data[at.ORDER] == at.AXIS_BEFORE:
         x = data[at.SIN_A] * c
         y = data[at.SIN_A] * s
@@ -77,7 +77,7 @@ def z_in_frame_6(data, G, c, s):
 
 @lean
 def _other_component(data, G, c, s, known, radius):
-    """Give the square of the component of z that the equations leave open up to its sign."""
+    """Return the square of the component of z that the equations leave open up to its sign."""
     square = (radius - known) * (radius + known)
     if data[at.KIND] == at.INTERSECTING and data[at.ORDER] == at.AXIS_BEFORE:
         # Where axis 6 comes near z the difference above has lost its digits; 1 -+ cosine of
@@ -98,7 +98,7 @@ def _other_component(data, G, c, s, known, radius):
 
 @lean
 def separated(data, G):
-    """Give both equations where they separate.
+    """Return both equations where they separate.
 
     First the factor and (k, C, S) of the one with q_5, then those of the one that determines q_a.
     """
@@ -125,7 +125,7 @@ def write_pair(data, c, s, known, other, bits, pair):
 
 @lean
 def open_component(data, G, c, s, known):
-    """Give both components of z across axis 5 (the open one not negative) and their lack.
+    """Return both components of z across axis 5 (the open one not negative) and their lack.
 
     The lack is how far the known component exceeds what is left of the unit vector z.
     """

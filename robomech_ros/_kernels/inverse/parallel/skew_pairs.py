@@ -41,7 +41,7 @@ PARALLEL_TOUCHING = 1e-7
 
 @lean
 def _misfit(data, d, x, y):
-    """Give cosines and sines of (q_a, q_5), v_1, v_2, and by how much the two equations are off."""
+    """Return cosines and sines of (q_a, q_5), v_1, v_2, and the errors of the two equations."""
     k1, c1, s1, k2, c2, s2 = d
     c = math.cos(x)
     s = math.sin(x)
@@ -58,7 +58,7 @@ def _misfit(data, d, x, y):
 
 @lean
 def _error(data, d, x, y):
-    """Give the error of the two equations."""
+    """Return the error of the two equations."""
     _, _, _, _, _, _, f1, f2 = _misfit(data, d, x, y)
     return abs(f1) + abs(f2)
 

@@ -131,7 +131,7 @@ def _enter_slide(data, G, seed, v1, v2, c, s, bits, pair):
 
 @lean
 def sliding_equation(data, G):
-    """Give (k, C, S) of the equation that determines q_a where axis 5 or 6 slides."""
+    """Return (k, C, S) of the equation that determines q_a where axis 5 or 6 slides."""
     sin56 = data[at.SIN_56]
     cos56 = data[at.COS_56]
     if data[at.SLIDING] == at.SLIDE_5:

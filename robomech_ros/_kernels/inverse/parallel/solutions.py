@@ -31,7 +31,7 @@ from robomech_ros._kernels.tolerances import ACCEPTED, GENERAL_SINGULAR, POLISH_
 
 @lean
 def _demanded(data, T):
-    """Give the pose of frame 6 that the target asks for: rotation row by row, then origin."""
+    """Return the pose of frame 6 that the target asks for: rotation row by row, then origin."""
     r00, r01, r02, x = T[0, 0], T[0, 1], T[0, 2], T[0, 3]
     r10, r11, r12, y = T[1, 0], T[1, 1], T[1, 2], T[1, 3]
     r20, r21, r22, z = T[2, 0], T[2, 1], T[2, 2], T[2, 3]

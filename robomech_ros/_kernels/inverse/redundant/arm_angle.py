@@ -38,7 +38,7 @@ from robomech_ros._kernels.tolerances import ACCEPTED, ON_AXIS, ON_BOUNDARY, PAR
 
 @inline
 def parts_of(data):
-    """Give the packed chain (8, 13) and the constants of the arm."""
+    """Return the packed chain (8, 13) and the constants of the arm."""
     packed = data[at.PARTS : at.ARM].reshape((8, 13))
     return packed, data[at.ARM :]
 
@@ -71,7 +71,7 @@ def to_wrist(packed, parts, cosine, sine):
 
 @inline
 def _side(along, v):
-    """Give the direction of v's part perpendicular to the unit vector ``along``, and its length."""
+    """Return direction and length of v's part perpendicular to the unit vector ``along``."""
     part = dot(along, v)
     x, y, z = v[0] - part * along[0], v[1] - part * along[1], v[2] - part * along[2]
     length = math.sqrt(x * x + y * y + z * z)
@@ -213,7 +213,7 @@ def _spherical(data, block):
 
 @inline
 def elbows(data, T):
-    """Give how many values joint 4 has, 0 to 2, their cosines and sines, and shoulder to wrist."""
+    """Return the number of values of joint 4, their cosines and sines, and shoulder to wrist."""
     packed, parts = parts_of(data)
     hx, hy, hz = _vector(parts, at.CENTRE_7)
     d = (

@@ -86,7 +86,7 @@ def minimax(q, seed, t, low, high):
 
 @lean
 def best_step(request, q, rates, longest):
-    """Give the step along rates after which a posture is nearest to the seed, inside the limits."""
+    """Return the step along rates to the posture nearest to the seed, inside the limits."""
     _, lower, upper, seed, metric, bounded = request
     low, high = -longest, longest
     for i in range(7):

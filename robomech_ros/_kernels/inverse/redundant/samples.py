@@ -113,7 +113,7 @@ def choose(data, lower, upper, seed, k, steps, locked):
 
 @lean
 def stretched(data, T):
-    """Give the value of the locked joint with which shoulder and wrist are nearest, NaN if unknown.
+    """Return the locked joint's value with shoulder and wrist nearest, NaN if unknown.
 
     Half a turn from there they are farthest from each other.
     """

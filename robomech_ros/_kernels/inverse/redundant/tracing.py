@@ -96,7 +96,7 @@ def _reach(ends):
 
 @lean
 def _least_between(request, p, move):
-    """Give the part of a ``move`` (7,) from p (7,) after which it is nearest, NaN where outside."""
+    """Return the part of a ``move`` (7,) from p (7,) to the nearest point, NaN if outside."""
     _, lower, upper, seed, metric, bounded = request
     low, high = 0.0, 1.0
     for i in range(7):

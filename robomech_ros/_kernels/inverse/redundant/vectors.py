@@ -33,13 +33,13 @@ def about_z(c, s, v):
 
 @inline
 def dot(u, v):
-    """Give the scalar product."""
+    """Return the scalar product."""
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 
 
 @inline
 def cross(u, v):
-    """Give the vector product."""
+    """Return the vector product."""
     return (
         u[1] * v[2] - u[2] * v[1],
         u[2] * v[0] - u[0] * v[2],
@@ -49,5 +49,5 @@ def cross(u, v):
 
 @inline
 def norm(v):
-    """Give the length."""
+    """Return the length."""
     return math.sqrt(dot(v, v))

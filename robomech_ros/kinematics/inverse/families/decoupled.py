@@ -90,7 +90,7 @@ def _size(C: Array, height4: float) -> float:
 
 
 def wrist_constants(link: Array, following: Array) -> Array | None:
-    """Give a spherical joint's angles as ``decoupled.layout`` has them from ANGLES on.
+    """Return a spherical joint's angles as ``decoupled.layout`` has them from ANGLES on.
 
     None where neighbouring axes are parallel.
 
@@ -206,7 +206,7 @@ def _separated(link: Array) -> tuple[list[float], float]:
 
 
 def _side(types: IntArray, links: Array, data: Array) -> float:
-    """Give the sign that makes a posture "right", 0 where shoulder and elbow have no meaning.
+    """Return the sign that makes a posture "right", 0 where shoulder and elbow have no meaning.
 
     They have one where axis 1 is perpendicular to the parallel axes 2 and 3, as nearly as
     NEARLY_NAMED: "right" is the posture whose plane lies, seen towards the wrist centre, to the

@@ -84,14 +84,14 @@ def _head(chain: SerialChain, size: float) -> Array:
 
 
 def _links(chain: SerialChain, size: float) -> Array:
-    """Give C_0 .. C_6, shape (7, 4, 4), lengths over the size."""
+    """Return C_0 .. C_6, shape (7, 4, 4), lengths over the size."""
     links = unpack_chain(chain.packed)
     links[:, :3, 3] /= size
     return links
 
 
 def _loop(chain: SerialChain, size: float) -> Array:
-    """Give the links behind joints 1 .. 6, the last one, the target's, as 1."""
+    """Return the links behind joints 1 .. 6, the last one, the target's, as 1."""
     return np.concatenate((_links(chain, size)[1:6], [np.eye(4)]))
 
 

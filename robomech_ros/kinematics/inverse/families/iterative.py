@@ -101,7 +101,7 @@ def iterative_data(
 def _box(
     chain: SerialChain, respect_limits: bool, size: float
 ) -> tuple[Array, Array, Array, Array]:
-    """Give the bounds of a search, and between which joint values its starts are spread."""
+    """Return the bounds of a search, and between which joint values its starts are spread."""
     turns = chain.turns
     lower = np.where(respect_limits, chain.lower, -np.inf)
     upper = np.where(respect_limits, chain.upper, np.inf)
@@ -117,7 +117,7 @@ def _box(
 
 
 def _neighbourhood(position_tolerance: float, orientation_tolerance: float) -> float:
-    """Give the distance (rad or m) below which solutions that just hold these are one."""
+    """Return the distance (rad or m) below which solutions that just hold these are one."""
     loose = max(
         position_tolerance / POSITION_TOLERANCE, orientation_tolerance / ORIENTATION_TOLERANCE, 1.0
     )
@@ -175,6 +175,6 @@ def task_data(
 
 
 def packed_chain(data: Array) -> Array:
-    """Give the packed chain that stands in the constants of a search."""
+    """Return the packed chain that stands in the constants of a search."""
     n = int(data[at.JOINTS])
     return data[at.ROWS + at.N_ROWS * n :].reshape(-1, int(data[at.WIDTH]))

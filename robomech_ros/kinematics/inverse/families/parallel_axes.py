@@ -107,5 +107,5 @@ def _are_parallel(arm: ParallelAxes) -> bool:
 
 
 def sine_between(u: Array, v: Array) -> float:
-    """Give the sine of the angle between two unit vectors."""
+    """Return the sine of the angle between two unit vectors."""
     return float(np.linalg.norm(np.cross(u, v)))

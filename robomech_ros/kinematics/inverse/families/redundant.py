@@ -85,7 +85,7 @@ def match(chain: SerialChain) -> Array | None:
 
 
 def _six(chain: SerialChain, C: Array, first: int) -> tuple[Array, list[int]]:
-    """Give transforms, shape (7, 4, 4), and types of six neighbouring joints."""
+    """Return transforms, shape (7, 4, 4), and types of six neighbouring joints."""
     six = C[first : first + 7].copy()
     six[0] = six[6] = np.eye(4)
     return six, chain.types[first : first + 6].tolist()

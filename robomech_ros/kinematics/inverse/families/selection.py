@@ -135,7 +135,7 @@ def family_of(chain: SerialChain) -> Family:
 
 
 def iterative_family(chain: SerialChain, data: Array) -> Family:
-    """Give the iterative family with constants made for a request of its own."""
+    """Return the iterative family with constants made for a request of its own."""
     turns = chain.turns.astype(np.int64)
     limits = np.stack((chain.lower, chain.upper))
     return Family("iterative", ITERATIVE, data, turns, limits, certain=False)

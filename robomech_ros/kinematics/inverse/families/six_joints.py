@@ -94,7 +94,7 @@ def match_general(
 
 
 def reversed_transforms(transforms: Array) -> Array:
-    """Give the constant transforms of the inverse motion, from the tip to the base."""
+    """Return the constant transforms of the inverse motion, from the tip to the base."""
     inverse: Array = np.linalg.inv(transforms[::-1]).astype(np.float64)
     return inverse
 

@@ -161,7 +161,7 @@ class Gripper(CommandedJoints):
         return [self.joint_names[int(joint)] for joint in np.flatnonzero(self._plant.pressing)]
 
     def state_of(self, command: FingerCommand) -> JointState:
-        """Give the state of the joints that a command is about; the lock is to be held."""
+        """Return the state of the joints that a command is about; the lock is to be held."""
         moved, actual = command.moved, self.follower.actual
         effort = self.simulated_joints.effort
         assert effort is not None
@@ -175,7 +175,7 @@ class Gripper(CommandedJoints):
         return message
 
     def _posture(self, name: str) -> dict[str, float]:
-        """Give a state of the SRDF that moves fingers alone, rad or m by joint with a drive."""
+        """Return a state of the SRDF that moves fingers alone, rad or m by joint with a drive."""
         semantic = self._model.semantic
         groups = semantic.postures_of(self.joint_names)
         if groups and name not in groups:
@@ -229,14 +229,14 @@ def _limits(joints: Sequence[Joint]) -> Limits:
 
 
 def _efforts(joints: Sequence[Joint], most: float) -> Array:
-    """Give the most that each drive exerts, N m or N, shape (n,); NaN where that is not known."""
+    """Return the most that each drive exerts, N m or N, shape (n,); NaN where that is not known."""
     own = np.array([joint.effort for joint in joints])
     strongest: Array = np.fmin(own, most) if most else own
     return strongest
 
 
 def _at_rest(model: RobotModel, names: Sequence[str]) -> Array:
-    """Give where joints stand to begin with, rad or m."""
+    """Return where joints stand to begin with, rad or m."""
     description = model.description
     home = {name: description.home[name] for name in names if name in description.home}
     positions = description.joint_positions(home)

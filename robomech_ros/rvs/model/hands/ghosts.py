@@ -42,7 +42,7 @@ class HandGhosts:
         self.pieces = sum(one.pieces for one in self._fingers)
 
     def middles(self, postures: Sequence[Array]) -> Array:
-        """Give where numbers are written (k, 3), in the palm (m): amid fingers that differ.
+        """Return where numbers are written (k, 3), in the palm (m): amid fingers that differ.
 
         At the last joints of these, where postures are farthest from each other.
         """
@@ -74,12 +74,12 @@ class HandGhosts:
         return GhostPieces(*columns)
 
     def _split(self, postures: Sequence[Array]) -> list[list[Array]]:
-        """Give the postures of each finger."""
+        """Return the postures of each finger."""
         parts = np.split(np.array(postures), self._ends, axis=1)
         return [list(part) for part in parts[: len(self._fingers)]]
 
 
 def _last_joints(finger: SerialChain, postures: Sequence[Array]) -> Array:
-    """Give where the last joint of a finger is in postures, shape (k, 3) (m)."""
+    """Return where the last joint of a finger is in postures, shape (k, 3) (m)."""
     link = f"{finger.joint_names[-1]}_link"
     return np.asarray(link_poses(finger, np.array(postures), [link])[:, 0, :3, 3])

@@ -38,7 +38,7 @@ class HeldObject:
         return cylinder(self.size, width) if self.shape == "cylinder" else box(width, width, width)
 
     def touched(self, angle: float, height: float) -> tuple[Array, Array]:
-        """Give a place of the surface and the normal into the object, each shape (3,).
+        """Return a place of the surface and the normal into the object, each shape (3,).
 
         Parameters
         ----------

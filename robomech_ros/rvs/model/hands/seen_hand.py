@@ -142,13 +142,13 @@ class SeenHand(SeenTree):
         return tuple(link for k in missing for link in finger_links(self.hand.fingers[k]))
 
     def contact(self, finger: int) -> Contact:
-        """Give where a finger touches, in the frame of the object."""
+        """Return where a finger touches, in the frame of the object."""
         spot = self.spots[finger]
         place, normal = self.held.touched(spot.angle, spot.height)
         return Contact(place, normal, self.model, self.friction, self.torsional)
 
     def contacts(self, fingers: Sequence[int]) -> tuple[Contact, ...]:
-        """Give where fingers touch, in the palm."""
+        """Return where fingers touch, in the palm."""
         T = self.tip
         found = []
         for one in map(self.contact, fingers):
@@ -173,7 +173,7 @@ class SeenHand(SeenTree):
         self._follow()
 
     def dragged(self, T: Array) -> Mapping[str, float]:
-        """Give the joints that bring the object to a pose, at the ends of its travels at most."""
+        """Return the joints that bring the object to a pose, at the ends of its travels at most."""
         roll, pitch, yaw = roll_pitch_yaw_from_matrix(T[:3, :3]).tolist()
         values = [*T[:3, 3].tolist(), yaw, pitch, roll]
         ends = [self.travel(k) for k in range(len(OBJECT_JOINTS))]
@@ -181,7 +181,7 @@ class SeenHand(SeenTree):
         return dict(zip(OBJECT_JOINTS, inside, strict=True))
 
     def ghosts(self, seen: SeenRobot) -> HandGhosts:
-        """Give the pieces of ghosts."""
+        """Return the pieces of ghosts."""
         fingers = [seen.tree.chain(one.base, one.tip) for one in self.hand.fingers]
         return HandGhosts(fingers, self._shapes, lambda: self.q)
 

@@ -48,7 +48,7 @@ class Moving(Protocol):
         """Say what becomes of the command."""
 
     def way_ahead(self) -> Array:
-        """Give the way that the command goes from here, shape (m, 3) (m)."""
+        """Return the way that the command goes from here, shape (m, 3) (m)."""
 
     @property
     def trail(self) -> Array:

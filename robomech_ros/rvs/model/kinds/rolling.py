@@ -79,13 +79,13 @@ class SeenBase(SeenTree):
         return np.array([at[name] for name in BASE_JOINTS])
 
     def dragged(self, T: Array) -> Mapping[str, float]:
-        """Give where the base is put: on the ground, and turned about the vertical axis."""
+        """Return where the base is put: on the ground, and turned about the vertical axis."""
         heading = math.atan2(T[1, 0], T[0, 0])
         x, y = (float(np.clip(value, -FAR, FAR)) for value in T[:2, 3])
         return dict(zip(BASE_JOINTS, (x, y, heading), strict=True))
 
     def gizmo(self, scale: float) -> dict[str, object]:
-        """Give the options of the gizmo: it slides on the ground and turns about z."""
+        """Return the options of the gizmo: it slides on the ground and turns about z."""
         return {"scale": GIZMO * scale, "active_axes": (True, True, False)}
 
     @property
@@ -125,7 +125,7 @@ class SeenBase(SeenTree):
         self.tell(text, wheels)
 
     def way_ahead(self) -> Array:
-        """Give the way that the command goes from here, within limits, shape (m, 3) (m)."""
+        """Return the way that the command goes from here, within limits, shape (m, 3) (m)."""
         twist, _ = self.limiter.allowed(self.command)
         if not twist.any():
             return np.empty((0, 3))

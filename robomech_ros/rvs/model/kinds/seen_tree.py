@@ -94,7 +94,7 @@ class SeenTree(Moved):
         self._at.update({name: float(value) for name, value in positions.items()})
 
     def travel(self, joint: int) -> Travel:
-        """Give between what a slider moves."""
+        """Return between what a slider moves."""
         return self._travels[self.joint_names[joint]]
 
     def set_joint(self, joint: int, value: float) -> None:
@@ -120,7 +120,7 @@ class SeenTree(Moved):
         self.place(self.dragged(as_pose(T)))
 
     def dragged(self, T: Array) -> Mapping[str, float]:
-        """Give the joints that change as the link is brought to a pose.
+        """Return the joints that change as the link is brought to a pose.
 
         Raises
         ------

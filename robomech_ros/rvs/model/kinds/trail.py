@@ -38,5 +38,5 @@ class Trail:
 
 
 def on_ground(places: Array) -> Array:
-    """Give points on the ground, just above it, for places (m, 2 or more) (m)."""
+    """Return points on the ground, just above it, for places (m, 2 or more) (m)."""
     return np.column_stack([places[:, :2], np.full(len(places), LIFT)])

@@ -19,7 +19,7 @@ SAME = 1e-6
 
 
 def limb_points(mechanism: Mechanism, q: Array, reach: float) -> Array:
-    """Give where the joints of all limbs are.
+    """Return where the joints of all limbs are.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def limb_points(mechanism: Mechanism, q: Array, reach: float) -> Array:
 
 
 def rod_poses(starts: Array, ends: Array) -> tuple[Array, Array]:
-    """Give poses (..., 4, 4) of rods along z between points (..., 3), and lengths (...) (m)."""
+    """Return poses (..., 4, 4) of rods along z between points (..., 3), and lengths (...) (m)."""
     along = ends - starts
     length = np.linalg.norm(along, axis=-1)
     z = along / np.where(length > 0.0, length, 1.0)[..., None]
@@ -82,7 +82,7 @@ class PlatformGhosts:
         self.pieces = limbs * (joints - 1) + limbs
 
     def middles(self, postures: Sequence[Array]) -> Array:
-        """Give where numbers are written (k, 3), in the base (m): at the platform."""
+        """Return where numbers are written (k, 3), in the base (m): at the platform."""
         points = limb_points(self._mechanism, np.array(postures), self._reach)
         return np.asarray(points[:, :, -1].mean(axis=1))
 

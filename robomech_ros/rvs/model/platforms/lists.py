@@ -106,7 +106,7 @@ def _postures(
 
 
 def _conditions(robot: ParallelRobot | Mechanism, rows: Array) -> Array:
-    """Give the condition number of the map from drives to twists in postures (k, n)."""
+    """Return the condition number of the map from drives to twists in postures (k, n)."""
     mechanism = robot.mechanism
     if isinstance(robot, Mechanism):
         scale = np.repeat((mechanism.size, 1.0), 3)

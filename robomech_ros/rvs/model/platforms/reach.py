@@ -131,7 +131,7 @@ def _reach(found: PlatformWorkspace, parts: dict[str, Array]) -> PlatformReach:
 
 
 def _colours(causes: list[str]) -> dict[str, Rgb]:
-    """Give each limb one colour of the palette, lighter where it is too long."""
+    """Return each limb one colour of the palette, lighter where it is too long."""
     colours: dict[str, Rgb] = {}
     for cause in causes:
         digits = "".join(filter(str.isdigit, cause.partition(":")[0]))

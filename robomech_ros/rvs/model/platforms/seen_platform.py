@@ -94,7 +94,7 @@ class SeenPlatform(Moved):
         return tuple(self.mechanism.limbs[self._faulty].chain.links[1:-1])
 
     def gizmo(self, scale: float) -> dict[str, Any]:
-        """Give the options of the gizmo: a size (m), and handles for the platform's motions."""
+        """Return the options of the gizmo: a size (m), and handles for the platform's motions."""
         turns = [k for k in range(ANGULAR) if k in self._motions]
         slides = [k for k in range(ANGULAR) if k + ANGULAR in self._motions]
         if not slides:
@@ -105,7 +105,7 @@ class SeenPlatform(Moved):
         return {"scale": scale, "disable_rotations": not turns}
 
     def travel(self, joint: int) -> Travel:
-        """Give between what a drive's slider moves: its limits, or a range about its home."""
+        """Return between what a drive's slider moves: its limits, or a range about its home."""
         index = int(self.mechanism.drive_index[joint])
         low, high = (float(row[index]) for row in (self.mechanism.lower, self.mechanism.upper))
         middle, most = 0.0, OPEN_TURN
@@ -178,7 +178,7 @@ class SeenPlatform(Moved):
             self._study = self._at_rest(self._study.target)
 
     def ghosts(self, seen: SeenRobot) -> PlatformGhosts:
-        """Give the pieces of ghosts."""
+        """Return the pieces of ghosts."""
         return PlatformGhosts(self.mechanism, seen.reach)
 
     def _go(self, q: Array) -> None:

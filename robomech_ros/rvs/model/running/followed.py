@@ -127,7 +127,7 @@ class Followed(SeenTree):
 
 
 def followed_base(robot: RollingRobot) -> Followed:
-    """Give a rolling robot that runs."""
+    """Return a rolling robot that runs."""
     base = robot.base
     ways = WAYS if base.axle is None else (WAYS[0], WAYS[2])
     seen = SeenBase(robot)
@@ -142,7 +142,7 @@ def followed_base(robot: RollingRobot) -> Followed:
 
 
 def followed_walker(robot: LeggedRobot) -> Followed:
-    """Give a walking machine that runs; errors are those of ``SeenWalker``."""
+    """Return a walking machine that runs; errors are those of ``SeenWalker``."""
     # What is compiled for legs is loaded only where there are some.
     from robomech_ros.rvs.model.walking.placed_tree import placing
     from robomech_ros.rvs.model.walking.seen_walker import SeenWalker
@@ -161,5 +161,5 @@ def followed_walker(robot: LeggedRobot) -> Followed:
 
 
 def on_plane(T: Array) -> Array:
-    """Give x, y (m) and heading (rad) of a pose (4, 4) over the ground."""
+    """Return x, y (m) and heading (rad) of a pose (4, 4) over the ground."""
     return np.array([T[0, 3], T[1, 3], math.atan2(T[1, 0], T[0, 0])])

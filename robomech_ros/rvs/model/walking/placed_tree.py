@@ -64,7 +64,7 @@ def placed_tree(robot: RobotDescription, trunk: str, height: float) -> RobotDesc
 
 
 def placing(base: Array, T: Array, height: float) -> dict[str, float]:
-    """Give the joints that place the trunk.
+    """Return the joints that place the trunk.
 
     Parameters
     ----------

@@ -130,7 +130,7 @@ class SeenWalker(SeenTree):
         return self._walker.bound
 
     def gizmo(self, scale: float) -> dict[str, object]:
-        """Give the options of the gizmo."""
+        """Return the options of the gizmo."""
         return {"scale": GIZMO * scale}
 
     def set_joint(self, joint: int, value: float) -> None:
@@ -216,7 +216,7 @@ class SeenWalker(SeenTree):
         )
 
     def way_ahead(self) -> Array:
-        """Give the way that the command goes from here, shape (m, 3) (m)."""
+        """Return the way that the command goes from here, shape (m, 3) (m)."""
         if not self.command.any():
             return np.empty((0, 3))
         twist = self.command * self._update.part

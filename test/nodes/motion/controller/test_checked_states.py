@@ -79,7 +79,7 @@ def start(robot, change, duration=1.0):
 
 
 def inward(robot, size):
-    """Give changes of the commanded joints towards the middles of their ranges."""
+    """Return changes of the commanded joints towards the middles of their ranges."""
     limits, here = robot.follower.joints.limits, robot.follower.desired.position
     middle = np.where(np.isfinite(limits.lower + limits.upper), limits.lower + limits.upper, 1.0)
     return np.where(middle / 2.0 >= here, size, -size)

@@ -72,7 +72,7 @@ def carry(arm, mass):
 
 
 def hand_down(chain, seed, x, y, z):
-    """Give the posture nearest to another with the hand at a place (m), pointing down."""
+    """Return the posture nearest to another with the hand at a place (m), pointing down."""
     pose = np.diag([1.0, -1.0, -1.0, 1.0])
     pose[:3, 3] = x, y, z
     return inverse_kinematics(chain, pose, seed=seed).q[0]

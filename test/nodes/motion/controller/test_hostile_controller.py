@@ -23,7 +23,7 @@ MOST = 1e-6 * LARGEST_DATA + 500.0
 
 
 def largest_ever(process):
-    """Give the most that a process ever held, MB."""
+    """Return the most that a process ever held, MB."""
     text = Path(f"/proc/{process.pid}/status").read_text()
     return int(re.search(r"VmHWM:\s+(\d+)", text)[1]) / 1e3
 

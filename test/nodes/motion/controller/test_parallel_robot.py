@@ -17,7 +17,7 @@ CLOSED = 1e-10
 
 
 def step(mechanism, size):
-    """Give a small change of the drives, within their strokes."""
+    """Return a small change of the drives, within their strokes."""
     home = mechanism.home()[mechanism.drive_index]
     lower, upper = (row[mechanism.drive_index] for row in (mechanism.lower, mechanism.upper))
     middle = np.where(np.isfinite(lower + upper), (lower + upper) / 2.0, home)
