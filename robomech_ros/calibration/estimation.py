@@ -78,11 +78,11 @@ def hand_eye(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not poses, or fewer than three that differ.
+    BadValueError, WrongSizeError
+        Fewer than three that differ.
     UndeterminedError
-        Pure translations, rotations about one line, or half turns that several poses of the
-        sensor fit.
+        Pure translations, rotations about one line, or half turns that several poses of the sensor
+        fit.
     ContradictionError
         The wrong mount, inverted poses, positions in two units (m and mm), or samples that
         contradict each other.
@@ -167,19 +167,14 @@ def robot_world(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`hand_eye`.
     """
     return hand_eye(A, inverse_pose(as_pose(B, what="B")), robust=robust, noise=noise)
 
 
 def _variances(noise: ArrayLike | None) -> Array | None:
-    """Return variances of rotation and position, and the robot's share, of standard deviations.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-    """
+    """Return variances of rotation and position, and the robot's share, of standard deviations."""
     if noise is None:
         return None
     four = as_finite("noise", noise, (4,))

@@ -62,8 +62,8 @@ def next_best_pose(calibration: HandEyeResult, candidates: ArrayLike | None = No
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a result, or not poses.
+    BadValueError
+        Not a result.
 
     See Also
     --------

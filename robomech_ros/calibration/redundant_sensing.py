@@ -76,7 +76,7 @@ def motion_agreement(motions: ArrayLike, tolerance: ArrayLike | None = None) -> 
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Not poses of this shape, or tolerances that are not positive.
 
     See Also
@@ -128,12 +128,7 @@ def motion_agreement(motions: ArrayLike, tolerance: ArrayLike | None = None) -> 
 
 
 def _limits(given: ArrayLike | None, errors: list[Array], reach: float) -> tuple[float, float]:
-    """Largest differences of angles (rad) and of slides (m) that are noise.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-    """
+    """Largest differences of angles (rad) and of slides (m) that are noise."""
     if given is not None:
         two = as_finite("tolerance", given, (2,))
         if two.ndim != 1:

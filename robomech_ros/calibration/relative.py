@@ -40,12 +40,10 @@ def relative_hand_eye(A: ArrayLike, B: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not poses of these shapes.
     ContradictionError, UndeterminedError
         Other angles for both, or motions that no pose matches, such as inverted ones; no rotations,
-        all about parallel axes, along which the position is
-        then free, or half turns about axes at right angles whose positions do not tell either.
+        all about parallel axes, along which the position is then free, or half turns about axes at
+        right angles whose positions do not tell either.
 
     See Also
     --------

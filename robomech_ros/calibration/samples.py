@@ -15,12 +15,7 @@ LARGEST_COORDINATE = 1e6
 
 
 def checked_samples(robot_poses: ArrayLike, sensor_poses: ArrayLike) -> tuple[Array, Array]:
-    """Check both lists of poses; gives them as arrays, shape (n, 4, 4).
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-    """
+    """Check both lists of poses; gives them as arrays, shape (n, 4, 4)."""
     robot = as_pose(robot_poses, what="robot_poses")
     sensor = as_pose(sensor_poses, what="sensor_poses")
     if robot.ndim != 3 or robot.shape != sensor.shape:

@@ -33,7 +33,7 @@ def serial_arm(chain: SerialChain, task_mask: Sequence[bool] | None = None) -> S
 
     Raises
     ------
-    BadValueError, WrongSizeError
+    BadValueError
         No chain, or no mask.
 
     Examples

@@ -102,7 +102,7 @@ def as_follower(chain: SerialChain | Follower, task_mask: Sequence[bool] | None 
 
     Raises
     ------
-    BadValueError, WrongSizeError
+    BadValueError
         It is neither, or the mask is none, or frees a robot that is no chain.
     """
     if isinstance(chain, SerialChain):

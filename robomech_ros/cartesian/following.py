@@ -130,7 +130,7 @@ def follow_path(
     ------
     SeedOutsideLimitsError
         The start is outside the limits.
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not a chain, a path or joint values; a check that gives no PathCut.
 
     See Also
@@ -196,11 +196,6 @@ def waypoint_fraction(followed: FollowedPath, waypoints: ArrayLike) -> float:
     -------
     float
         0 to 1.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not poses.
     """
     if not isinstance(followed, FollowedPath):
         raise BadValueError("followed", followed, "a FollowedPath")

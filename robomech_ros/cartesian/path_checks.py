@@ -174,7 +174,7 @@ def broken_condition(broken: Callable[[Array], str], step: float) -> PathCheck:
     Raises
     ------
     BadValueError
-        Not a callable, or a step that is not above 0.
+        A step that is not above 0.
     """
     if not callable(broken):
         raise BadValueError("broken", broken, "a callable")

@@ -115,8 +115,8 @@ def plan_along(
         The start is outside the limits.
     MissingLimitsError
         A joint lacks a limit that the profile needs.
-    BadValueError, WrongSizeError, NonFiniteError
-        An invalid argument, or a motion that takes too long or too many samples.
+    BadValueError, WrongSizeError
+        A motion that takes too long or too many samples.
 
     See Also
     --------

@@ -40,11 +40,6 @@ class ChainDynamics:
     chain : SerialChain
         Of n joints, with the bodies that they move.
 
-    Raises
-    ------
-    BadValueError
-        Not a chain.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 12.3.

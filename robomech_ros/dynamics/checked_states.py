@@ -28,11 +28,6 @@ def finite_states(chain: SerialChain, **values: ArrayLike) -> tuple[Array, ...]:
         Of n joints.
     **values : array_like, shape (..., n)
         By the name that messages give them.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        One is not an array of n finite real numbers or of rows of them, or they differ in shape.
     """
     arrays = as_states(chain, tuple(values), *values.values())
     for what, array in zip(values, arrays, strict=True):

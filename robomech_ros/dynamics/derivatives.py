@@ -97,7 +97,7 @@ def inverse_dynamics_derivatives(
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`inverse_dynamics`.
 
     References
@@ -146,7 +146,7 @@ def forward_dynamics_derivatives(
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`forward_dynamics`.
 
     References

@@ -49,7 +49,7 @@ def kinetic_energy(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`inverse_dynamics`.
 
     See Also
@@ -95,7 +95,7 @@ def momentum(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`inverse_dynamics`.
 
     See Also
@@ -125,7 +125,7 @@ def center_of_mass(chain: SerialChain, q: ArrayLike) -> Array:
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`inverse_dynamics`.
     """
     totals = _totals(chain, q, np.zeros(as_joint_values(chain, q).shape))
@@ -152,7 +152,7 @@ def potential_energy(chain: SerialChain, q: ArrayLike, *, gravity: ArrayLike = G
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`inverse_dynamics`.
 
     See Also
@@ -238,7 +238,7 @@ def power_balance(
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`forward_dynamics`.
 
     See Also

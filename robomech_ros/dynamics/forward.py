@@ -63,7 +63,7 @@ def forward_dynamics(
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError, BadValueError, WrongSizeError
         As for :func:`inverse_dynamics`; or nothing resists some motion of the chain.
 
     See Also

@@ -60,11 +60,6 @@ def friction_torque(chain: SerialChain, qd: ArrayLike) -> Array:
     ndarray, of the same shape
         To be added to :func:`inverse_dynamics` (N m or N); of the sign of the rate.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        qd is not an array of n finite real numbers, or of rows of them.
-
     See Also
     --------
     inverse_dynamics : what it is added to.
@@ -108,7 +103,7 @@ def dissipation(chain: SerialChain, qd: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`friction_torque`.
 
     See Also
@@ -145,7 +140,7 @@ def dissipated_power(chain: SerialChain, qd: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`friction_torque`.
     """
     qd = _rates(chain, qd)

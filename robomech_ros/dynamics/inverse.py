@@ -88,9 +88,9 @@ def inverse_dynamics(
     ------
     MissingInertiaError
         Of some joints nothing is known that moves with them; their links are named.
-    BadValueError, WrongSizeError, NonFiniteError
-        An argument is not of finite real numbers of its shape, the result is not finite, or no
-        body can have the numbers of one.
+    BadValueError, WrongSizeError
+        An argument is not of finite real numbers of its shape, the result is not finite, or no body
+        can have the numbers of one.
 
     See Also
     --------
@@ -155,7 +155,7 @@ def bias_torque(
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`inverse_dynamics`.
 
     See Also
@@ -211,7 +211,7 @@ def gravity_torque(
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`inverse_dynamics`.
 
     See Also

@@ -35,7 +35,7 @@ def mass_matrix(chain: SerialChain, q: ArrayLike) -> Array:
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`inverse_dynamics`.
 
     See Also
@@ -101,7 +101,7 @@ def coriolis_matrix(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`inverse_dynamics`.
 
     See Also

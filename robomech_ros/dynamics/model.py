@@ -116,11 +116,6 @@ def surroundings(
     Returns
     -------
     ndarray, shape (1, 15) or (m, 15)
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite real numbers of that shape.
     """
     if gravity is GRAVITY and tip_wrench is None and base_twist is None and base_twist_rate is None:
         return _ON_EARTH
@@ -160,12 +155,7 @@ _ON_EARTH.setflags(write=False)
 
 
 def positive_number(what: str, value: object) -> float:
-    """Return a finite number above 0.
-
-    Raises
-    ------
-    BadValueError
-    """
+    """Return a finite number above 0."""
     expected = "a positive number"
     number = real_number(what, value, expected)
     if not 0.0 < number < np.inf:

@@ -94,7 +94,7 @@ def torque_summary(
 
     Raises
     ------
-    WrongSizeError, NonFiniteError, BadValueError, MissingInertiaError
+    MissingInertiaError
     """
     system = dynamic_system(chain)
     drives = len(system.drive_names)

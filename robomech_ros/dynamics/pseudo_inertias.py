@@ -40,7 +40,7 @@ def pseudo_inertia(parameters: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Not ten finite real numbers a body.
     """
     p = _bounded("parameters", parameters, (10,), _LARGEST)
@@ -55,13 +55,7 @@ def pseudo_inertia(parameters: ArrayLike) -> Array:
 
 
 def parameters_from_pseudo_inertia(J: ArrayLike) -> Array:
-    """Invert :func:`pseudo_inertia`: (..., 4, 4) to (..., 10).
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite real numbers of this shape.
-    """
+    """Invert :func:`pseudo_inertia`: (..., 4, 4) to (..., 10)."""
     matrix = _bounded("pseudo-inertia", J, (4, 4), _LARGEST)
     second = matrix[..., :3, :3]
     trace = np.trace(second, axis1=-2, axis2=-1)
@@ -78,7 +72,7 @@ def is_consistent(parameters: ArrayLike) -> BoolArray:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`pseudo_inertia`.
     """
     J = pseudo_inertia(parameters)
@@ -106,7 +100,7 @@ def nearest_consistent(parameters: ArrayLike, *, least: float = 1e-6) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`pseudo_inertia`, or ``least`` is not positive.
     """
     bound = real_number("least", least, "a positive number")
@@ -122,7 +116,7 @@ def bodies_from_parameters(parameters: ArrayLike) -> tuple[Body, ...]:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`pseudo_inertia`, or a mass that is not positive.
     """
     rows = _bounded("parameters", parameters, (10,), _LARGEST).reshape(-1, 10)

@@ -65,11 +65,6 @@ def override_tolerances(
     Returns
     -------
     ndarray, shape (n,)
-
-    Raises
-    ------
-    WrongSizeError, NonFiniteError, BadValueError
-        With the joint at fault.
     """
     if not len(asked):
         return default

@@ -82,7 +82,7 @@ def read_waypoints(
 
     Raises
     ------
-    UnknownJointError, WrongSizeError, NonFiniteError, BadValueError, TrajectoryRefusedError
+    UnknownJointError, TrajectoryRefusedError
         With the point, the joint and the number at fault.
     """
     order = joint_order(trajectory.joint_names, joint_names, partial=partial)

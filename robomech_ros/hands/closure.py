@@ -29,7 +29,7 @@ def is_force_closed(contacts: Sequence[Contact]) -> bool:
 
     Raises
     ------
-    BadValueError, WrongSizeError
+    BadValueError
         Not a list of contacts, or some in space and some in the plane.
 
     References

@@ -39,7 +39,7 @@ def grasp_matrix(contacts: Sequence[Contact], origin: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not a list of contacts of one kind, or an origin that is no point.
 
     References

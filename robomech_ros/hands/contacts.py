@@ -46,9 +46,9 @@ class Contact:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        A normal of no length, a negative friction, an unknown model, a soft finger in the plane,
-        or what are not two or three finite numbers.
+    BadValueError
+        A normal of no length, a negative friction, an unknown model, a soft finger in the plane, or
+        what are not two or three finite numbers.
 
     References
     ----------

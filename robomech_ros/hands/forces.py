@@ -100,8 +100,8 @@ def contact_forces(
     ------
     ConicSolverUnavailableError
         The extra ``hands`` is not installed.
-    BadValueError, WrongSizeError, NonFiniteError
-        Not contacts of one kind, or no wrench of their size.
+    BadValueError
+        Not contacts of one kind.
 
     References
     ----------

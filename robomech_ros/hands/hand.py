@@ -55,10 +55,6 @@ class Hand:
     finger_names : sequence of str
     source : str, optional
         Where the numbers come from.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
     """
 
     name: str

@@ -78,7 +78,7 @@ def hand_jacobian(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         No hand, contacts in the plane or more than fingers, or joint values that do not fit.
 
     References
@@ -130,7 +130,7 @@ def grasp_mobility(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`hand_jacobian`.
 
     References
@@ -184,8 +184,8 @@ def finger_rates(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        As for :func:`hand_jacobian`, and for a twist that is not six numbers.
+    BadValueError, WrongSizeError
+        As for :func:`hand_jacobian`.
     """
     given, _ = fingers_of(hand, contacts, fingers)
     t = _six("twist", twist)
@@ -224,7 +224,7 @@ def object_twist(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`hand_jacobian`.
     """
     given, _ = fingers_of(hand, contacts, fingers)
@@ -270,7 +270,7 @@ def finger_accelerations(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`finger_rates`; a frictionless contact slides, and how it accelerates depends
         on how the surfaces are curved.
     """
@@ -327,7 +327,7 @@ def finger_torques(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`hand_jacobian`, and for components that do not fit the contacts.
 
     References

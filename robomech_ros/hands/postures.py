@@ -57,8 +57,8 @@ def grasp_postures(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        As for :func:`hand_jacobian`, for a finger with two contacts, and for a pose that is none.
+    BadValueError, WrongSizeError
+        As for :func:`hand_jacobian`, for a finger with two contacts.
 
     Examples
     --------
@@ -102,8 +102,8 @@ def tip_postures(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        As for :func:`grasp_postures`, and for points that are none.
+    BadValueError, WrongSizeError
+        As for :func:`grasp_postures`.
     """
     start = _seed(hand, seed)
     places = as_finite("points", points, (3,))
@@ -159,7 +159,7 @@ def whole_postures(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`grasp_postures`, and for results of other fingers.
     """
     start = _seed(hand, seed)

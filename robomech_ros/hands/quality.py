@@ -89,7 +89,7 @@ def grasp_quality(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`is_force_closed`, and for a length or tolerance that is not positive.
 
     References

@@ -36,8 +36,8 @@ def forward_kinematics(chain: SerialChain, q: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        q is not an array of n finite real numbers, or of rows of them, or the pose overflows.
+    BadValueError
+        The pose overflows.
 
     See Also
     --------
@@ -97,7 +97,7 @@ def link_poses(chain: SerialChain, q: ArrayLike, links: Sequence[str] | None = N
         A link that the chain has not.
     BadValueError
         The links are no list of names.
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`forward_kinematics`.
 
     See Also

@@ -29,11 +29,6 @@ def tip_poses(chain: SerialChain, q: ArrayLike) -> Array:
     ndarray, shape (m, 4, 4)
         ``T_base_tip``, lengths in m.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        q is not rows of n finite real numbers.
-
     See Also
     --------
     forward_kinematics : the same in a compiled loop.

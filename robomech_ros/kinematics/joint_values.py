@@ -30,8 +30,6 @@ def as_joint_values(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
 
     Raises
     ------
-    BadValueError
-        Not an array of real numbers, or no chain.
     WrongSizeError
         The last axis has not n entries.
     """
@@ -57,9 +55,7 @@ def as_posture(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
     Raises
     ------
     BadValueError
-        A joint is beyond 1e5 rad or 1e6 m, or it is not an array of real numbers, or no chain.
-    WrongSizeError, NonFiniteError
-        Not n finite numbers.
+        A joint is beyond 1e5 rad or 1e6 m or or it is not an array of real numbers.
     """
     q = as_joint_values(chain, q, what)
     if q.ndim != 1:
@@ -88,7 +84,7 @@ def as_states(chain: SerialChain, names: Sequence[str], *values: Any) -> tuple[A
     Raises
     ------
     BadValueError, WrongSizeError
-        Not arrays of real numbers, or of different shapes, or no chain.
+        Not arrays of real numbers or or of different shapes.
     """
     if isinstance(chain, SerialChain):
         vector = chain.types.shape
@@ -112,12 +108,7 @@ def as_states(chain: SerialChain, names: Sequence[str], *values: Any) -> tuple[A
 
 
 def check_chain(chain: SerialChain) -> None:
-    """Refuse what is no chain.
-
-    Raises
-    ------
-    BadValueError
-    """
+    """Refuse what is no chain."""
     if not isinstance(chain, SerialChain):
         raise BadValueError("chain", chain, "a SerialChain, as returned by load_robot")
 

@@ -91,7 +91,7 @@ def branch_path(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Invalid poses, start or thresholds.
     SeedOutsideLimitsError
         A joint of the start is outside its limits.

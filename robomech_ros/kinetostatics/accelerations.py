@@ -50,12 +50,6 @@ def jacobian_rate(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     ndarray, shape (6, n) or (..., 6, n)
         Angular rows first, at the tip's origin, in the axes of the base (1/s and m/s).
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        q or qd is not an array of n finite real numbers or of rows of them, or they differ in
-        shape.
-
     See Also
     --------
     jacobian : what is differentiated.
@@ -119,7 +113,7 @@ def bias_acceleration(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`jacobian_rate`, or the point is not three finite numbers, or the rates are too
         large for a number.
 
@@ -179,7 +173,7 @@ def joint_accelerations(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`bias_acceleration` and :func:`joint_rates`.
 
     See Also

@@ -88,7 +88,7 @@ def decoupled_jacobian(chain: SerialChain, q: ArrayLike) -> DecoupledJacobian:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`jacobian`, or the chain has no spherical wrist after three joints.
 
     See Also

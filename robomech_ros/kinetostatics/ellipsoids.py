@@ -53,11 +53,6 @@ def manipulability_ellipsoid(rows: ArrayLike) -> ManipulabilityEllipsoid:
     -------
     ManipulabilityEllipsoid
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not three rows of finite numbers.
-
     See Also
     --------
     jacobian : the first three of its rows are angular, the last three linear.

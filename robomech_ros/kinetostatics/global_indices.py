@@ -89,7 +89,7 @@ def global_conditioning_index(
     Raises
     ------
     BadValueError
-        An invalid argument, or an arm that is singular in every posture.
+        An arm that is singular in every posture.
     MissingLimitsError
         A prismatic joint without limits.
 

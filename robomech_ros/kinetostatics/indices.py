@@ -64,7 +64,7 @@ def manipulability(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         q is not an array of n finite real numbers or of rows of them, an unknown part, or a length
         that is not from 1e-9 to 1e9 m.
 
@@ -128,7 +128,7 @@ def condition_number(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`manipulability`, or an unknown norm.
 
     See Also
@@ -171,7 +171,7 @@ def least_singular_value(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`manipulability`.
 
     See Also
@@ -199,7 +199,7 @@ def manipulability_gradient(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`manipulability`.
     """
     return _gradient(chain, q, part, length, kernels.MANIPULABILITY)
@@ -228,7 +228,7 @@ def condition_number_gradient(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`condition_number`.
     """
     return _gradient(chain, q, part, length, _norm(norm))
@@ -252,7 +252,7 @@ def least_singular_value_gradient(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`manipulability`.
     """
     return _gradient(chain, q, part, length, kernels.LEAST)
@@ -295,12 +295,7 @@ def _gradient(
 
 
 def as_length(length: float) -> float:
-    """Check a length (m) that linear motions are divided by.
-
-    Raises
-    ------
-    BadValueError
-    """
+    """Check a length (m) that linear motions are divided by."""
     expected = "a length from 1e-9 to 1e9 m"
     metres = real_number("length", length, expected)
     if not 1e-9 <= metres <= 1e9:

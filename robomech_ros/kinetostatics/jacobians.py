@@ -35,11 +35,6 @@ def jacobian(chain: SerialChain, q: ArrayLike) -> Array:
     ndarray, shape (6, n) or (..., 6, n)
         Angular rows first; at the tip's origin, in the axes of the base (1 and m).
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        q is not an array of n finite real numbers, or of rows of them.
-
     See Also
     --------
     point_jacobian : at another point of the tip link, in other axes.

@@ -54,7 +54,7 @@ def point_jacobian(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`jacobian`, and for a point that is not three numbers up to 1e6 m or axes that
         are no rotation.
     UnknownLinkError
@@ -93,12 +93,7 @@ def point_jacobian(
 
 
 def as_point(point: ArrayLike) -> Array:
-    """Check a point (3,) of the tip link, in its frame (m).
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-    """
+    """Check a point (3,) of the tip link, in its frame (m)."""
     if point is TIP:
         return _ORIGIN
     arm = as_finite("point", point, (3,))
@@ -128,8 +123,6 @@ def rotation_of(chain: SerialChain, q: Array, axes: ArrayLike | str) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        No rotation.
     UnknownLinkError
         The chain has no such link.
     """

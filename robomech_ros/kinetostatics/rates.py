@@ -77,7 +77,7 @@ def joint_rates(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         An argument is not as described, the length is not from 1e-9 to 1e9 m, the damping not from
         0 to 1e9, or the rates are too large for a number.
     UnknownLinkError

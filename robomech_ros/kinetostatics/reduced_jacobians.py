@@ -51,7 +51,7 @@ def task_jacobian(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError, UnknownLinkError
+    UnknownLinkError, BadValueError, WrongSizeError
         As for :func:`point_jacobian`, or a mask that is invalid or leaves nothing.
 
     See Also
@@ -93,7 +93,7 @@ def planar_jacobian(chain: SerialChain, q: ArrayLike, *, point: ArrayLike = TIP)
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`point_jacobian`, or a chain that is not planar.
 
     See Also

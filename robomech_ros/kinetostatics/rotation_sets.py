@@ -34,11 +34,6 @@ def even_rotations(count: int) -> Array:
     -------
     ndarray, shape (count, 3, 3)
 
-    Raises
-    ------
-    BadValueError
-        Not such a number.
-
     References
     ----------
     M. Alexa, Super-Fibonacci spirals: fast, low-discrepancy sampling of SO(3), IEEE/CVF Conference
@@ -69,8 +64,8 @@ def even_turns(count: int, axis: ArrayLike, first: ArrayLike | None = None) -> A
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not such a number, not an axis, or no rotation.
+    BadValueError
+        Not such a number or not an axis.
     """
     angles = 2.0 * math.pi / _as_count(count) * np.arange(count)
     along = as_finite("axis", axis, (3,))
@@ -88,7 +83,7 @@ def as_orientations(orientations: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Neither, none or too many.
     """
     if isinstance(orientations, int | np.integer) and not isinstance(orientations, bool):

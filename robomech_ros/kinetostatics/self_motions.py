@@ -69,13 +69,7 @@ class SelfMotionCurve:
         return float(self.length[-1])
 
     def at(self, length: float) -> Array:
-        """Return the posture (n,) at a length (rad or m), or at the end that is nearer to it.
-
-        Raises
-        ------
-        BadValueError
-            It is no number.
-        """
+        """Return the posture (n,) at a length (rad or m), or at the end that is nearer to it."""
         length = real_number("length", length, "a number, rad or m")
         if np.isnan(length):
             raise BadValueError("length", length, "a number, rad or m")
@@ -105,7 +99,7 @@ def self_motion_curve(chain: SerialChain, q: ArrayLike) -> SelfMotionCurve | Non
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         q is not n finite numbers, or outside the limits.
 
     See Also

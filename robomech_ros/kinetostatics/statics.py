@@ -56,7 +56,7 @@ def joint_torques(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError, UnknownLinkError
+    UnknownLinkError, BadValueError, WrongSizeError
         As for :func:`point_jacobian`, and for a wrench that is not six finite numbers or rows of
         them as q has, or too large for finite torques.
 
@@ -126,7 +126,7 @@ def wrench_from_torques(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError, UnknownLinkError
+    UnknownLinkError, BadValueError, WrongSizeError
         As for :func:`joint_torques`, or a chain of fewer than six joints.
 
     See Also

@@ -20,11 +20,6 @@ def real_array(what: str, value: ArrayLike) -> Array:
         Name of the quantity in messages.
     value : array_like
         Real numbers; truth values, text and complex numbers do not count.
-
-    Raises
-    ------
-    BadValueError
-        Not real numbers.
     """
     if type(value) is np.ndarray and value.dtype is _FLOAT64:
         return value  # a third of the time of what follows
@@ -48,11 +43,6 @@ def real_number(what: str, value: object, expected: str) -> float:
         From a caller.
     expected : str
         What messages say was expected.
-
-    Raises
-    ------
-    BadValueError
-        Not a real number.
     """
     if type(value) is float:
         return value

@@ -62,7 +62,7 @@ class CurvePair:
 
     Raises
     ------
-    WrongSizeError, NonFiniteError, BadValueError
+    WrongSizeError, BadValueError
         As `bivariate` does.
 
     See Also
@@ -107,8 +107,6 @@ class CurvePair:
         ------
         BadValueError
             The steps lead to no crossing within the bounds, or it is no two numbers in them.
-        WrongSizeError, NonFiniteError
-            No two finite numbers.
         """
         grid = self._grid
         start = self._start(estimate)

@@ -45,10 +45,8 @@ def least_squares(A: ArrayLike, b: ArrayLike) -> tuple[Array, float]:
 
     Raises
     ------
-    WrongSizeError, NonFiniteError
-        Shapes that do not fit, or values that are not finite.
     BadValueError
-        Not real numbers, or the columns depend on each other.
+        The columns depend on each other.
 
     See Also
     --------
@@ -95,10 +93,8 @@ def minimum_norm(A: ArrayLike, b: ArrayLike) -> Array:
 
     Raises
     ------
-    WrongSizeError, NonFiniteError
-        Shapes that do not fit, or values that are not finite.
     BadValueError
-        Not real numbers, or the rows depend on each other.
+        The rows depend on each other.
 
     See Also
     --------

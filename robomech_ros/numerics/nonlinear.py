@@ -89,7 +89,7 @@ def newton_raphson(
 
     Raises
     ------
-    WrongSizeError, NonFiniteError
+    WrongSizeError
         The residual is not as long as x, or x is not finite.
     BadValueError
         What should be numbers is none, or the derivative is singular at a point met.
@@ -155,8 +155,6 @@ def newton_gauss(
 
     Raises
     ------
-    WrongSizeError, NonFiniteError
-        Shapes that do not fit, or x is not finite.
     BadValueError
         What should be numbers is none, or the columns of the derivative depend on each other at a
         point met.

@@ -91,7 +91,7 @@ def bivariate(
 
     Raises
     ------
-    WrongSizeError, NonFiniteError, BadValueError
+    WrongSizeError, BadValueError
         Arguments that do not fit, or equations that are not finite within the bounds.
 
     See Also
@@ -154,7 +154,7 @@ def refine_root(
 
     Raises
     ------
-    WrongSizeError, NonFiniteError, BadValueError
+    WrongSizeError, BadValueError
         As `newton_gauss` does; the curves touch or do not depend on an unknown where the way leads.
 
     See Also

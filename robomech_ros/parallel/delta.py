@@ -48,7 +48,7 @@ class Delta:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not lengths, or azimuths that are not different.
 
     References
@@ -121,7 +121,7 @@ class Delta:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError
             Not a place that a platform without rotation can have.
         """
         point = translation_only(T)
@@ -149,11 +149,6 @@ class Delta:
         Returns
         -------
         DirectKinematicsResult
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not three angles.
         """
         given = actuated("q", q, 3)
         near = None if seed is None else translation_only(seed)

@@ -52,12 +52,7 @@ class JointCones:
 
 
 def checked_cones(what: str, given: object) -> JointCones | None:
-    """Check cones: None, or a mapping with ``axes`` (3,) or (6, 3) and ``angles``, one or six.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-    """
+    """Check cones: None, or a mapping with ``axes`` (3,) or (6, 3) and ``angles``, one or six."""
     if given is None or isinstance(given, JointCones):
         return given
     if not isinstance(given, Mapping) or sorted(map(str, given)) != list(_KEYS):

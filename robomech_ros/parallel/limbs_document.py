@@ -85,7 +85,7 @@ def mechanism_from_limbs(
     ------
     RobotDescriptionError
         A limb cannot be used: which, and why.
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Limbs that do not fit together, or with the wrong number of drives.
     """
     if not isinstance(limbs, list) or len(limbs) < 2:

@@ -86,7 +86,7 @@ class Planar3RPR(_Planar):
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Not three different points each.
 
     References
@@ -137,7 +137,7 @@ class Planar3RPR(_Planar):
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError
             Not a pose in the plane.
         """
         return np.asarray(np.linalg.norm(self._corners(T) - self.base_points, axis=1))
@@ -158,7 +158,7 @@ class Planar3RPR(_Planar):
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError, WrongSizeError
             Not three positive lengths within the strokes.
         """
         given = actuated("lengths", lengths, 3)
@@ -193,7 +193,7 @@ class Planar3RRR(_Planar):
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Not three different points each, or not lengths.
 
     References
@@ -247,7 +247,7 @@ class Planar3RRR(_Planar):
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError
             Not a pose in the plane.
         """
         to_corners = (self._corners(T) - self.base_points).tolist()
@@ -270,11 +270,6 @@ class Planar3RRR(_Planar):
         Returns
         -------
         DirectKinematicsResult
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not three angles.
         """
         given = actuated("q", q, 3)
         arms = self.proximal[:, None] * np.stack((np.cos(given), np.sin(given)), axis=1)

@@ -68,12 +68,7 @@ class ScaledPlatform:
 
 
 def checked_points(what: str, points: ArrayLike, count: int, dimension: int) -> Array:
-    """Check anchors: their number, finite, of a robot's size, and not all in one point.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-    """
+    """Check anchors: their number, finite, of a robot's size, and not all in one point."""
     array = as_finite(what, points, (dimension,))
     if array.shape != (count, dimension):
         raise WrongSizeError(what, array.shape, (count, dimension))
@@ -97,12 +92,7 @@ def _distinct(points: Array) -> int:
 
 
 def checked_strokes(strokes: ArrayLike | None, count: int) -> Array | None:
-    """Check strokes (m): least and greatest length of each leg, or one pair for all of them.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-    """
+    """Check strokes (m): least and greatest length of each leg, or one pair for all of them."""
     if strokes is None:
         return None
     array = as_finite("strokes", strokes, (2,))

@@ -56,7 +56,7 @@ class Spherical3RRR:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Not three directions each, or arcs of no length.
 
     References
@@ -124,11 +124,6 @@ class Spherical3RRR:
         Returns
         -------
         LimbPostures
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not a rotation.
         """
         turned = self.platform_axes @ rotation_only(T).T
         limbs = [
@@ -151,11 +146,6 @@ class Spherical3RRR:
         -------
         DirectKinematicsResult
             Its errors are those of cosines.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not three angles.
         """
         given = actuated("q", q, 3)
         near = None if seed is None else assembled(rotation_only(seed), np.zeros(3))

@@ -63,7 +63,7 @@ class StewartGough:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Not six points, or fewer than three different ones; strokes or cones that are none.
 
     References
@@ -226,9 +226,9 @@ class StewartGough:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not six lengths, one that is not positive, or outside its stroke: the leg and the
-            amount are named.
+        BadValueError, WrongSizeError
+            Not six lengths, one that is not positive, or outside its stroke: the leg and the amount
+            are named.
 
         See Also
         --------
@@ -264,7 +264,7 @@ class StewartGough:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError, WrongSizeError
             As for :meth:`direct`.
 
         References
@@ -303,7 +303,7 @@ class StewartGough:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError, WrongSizeError
             Not poses, or one in which a leg has no length.
 
         References

@@ -56,8 +56,6 @@ def plot_calibration(
     ------
     PlottingUnavailableError
         matplotlib is not installed.
-    WrongSizeError
-        The shapes do not fit.
     """
     m = len(counts)
     if errors.shape != (m, 6) or covariances.shape != (m, 6, 6) or not m:

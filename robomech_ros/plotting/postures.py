@@ -95,7 +95,7 @@ def plot_postures(
     ------
     PlottingUnavailableError
         matplotlib is not installed.
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         No posture or too many, or values that do not fit the chain.
     """
     postures = np.asarray(q, dtype=np.float64)

@@ -55,8 +55,6 @@ def plot_walk(
     ------
     PlottingUnavailableError
         matplotlib is not installed.
-    WrongSizeError
-        The shapes do not fit.
     """
     m = len(times)
     if way.shape != (m, 2) or margins.shape != (m,) or not m:

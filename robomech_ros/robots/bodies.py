@@ -55,7 +55,7 @@ class Body:
 
     Raises
     ------
-    WrongSizeError, NonFiniteError, BadValueError
+    WrongSizeError, BadValueError
         An entry is no number, or the inertia is not symmetric.
     """
 

@@ -105,7 +105,7 @@ class RobotDescription(Printed):
         ------
         UnknownJointError
             No joint of this name moves; the error lists those that do.
-        BadValueError, NonFiniteError
+        BadValueError
             A position is no finite number, or leads to none of a joint that follows.
         """
         moving = {joint.name: joint for joint in self.joints if joint.moves}
@@ -133,7 +133,7 @@ class RobotDescription(Printed):
 
         Raises
         ------
-        UnknownJointError, BadValueError, NonFiniteError
+        UnknownJointError
             As for :meth:`joint_positions`.
 
         See Also

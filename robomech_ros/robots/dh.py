@@ -76,11 +76,6 @@ def chain_from_dh(
         Its links are ``base_link``, ``link_1`` .. ``link_n`` (frame i + 1 of the table) and
         ``tip_link``.
 
-    Raises
-    ------
-    WrongSizeError, NonFiniteError, BadValueError
-        Naming the parameter at fault.
-
     See Also
     --------
     dh_from_chain : the inverse.

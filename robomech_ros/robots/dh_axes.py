@@ -35,7 +35,7 @@ def dh_from_axes(points: ArrayLike, directions: ArrayLike) -> DHTable:
 
     Raises
     ------
-    WrongSizeError, NonFiniteError, BadValueError
+    BadValueError
         Naming the argument, and the axis without a direction.
 
     See Also

@@ -13,23 +13,13 @@ def bare_link(name: str) -> str:
 
 
 def check_name(what: str, name: object) -> None:
-    """Refuse a name that is no text, or empty; ``what`` says in the message whose it is.
-
-    Raises
-    ------
-    BadValueError
-    """
+    """Refuse a name that is no text, or empty; ``what`` says in the message whose it is."""
     if not isinstance(name, str) or not name:
         raise BadValueError(what, name, "a name, as text")
 
 
 def checked_entries(what: str, entries: object, kind: Any, n: int) -> tuple[Any, ...]:
-    """Return the entries of a list that is empty or has one of a kind for each of n joints.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-    """
+    """Return the entries of a list that is empty or has one of a kind for each of n joints."""
     expected = f"a list of {n}, of type {getattr(kind, '__name__', kind)}"
     given = listed(what, entries, expected)
     for entry in given:
@@ -41,12 +31,7 @@ def checked_entries(what: str, entries: object, kind: Any, n: int) -> tuple[Any,
 
 
 def check_names(what: str, names: Sequence[str]) -> None:
-    """Refuse names that are no texts, empty or not all different.
-
-    Raises
-    ------
-    BadValueError
-    """
+    """Refuse names that are no texts, empty or not all different."""
     for name in listed(what, names, "a list of names"):
         check_name(f"one of {what}", name)
     if len(set(names)) < len(names):

@@ -41,7 +41,7 @@ def limit_arrays(limits: Mapping[str, ArrayLike] | ArrayLike | None, n: int) -> 
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Another form, an unknown key, or values that are no limits.
     """
     if limits is None:
@@ -116,7 +116,7 @@ def check_limits(joint_names: tuple[str, ...], limits: Mapping[str, Array]) -> N
 
     Raises
     ------
-    NonFiniteError, BadValueError
+    BadValueError
         A position limit is NaN, the lower above the upper one, or both beyond all positions; or
         another limit is not positive.
     """

@@ -65,7 +65,7 @@ class RollingBase:
         Fixed wheels that cannot all roll.
     UndeterminedError
         Driven wheels that leave a twist free, which ``.free`` has.
-    BadValueError, WrongSizeError
+    BadValueError
         No wheels, or two in one place or of one name.
 
     References
@@ -132,11 +132,6 @@ class RollingBase:
         Returns
         -------
         ndarray, shape (..., 3)
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not finite twists.
         """
         given = bounded("twist", twist, 3)
         if self.axle is None:
@@ -166,8 +161,6 @@ class RollingBase:
             The wheels cannot give the twist; the message has the nearest that they can.
         LimitExceededError
             A wheel would have to be steered beyond its limits.
-        WrongSizeError, NonFiniteError
-            Not finite values of these shapes.
         """
         given = self._checked_twist(twist)
         if not self._steered and steering is None:
@@ -197,7 +190,7 @@ class RollingBase:
 
         Raises
         ------
-        BadValueError, LimitExceededError, WrongSizeError, NonFiniteError
+        LimitExceededError
             As :meth:`wheel_rates`.
         """
         given = self._checked_twist(twist)
@@ -230,8 +223,6 @@ class RollingBase:
         ------
         LimitExceededError
             A wheel would have to be steered beyond its limits.
-        BadValueError, WrongSizeError, NonFiniteError
-            Not finite values of these shapes.
         """
         given, start = bounded("twist", twist, 3), self._steering(near)
         shared_batch(("twist", given), ("steering", start))
@@ -252,11 +243,6 @@ class RollingBase:
         -------
         ndarray, shape (..., c)
             In rad/s.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not finite values of these shapes.
 
         References
         ----------
@@ -292,11 +278,6 @@ class RollingBase:
             ``[omega, v_x, v_y]`` (rad/s, m/s).
         slip : ndarray, shape (...,)
             Root of the sum of squares of the slip velocities (m/s): 0 where wheels agree.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not finite values of these shapes.
         """
         given = bounded("rates", rates, len(self.driven))
         speeds = given * self.driven_radii
@@ -336,11 +317,6 @@ class RollingBase:
         -------
         ndarray, shape (..., 3)
             x, y and heading, which counts whole turns.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not finite values of these shapes.
 
         Examples
         --------

@@ -29,11 +29,6 @@ class PlatformBody:
         About the vertical axis through its mass centre (kg m^2).
     centre : array_like, shape (2,), optional
         Mass centre in the base frame (m).  Default the origin.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not such values.
     """
 
     mass: float

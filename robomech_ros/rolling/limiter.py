@@ -71,11 +71,6 @@ class CommandLimiter:
     period : float
         Of the commands (s).
 
-    Raises
-    ------
-    BadValueError
-        Not such values.
-
     Notes
     -----
     Ruckig has no limit of velocity when it controls velocity, and none that axes share, such as
@@ -130,7 +125,7 @@ class CommandLimiter:
 
         Raises
         ------
-        LimitExceededError, BadValueError, WrongSizeError, NonFiniteError
+        LimitExceededError
             Not angles within their limits.
         """
         names = self.base.steered
@@ -162,11 +157,6 @@ class CommandLimiter:
         saturated : tuple of str
             Axes and wheels whose limits shortened a command, and ``curvature`` where it turned
             more sharply than steering allows.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not finite twists.
         """
         given = bounded("command", command, 3)
         names, rows, least, most = self._bounds
@@ -199,11 +189,6 @@ class CommandLimiter:
         Returns
         -------
         BaseMotion
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not a finite twist.
         """
         return self.run(motion, one_vector("command", command, 3)[None])[2]
 
@@ -225,11 +210,6 @@ class CommandLimiter:
             Angles after each period (rad).
         motion : BaseMotion
             After the last; ``saturated`` is of all commands.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not finite twists.
         """
         if not isinstance(motion, BaseMotion):
             raise BadValueError("motion", motion, "a BaseMotion, such as that of at_rest()")

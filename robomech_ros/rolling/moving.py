@@ -111,11 +111,6 @@ class RollingDynamics:
         ConstrainedBodies
             The platform, then the wheels in their order, each caster with its bracket; in a frame
             at rest with the axes that the base has now.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not such values.
         """
         given = self._twist(twist)
         count = len(self.base.casters)
@@ -154,11 +149,6 @@ class RollingDynamics:
         -------
         ndarray, shape (k,)
             In N m.  Of more driven wheels than needed, those with the least sum of squares.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not such values.
         """
         bodies = self.bodies(twist, brackets)
         rates = self._coordinates @ self._twist(acceleration, "acceleration")
@@ -185,11 +175,6 @@ class RollingDynamics:
         -------
         ndarray, shape (3,)
             Rates of the components of the twist (rad/s^2, m/s^2).
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not such values.
         """
         given = one_vector("torques", torques, len(self.drives))
         efforts = self.drives.T @ given + self._pushed(wrench)
@@ -214,8 +199,8 @@ class RollingDynamics:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not such values, or more driven wheels than independent rates.
+        BadValueError
+            More driven wheels than independent rates.
 
         References
         ----------
@@ -249,7 +234,7 @@ class RollingDynamics:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError
             Not finite torques.
         """
         given = one_vector("torques", torques, len(self.drives))

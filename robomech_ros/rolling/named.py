@@ -85,11 +85,6 @@ def omnidirectional(
     RollingBase
         Positive rates of all wheels turn it clockwise.
 
-    Raises
-    ------
-    BadValueError
-        Not such values.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.5.2.
@@ -194,11 +189,6 @@ def tricycle(
         With the wheels ``front``, which drives, ``rear_right`` and ``rear_left``; the origin is in
         the middle of the rear axle.
 
-    Raises
-    ------
-    BadValueError
-        Not such values.
-
     Examples
     --------
     >>> from robomech_ros.rolling import tricycle
@@ -240,11 +230,6 @@ def ackermann(
     RollingBase
         With the wheels ``rear_right`` and ``rear_left``, which drive, ``front_right`` and
         ``front_left``; the origin is in the middle of the rear axle.
-
-    Raises
-    ------
-    BadValueError
-        Not such values.
 
     Examples
     --------
@@ -294,11 +279,6 @@ def swerve(radius: float, positions: ArrayLike, **options: Any) -> RollingBase:
     Returns
     -------
     RollingBase
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not such values.
 
     Examples
     --------

@@ -119,11 +119,6 @@ def advance_odometry(
     -------
     Odometry
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not such values.
-
     References
     ----------
     Siegwart, Nourbakhsh and Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed.,

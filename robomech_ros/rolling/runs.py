@@ -88,7 +88,7 @@ def simulate_rolling(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not such values, or torques that are none.
 
     Examples

@@ -53,7 +53,7 @@ class Wheel:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not such values, or one that this kind does not have.
 
     References

@@ -113,7 +113,7 @@ def write_calibration(
 
     Raises
     ------
-    WrongSizeError, BadValueError, NonFiniteError
+    BadValueError
         ``tracking`` is not one pose for each sample.
     ViewUnavailableError
         viser is not installed.

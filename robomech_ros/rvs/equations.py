@@ -58,7 +58,7 @@ def view_equations(
     ------
     ViewUnavailableError, PortTakenError, AddressError
         As for :func:`view`.
-    WrongSizeError, NonFiniteError, BadValueError
+    WrongSizeError, BadValueError
         As for :func:`~robomech_ros.numerics.bivariate`; no two names.
 
     Examples

@@ -69,9 +69,9 @@ class Motion:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        No time, times that do not increase, arrays of another size or not finite, or other
-        postures of a whole robot.
+    BadValueError, WrongSizeError
+        No time, times that do not increase, arrays of another size or not finite, or other postures
+        of a whole robot.
     """
 
     chain: SerialChain | Mechanism | RobotDescription

@@ -92,7 +92,7 @@ class Servo:
 
         Raises
         ------
-        BadValueError, WrongSizeError
+        BadValueError
             It is no mask.
         """
         if tuple(task_mask) != self._mask:
@@ -125,7 +125,7 @@ class Servo:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError, WrongSizeError
             It is not as described; the command before is followed on.
         """
         if isinstance(command, JointCommand):
@@ -141,13 +141,7 @@ class Servo:
         self._command = None
 
     def start(self, position: Array, velocity: Array) -> None:
-        """Begin a stream where the joints are (rad or m, and per s).
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not n finite numbers each.
-        """
+        """Begin a stream where the joints are (rad or m, and per s)."""
         given = self._finite("position", position), self._finite("velocity", velocity)
         self._stream = Stream(self.limits, self._period, *given, lead=self._lead)
         self._twists.end()

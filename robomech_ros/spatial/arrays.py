@@ -46,11 +46,6 @@ def listed(what: str, value: object, expected: str) -> tuple[Any, ...]:
         From a caller.
     expected : str
         What messages say was expected.
-
-    Raises
-    ------
-    BadValueError
-        Not a list.
     """
     if isinstance(value, str | bytes | Mapping | Set) or not isinstance(value, Iterable):
         raise BadValueError(what, value, expected)
@@ -77,11 +72,6 @@ def as_finite(what: str, value: ArrayLike, tail: tuple[int, ...]) -> Array:
         Real numbers.
     tail : tuple of int
         The last axes; ``()`` accepts every shape.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not real numbers, another shape, or NaN or infinite somewhere.
     """
     array = real_array(what, value)
     if tail and array.shape[-len(tail) :] != tail:

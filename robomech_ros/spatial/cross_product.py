@@ -28,11 +28,6 @@ def cross_product_matrix(a: ArrayLike) -> Array:
     ndarray, shape (..., 3, 3)
         Skew-symmetric.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not three finite real numbers.
-
     See Also
     --------
     axial_vector : the inverse.
@@ -75,11 +70,6 @@ def axial_vector(matrix: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3)
         In the unit of the matrix.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a 3 x 3 matrix of finite real numbers.
 
     See Also
     --------
@@ -135,11 +125,6 @@ def linear_invariants(matrix: ArrayLike) -> tuple[Array, Array]:
         :func:`axial_vector`; e sin(phi) of a rotation.
     trace : ndarray, shape (...)
         1 + 2 cos(phi) of a rotation.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a 3 x 3 matrix of finite real numbers.
 
     See Also
     --------

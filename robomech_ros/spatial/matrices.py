@@ -22,11 +22,6 @@ def rotation_error(matrix: ArrayLike) -> Array:
     -------
     ndarray, shape (...)
         Largest entry of ``|Q^T Q - 1|``; infinite where the determinant is not positive.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a 3 x 3 matrix of finite real numbers.
     """
     m = as_finite("rotation matrix", matrix, (3, 3))
     with np.errstate(over="ignore", invalid="ignore"):
@@ -56,7 +51,7 @@ def as_rotation(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not a rotation; the message gives the amount.
     """
     m = as_finite(what, matrix, (3, 3))
@@ -94,11 +89,6 @@ def nearest_rotation(matrix: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3, 3)
         The orthogonal factor of the polar decomposition, with determinant 1.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a 3 x 3 matrix of finite real numbers.
     """
     u, _, vt = np.linalg.svd(as_finite("rotation matrix", matrix, (3, 3)))
     u[..., :, 2] *= np.where(np.linalg.det(u @ vt) < 0.0, -1.0, 1.0)[..., None]

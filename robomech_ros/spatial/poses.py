@@ -32,7 +32,7 @@ def as_pose(pose: ArrayLike, tolerance: float = ROTATION_ERROR, what: str = "pos
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not a pose; the message gives the amount.
     """
     T: Array = as_finite(what, pose, (4, 4)).copy()
@@ -59,11 +59,6 @@ def pose_from_matrix(rotation: ArrayLike, position: ArrayLike) -> Array:
     Returns
     -------
     ndarray, shape (..., 4, 4)
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a rotation matrix, or not three finite numbers.
     """
     return assembled(as_rotation(rotation), as_finite("position", position, (3,)))
 
@@ -87,11 +82,6 @@ def compose_poses(*poses: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 4, 4)
         The identity without any.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not poses.
 
     See Also
     --------
@@ -130,11 +120,6 @@ def inverse_pose(pose: ArrayLike) -> Array:
     Returns
     -------
     ndarray, shape (..., 4, 4)
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a pose.
 
     See Also
     --------

@@ -16,11 +16,6 @@ def as_rows(
     """Return a value of shape (..., *tail) as contiguous rows (m, width) and its batch shape.
 
     Only the shape is checked; compiled loops look at the numbers.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Not real numbers, or another shape.
     """
     array = real_array(what, value)
     axes = len(tail)
@@ -44,11 +39,6 @@ def broadcast_rows(
     rows : tuple of ndarray, shape (m, width) or (1, width), of plain numbers (m,) or (1,)
     shape : tuple of int
         Batch shape.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite numbers of these shapes, or batches that do not fit together.
     """
     arrays = [as_finite(what, value, (width,) if width else ()) for what, value, width in given]
     tails = [(width,) if width else () for _, _, width in given]

@@ -31,11 +31,6 @@ def joint_points(
     Returns
     -------
     ndarray, shape (m, n)
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        No numbers, of another shape, not finite, or too large.
     """
     places = real_array("points", points).copy()
     right = places.ndim == 2 and places.shape[1] > 0 and joints in (None, places.shape[1])
@@ -69,7 +64,7 @@ def nearest_turns(points: npt.ArrayLike, continuous: npt.ArrayLike) -> tuple[Arr
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As `joint_points` does, or `continuous` does not have one entry for each joint.
 
     Examples

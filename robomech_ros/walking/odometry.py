@@ -50,7 +50,7 @@ def leg_odometry(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Not such arrays, fewer than two feet, or more of them on one line.
 
     See Also

@@ -40,11 +40,6 @@ class PantographLeg:
     hip : array_like, shape (3,), optional
         Where B is in the trunk when h is 0 (m), on the axis.  Default the origin.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not such numbers.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.4; S. M. Song and
@@ -83,7 +78,7 @@ class PantographLeg:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError
             Not such numbers, or slides so far apart that the links do not reach.
         """
         return self.points(drives)["F"]
@@ -100,7 +95,7 @@ class PantographLeg:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError, WrongSizeError
             As for :meth:`foot`.
         """
         turn, h, v = _three("drives", drives)
@@ -134,7 +129,7 @@ class PantographLeg:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError, WrongSizeError
             As for :meth:`foot`.
         """
         values = _three("drives", drives)
@@ -158,7 +153,7 @@ class PantographLeg:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError
             Not such numbers, a foot on the axis, whose turn is undetermined, or out of reach.
         """
         x, y, z = _three("foot", foot) - self._hip

@@ -54,7 +54,7 @@ class LeggedRobot:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError, SeedOutsideLimitsError
+    SeedOutsideLimitsError, BadValueError, WrongSizeError
         Fewer than 3 or more than 16 legs, one without three joints, trunks that differ, a joint of
         ``home`` outside its limits.
 
@@ -186,7 +186,7 @@ class LeggedRobot:
         ------
         UnknownLinkError, RobotDescriptionError
             No such link, or no chain between the two.
-        BadValueError, WrongSizeError, NonFiniteError, SeedOutsideLimitsError
+        SeedOutsideLimitsError
             As for the class.
         """
         if not isinstance(description, RobotDescription):
@@ -285,7 +285,7 @@ class LeggedRobot:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError, SeedOutsideLimitsError
+        SeedOutsideLimitsError, BadValueError
             Not a leg, not a place, or no seed.
         """
         k = self.leg_number(leg)
@@ -317,7 +317,7 @@ class LeggedRobot:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError
             No such leg, or a leg in a singular posture: it is named.
 
         See Also
@@ -361,7 +361,7 @@ class LeggedRobot:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError, WrongSizeError
             Fewer than three legs, or feet that stand on one line.
         """
         standing = list(self.standing(stance))
@@ -395,7 +395,7 @@ class LeggedRobot:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError, WrongSizeError
             Fewer than three legs, or a posture in which no six joints hold the trunk.
         """
         standing = self.standing(stance)

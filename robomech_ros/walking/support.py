@@ -29,8 +29,8 @@ def stability_margin(com_xy: ArrayLike, feet_xy: ArrayLike) -> float | Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        No foot, or not numbers of this shape.
+    BadValueError
+        No foot.
 
     See Also
     --------
@@ -71,8 +71,8 @@ def support_polygon(feet_xy: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        No foot, or not numbers of this shape.
+    BadValueError
+        No foot.
 
     Examples
     --------

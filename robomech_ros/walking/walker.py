@@ -70,7 +70,7 @@ class Walker:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError, MissingLimitsError
+    MissingLimitsError, BadValueError
         Not such values, a gait for other robots, or one that keeps no such margin.
 
     Examples
@@ -132,11 +132,6 @@ class Walker:
         ----------
         place : array_like, shape (3,), optional
             x, y (m) and yaw (rad) over the ground.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not three finite numbers.
         """
         where = _three("place", place)
         if self._waiting is not None:
@@ -202,7 +197,7 @@ class Walker:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError, WrongSizeError
             Not three finite numbers; the last command holds.
         """
         self._command = _three("twist", twist).copy()
@@ -238,11 +233,6 @@ class Walker:
         -------
         PoseAnswer
             NONE, else why it is refused, with leg and joint; nothing moves then.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not such numbers.
         """
         target = as_finite("pose", pose, (6,))
         if target.shape != (6,):

@@ -80,8 +80,8 @@ class ConstrainedBodies:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite real numbers of these shapes, or a mass or a rotor below 0.
+    BadValueError
+        A mass or a rotor below 0.
 
     See Also
     --------
@@ -246,11 +246,6 @@ class ConstrainedBodies:
         ndarray, shape (..., m)
             Whose power at the rates is ``u`` times them: torques (N m) of rates in rad/s.
 
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not finite real numbers of these shapes.
-
         References
         ----------
         Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 12.3.
@@ -275,8 +270,8 @@ class ConstrainedBodies:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not finite real numbers of these shapes, or nothing resists some motion.
+        BadValueError
+            Nothing resists some motion.
 
         References
         ----------
@@ -315,7 +310,7 @@ class ConstrainedBodies:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError, WrongSizeError
             Not finite real numbers of these shapes, or A is not known.
 
         References

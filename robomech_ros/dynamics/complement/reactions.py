@@ -56,11 +56,6 @@ def constraint_reactions(K: ArrayLike, wrenches: ArrayLike) -> ConstraintReactio
     -------
     ConstraintReactions
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite real numbers of these shapes.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.5 and 12.3.

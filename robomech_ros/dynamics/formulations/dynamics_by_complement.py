@@ -51,7 +51,7 @@ def inverse_dynamics_by_orthogonal_complement(
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`inverse_dynamics`.
 
     See Also
@@ -114,7 +114,7 @@ def forward_dynamics_by_cholesky(
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`forward_dynamics`.
 
     See Also
@@ -166,7 +166,7 @@ def forward_dynamics_by_reflections(
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`forward_dynamics`.
 
     See Also

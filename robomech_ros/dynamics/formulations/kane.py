@@ -54,8 +54,6 @@ def partial_velocities(chain: SerialChain, q: ArrayLike) -> PartialVelocities:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        q is not an array of n finite real numbers, or of rows of them.
     MissingInertiaError
         Of some joints nothing is known that moves with them.
     """
@@ -97,7 +95,7 @@ def inverse_dynamics_by_kane(
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`inverse_dynamics`.
 
     See Also
@@ -157,7 +155,7 @@ def forward_dynamics_by_kane(
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`forward_dynamics`.
 
     See Also

@@ -48,8 +48,6 @@ def mass_matrix_gradient(chain: SerialChain, q: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        q is not an array of n finite real numbers, or of rows of them.
     MissingInertiaError
         Of some joints nothing is known that moves with them.
     """
@@ -79,7 +77,7 @@ def christoffel_symbols(chain: SerialChain, q: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
+    MissingInertiaError
         As for :func:`mass_matrix_gradient`.
 
     See Also
@@ -128,7 +126,7 @@ def inverse_dynamics_by_lagrange(
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`inverse_dynamics`.
 
     See Also
@@ -184,7 +182,7 @@ def forward_dynamics_by_lagrange(
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError
         As for :func:`forward_dynamics`.
 
     See Also

@@ -82,8 +82,6 @@ def newton_euler(
     ------
     MissingInertiaError
         Of some joints nothing is known that moves with them.
-    BadValueError, WrongSizeError, NonFiniteError
-        Arguments that are no finite numbers of these shapes.
 
     See Also
     --------

@@ -113,8 +113,6 @@ def natural_orthogonal_complement(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Arguments that are no finite numbers of these shapes.
     MissingInertiaError
         Of some joints nothing is known that moves with them.
 

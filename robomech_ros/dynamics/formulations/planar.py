@@ -78,7 +78,7 @@ def planar_orthogonal_complement(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         The arm is not planar, or arguments are no finite numbers of these shapes.
     MissingInertiaError
         Of some joints nothing is known that moves with them.

@@ -137,9 +137,9 @@ def identify(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Arguments that are no finite numbers of these shapes, too few states, or a motion that
-        does not show all parameters.
+    BadValueError, WrongSizeError
+        Arguments that are no finite numbers of these shapes, too few states, or a motion that does
+        not show all parameters.
     """
     q, qd, qdd, tau = finite_states(chain, q=q, qd=qd, qdd=qdd, tau=tau)
     if q.ndim != 2:
@@ -201,7 +201,7 @@ def excitation(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`identify`.
     """
     q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)

@@ -99,7 +99,7 @@ class ControlledArm:
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError, BadValueError, WrongSizeError
         A robot has no bodies, or no possible ones; both differ in their joints; or a number is not
         what it has to be.
     """
@@ -206,7 +206,7 @@ class ControlledArm:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError
             The arrays are not what they have to be.
         """
         plant = self._systems[1]

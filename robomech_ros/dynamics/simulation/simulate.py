@@ -135,9 +135,9 @@ def simulate(
 
     Raises
     ------
-    MissingInertiaError, BadValueError, NonFiniteError, WrongSizeError, NonFiniteError
-        As for :func:`forward_dynamics`, for the start; or a number or a function is not what it
-        has to be.  Motions that run away, with rates above 1e6 rad/s or m/s, raise nothing.
+    MissingInertiaError, BadValueError, WrongSizeError
+        As for :func:`forward_dynamics`, for the start; or a number or a function is not what it has
+        to be. Motions that run away, with rates above 1e6 rad/s or m/s, raise nothing.
 
     See Also
     --------

@@ -226,7 +226,7 @@ def symbolic_model(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         No chain, one without joints or with joints that follow others, or a gravity that is no
         vector.
     """

@@ -68,7 +68,7 @@ class CommandReader:
 
         Raises
         ------
-        UnknownJointError, WrongSizeError, BadValueError, NonFiniteError, LimitExceededError
+        UnknownJointError, LimitExceededError
             With the joint, the number and what is allowed.
         RobotDescriptionError
             The fingers cannot go to the posture.

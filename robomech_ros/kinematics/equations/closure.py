@@ -88,11 +88,6 @@ class ClosureEquations:
         -------
         ndarray, shape (14,)
             Lengths in parts of ``size``.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            No six finite numbers.
         """
         angles = as_angles("q", q)
         if angles.shape != (6,):
@@ -115,11 +110,6 @@ class ClosureEquations:
         -------
         ndarray, shape (..., 6, 9)
             E with ``E m = 0`` for the products m of (cos, sin, 1) of joint 4 and of joint 5.
-
-        Raises
-        ------
-        BadValueError, NonFiniteError
-            No finite numbers.
         """
         E = np.einsum("eijk,i...->...ejk", self.free, circle(as_angles("q3", q3)))
         matrix: Numbers = E.reshape(*E.shape[:-3], 6, 9)
@@ -137,11 +127,6 @@ class ClosureEquations:
         -------
         ndarray, shape (..., 6, 3)
             With ``G (cos q_3, sin q_3, 1)^T = 0``.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            No finite numbers, or shapes that do not fit together.
         """
         four, five = as_angles("q4", q4), as_angles("q5", q5)
         try:
@@ -176,8 +161,6 @@ def closure_equations(chain: SerialChain, T: ArrayLike, *, first: int = 1) -> Cl
     ------
     BadValueError
         No arm of six revolute joints, no pose, or no such joint.
-    WrongSizeError, NonFiniteError
-        No pose.
 
     References
     ----------
@@ -230,11 +213,6 @@ def as_angles(what: str, value: ArrayLike) -> Numbers:
         Name of the angles in messages.
     value : array_like
         From a caller.
-
-    Raises
-    ------
-    BadValueError, NonFiniteError
-        Not numbers, or NaN or infinite somewhere.
     """
     try:
         angles = np.asarray(value)

@@ -76,9 +76,7 @@ def orientation_equation(chain: SerialChain, R: ArrayLike) -> OrientationEquatio
     Raises
     ------
     BadValueError
-        Another arm, or no rotation.
-    WrongSizeError, NonFiniteError
-        No 3 x 3 finite numbers.
+        Another arm.
 
     References
     ----------
@@ -113,11 +111,6 @@ def wrist_angles(chain: SerialChain, R: ArrayLike) -> ComplexArray:
     -------
     ndarray of complex, shape (2, 3) or (1, 3)
         theta_4, theta_5 and theta_6 (rad).  Where theta_4 is free it is 0, and there is one row.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        As there.
 
     References
     ----------
@@ -156,8 +149,8 @@ def decoupled_postures(chain: SerialChain, T: ArrayLike) -> ComplexArray:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Another arm, or no pose.
+    BadValueError
+        Another arm.
 
     See Also
     --------

@@ -91,9 +91,7 @@ def wrist_centre(chain: SerialChain, T: ArrayLike) -> Array:
     Raises
     ------
     BadValueError
-        Another arm, or no pose.
-    WrongSizeError, NonFiniteError
-        No pose.
+        Another arm.
 
     References
     ----------
@@ -134,9 +132,7 @@ def positioning_equations(chain: SerialChain, centre: ArrayLike) -> PositioningE
     Raises
     ------
     BadValueError
-        Another arm, one whose first two axes are one line, or no numbers.
-    WrongSizeError, NonFiniteError
-        No three finite numbers.
+        Another arm or one whose first two axes are one line.
 
     See Also
     --------
@@ -206,7 +202,7 @@ def arm_angles(chain: SerialChain, centre: ArrayLike, theta3: complex) -> Comple
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As there, or ``theta3`` is no finite number.
 
     References

@@ -141,8 +141,6 @@ def raghavan_roth(chain: SerialChain, T: ArrayLike, *, first: int | None = None)
     ------
     BadValueError
         No arm of six revolute joints, no pose, or no such joint.
-    WrongSizeError, NonFiniteError
-        No pose.
 
     See Also
     --------
@@ -182,11 +180,6 @@ def li_woernle_hiller(
     Returns
     -------
     UnivariateRoots
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        As there.
 
     References
     ----------

@@ -56,7 +56,7 @@ def inverse_kinematics_batch(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError, SeedOutsideLimitsError
+    SeedOutsideLimitsError
         As for :func:`inverse_kinematics`; of a target at fault the message names the index.
 
     See Also

@@ -48,11 +48,6 @@ def solve_closed_form(
     request : Request
     family : Family
         One that lists all solutions.
-
-    Raises
-    ------
-    BadValueError, NonFiniteError
-        The entries are not those of a pose.
     """
     space = _empty(_shape(chain.n))
     fault, bare, missing, count, singular, unproven = solve_one_pose(

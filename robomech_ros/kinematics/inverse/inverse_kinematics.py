@@ -107,7 +107,7 @@ def inverse_kinematics(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         An invalid target or option, or more windings than can be listed.
     SeedOutsideLimitsError
         A joint of the seed is outside its limits, and limits are respected.

@@ -65,7 +65,7 @@ def optimal_posture(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         An unknown criterion, a limit margin of a chain without limits, a chain with another number
         of joints, or an invalid target.
 

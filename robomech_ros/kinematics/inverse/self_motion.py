@@ -93,7 +93,7 @@ def self_motion(chain: SerialChain, T: ArrayLike) -> SelfMotion:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         A chain with another number of joints or without such six, or an invalid target.
 
     See Also

@@ -34,11 +34,6 @@ def as_target(T: ArrayLike) -> Array:
     -------
     ndarray, shape (4, 4)
         The array itself where it is one of this kind.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Not real numbers, or another shape.
     """
     if type(T) is _ARRAY and T.dtype is _FLOAT and T.shape == (4, 4):
         return T
@@ -67,9 +62,9 @@ def as_targets(T: ArrayLike, what: str = "T", batch: bool = False) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not real numbers, another shape, NaN or infinite, not a rotation or a last row other than
-        0 0 0 1 by more than the tolerance, or a position beyond LARGEST_LENGTH; of a batch the
+    BadValueError, WrongSizeError
+        Not real numbers, another shape, NaN or infinite, not a rotation or a last row other than 0
+        0 0 1 by more than the tolerance, or a position beyond LARGEST_LENGTH; of a batch the
         message names the pose.
     """
     given = T if _is_plain(T) else real_array(what, T)

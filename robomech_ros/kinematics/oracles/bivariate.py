@@ -102,8 +102,6 @@ def solve_bivariate(chain: SerialChain, T: ArrayLike, *, steps: int = 240) -> li
     ------
     BadValueError
         No arm of six revolute joints, no pose, or too few steps.
-    WrongSizeError, NonFiniteError
-        No pose.
     """
     count = real_number("steps", steps, f"a whole number from {_FEWEST_STEPS} on")
     if not (count >= _FEWEST_STEPS and float(count).is_integer()):

@@ -73,8 +73,6 @@ class PostureContours:
     ------
     BadValueError
         No arm of six revolute joints, no pose, or no two different minors.
-    WrongSizeError, NonFiniteError
-        No pose.
     """
 
     def __init__(
@@ -106,8 +104,6 @@ class PostureContours:
         ------
         BadValueError
             The steps lead to no crossing, or no two finite numbers are given.
-        WrongSizeError, NonFiniteError
-            No two finite numbers.
         """
         return self._judged(self._curves.refine(estimate))
 

@@ -78,8 +78,6 @@ def solve_univariate(
     ------
     BadValueError
         No arm of six revolute joints, no pose, or no such procedure.
-    WrongSizeError, NonFiniteError
-        No pose.
 
     See Also
     --------

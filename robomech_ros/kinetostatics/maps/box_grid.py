@@ -73,7 +73,7 @@ def as_grid(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Bounds that are not finite or in the wrong order, no points, or not exactly one of spacing
         and shape.
     """

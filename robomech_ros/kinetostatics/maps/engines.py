@@ -46,12 +46,7 @@ class DaskUnavailableError(RobomechError):
 
 
 def as_workers(workers: int | None) -> int:
-    """Check a number of threads; None is one for each processor that this process may use.
-
-    Raises
-    ------
-    BadValueError
-    """
+    """Check a number of threads; None is one for each processor that this process may use."""
     if workers is None:
         return len(os.sched_getaffinity(0))
     expected = "a whole number from 1 to 1024"

@@ -204,8 +204,6 @@ def reach_map(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        An invalid argument.
     NotEnoughMemoryError
         A grid that does not fit.
     MapFileError
@@ -256,8 +254,6 @@ def load_reach_map(path: str | Path, chain: SerialChain | None = None) -> ReachM
 
     Raises
     ------
-    BadValueError
-        Not a chain, or not a path.
     MapFileError
         Not a map, a damaged one, or that of another robot.
     NotEnoughMemoryError

@@ -66,7 +66,7 @@ def nearest_singular_posture(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`singularity_report`.
     """
     home = as_posture(chain, q)

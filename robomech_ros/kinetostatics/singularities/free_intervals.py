@@ -92,7 +92,7 @@ def singularity_free(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         The ends are not n numbers, or a lower one is above the upper; the chain has no joint or
         more than eight; ``most_boxes`` is no number of parts.
     MissingLimitsError

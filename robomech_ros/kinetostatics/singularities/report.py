@@ -191,9 +191,9 @@ def singularity_report(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        q is not an array of n finite real numbers or the point of three up to 1e6 m, the length
-        is not from 1e-9 to 1e9 m, or the chain has no joint.
+    BadValueError, WrongSizeError
+        q is not an array of n finite real numbers or the point of three up to 1e6 m, the length is
+        not from 1e-9 to 1e9 m, or the chain has no joint.
 
     See Also
     --------

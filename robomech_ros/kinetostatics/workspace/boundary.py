@@ -142,11 +142,6 @@ class Workspace(Printed):
             where the first joint has limits, to some thousandths inside, if the nearest point is
             on an edge, and to a thousandth at a few places outside.  What is beside the plane of
             a planar arm is outside.  Coordinates beyond 1e100 m count as 1e100 m.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not points.
         """
         rows = as_finite("points", points, (3,))
         # Squares of distances must be finite.

@@ -84,7 +84,7 @@ def orientation_workspace(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not a chain of six joints or more, not a point, or a number of samples out of range.
     """
     check_chain(chain)

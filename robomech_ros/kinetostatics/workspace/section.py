@@ -311,11 +311,6 @@ def _check_moves(chain: SerialChain, section: WorkspaceSection) -> None:
 
 
 def raise_on_surface(chain: SerialChain) -> NoReturn:
-    """Refuse an arm whose positioning part does not fill a region.
-
-    Raises
-    ------
-    BadValueError
-    """
+    """Refuse an arm whose positioning part does not fill a region."""
     expected = "one whose first joints move a point in all directions, not on a surface only"
     raise BadValueError("chain", chain.name, expected)

@@ -43,7 +43,7 @@ def poses_from_array(message: PoseArray, frame: str, what: str, most: int) -> Ar
 
     Raises
     ------
-    FrameUnavailableError, WrongSizeError, NonFiniteError, BadQuaternionError, BadValueError
+    FrameUnavailableError, BadQuaternionError
         A pose at fault is named by its number.
     """
     given = message.header.frame_id.removeprefix("/")

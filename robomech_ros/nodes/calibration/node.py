@@ -192,12 +192,7 @@ class CalibrationNode(Node):
         return answer(response)
 
     def _mount(self, number: int) -> str:
-        """Read the mount of a request.
-
-        Raises
-        ------
-        BadValueError
-        """
+        """Read the mount of a request."""
         if number == SolveCalibration.Request.CONFIGURED:
             return MOUNT_OF_TYPE[self._table.settings.calibration_type]
         if number not in _MOUNTS:

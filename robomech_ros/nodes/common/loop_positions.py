@@ -58,7 +58,7 @@ class LoopPositions:
 
         Raises
         ------
-        WrongSizeError, UnknownJointError, NonFiniteError
+        UnknownJointError, WrongSizeError, NonFiniteError
             Not positions of all joints, or of the drives.
         OpenLoopsError
             They leave the loops open.

@@ -36,8 +36,6 @@ def matrix_from_pose(pose: Pose, what: str = "pose") -> Array:
 
     Raises
     ------
-    NonFiniteError
-        A number is NaN or infinite.
     BadQuaternionError
         The quaternion is zero or far from unit length.
     """
@@ -63,12 +61,7 @@ def matrix_from_pose(pose: Pose, what: str = "pose") -> Array:
 
 
 def require_finite(what: str, vector: object, fields: Sequence[str] = "xyz") -> None:
-    """Refuse a vector of a message by the name of the field that is NaN or infinite.
-
-    Raises
-    ------
-    NonFiniteError
-    """
+    """Refuse a vector of a message by the name of the field that is NaN or infinite."""
     for name in fields:
         value = getattr(vector, name)
         if not math.isfinite(value):
@@ -117,7 +110,7 @@ def matrices_from_pose_rows(rows: Sequence[float], what: str = "poses") -> Array
     ------
     WrongSizeError
         Not a multiple of seven numbers.
-    NonFiniteError, BadQuaternionError
+    BadQuaternionError
         The row is named.
     """
     if len(rows) % _POSE_NUMBERS:

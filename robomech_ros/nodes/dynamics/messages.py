@@ -68,7 +68,7 @@ def motions(points: Any, joint_names: Any, drives: Drives) -> Motions:
 
     Raises
     ------
-    UnknownJointError, WrongSizeError, NonFiniteError
+    UnknownJointError
         With the point and the joint at fault.
     BadValueError, OutcomeError
         As :meth:`Drives.postures`.
@@ -153,7 +153,7 @@ async def tip_wrench(
 
     Raises
     ------
-    NonFiniteError, BadValueError, FrameUnavailableError, NoStateError
+    FrameUnavailableError, NoStateError
     """
     force = _vector(message.wrench.force, "tip_wrench.wrench.force")
     moment = _vector(message.wrench.torque, "tip_wrench.wrench.torque")
@@ -173,7 +173,7 @@ def payload_body(inertia: Inertia, frame: str, chain: SerialChain) -> Body | Non
 
     Raises
     ------
-    UnknownLinkError, BadValueError, NonFiniteError
+    UnknownLinkError, BadValueError
         The frame is not fixed to the tip, or no body has these numbers.
     """
     link = chain.link_frame(frame or chain.tip)

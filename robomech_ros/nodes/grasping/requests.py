@@ -21,12 +21,7 @@ _MOST = 20
 
 
 def read_points(positions: Sequence[Any]) -> Array:
-    """Read positions of contacts, shape (k, 3), in m.
-
-    Raises
-    ------
-    WrongSizeError, NonFiniteError
-    """
+    """Read positions of contacts, shape (k, 3), in m."""
     if not 1 <= len(positions) <= _MOST:
         raise WrongSizeError("positions", len(positions), f"1 to {_MOST}")
     return np.array([point_vector(one, f"positions[{k}]") for k, one in enumerate(positions)])
@@ -37,7 +32,7 @@ def read_contacts(request: Any) -> list[Contact]:
 
     Raises
     ------
-    WrongSizeError, NonFiniteError, BadValueError
+    BadValueError
         The contact at fault is named by its number; one out of the plane of a planar grasp, too.
     """
     points = read_points(request.positions)
@@ -91,23 +86,13 @@ def _in_plane(vector: Array, what: str) -> Array:
 
 
 def read_origin(request: Any) -> Array:
-    """Read the point that moments are about, shape (3,), or (2,) of a planar request.
-
-    Raises
-    ------
-    NonFiniteError, BadValueError
-    """
+    """Read the point that moments are about, shape (3,), or (2,) of a planar request."""
     origin = point_vector(request.origin, "origin")
     return _in_plane(origin, "origin") if request.planar else origin
 
 
 def load_wrench(request: Any) -> Array:
-    """Read a load, shape (6,): torque (Nm), then force (N); of a planar request (3,).
-
-    Raises
-    ------
-    NonFiniteError, BadValueError
-    """
+    """Read a load, shape (6,): torque (Nm), then force (N); of a planar request (3,)."""
     torque = point_vector(request.wrench.torque, "wrench.torque")
     force = point_vector(request.wrench.force, "wrench.force")
     if not request.planar:
@@ -188,12 +173,7 @@ class GivenHand:
     def fingers(
         self, names: Sequence[str], count: int, *, each_once: bool = False
     ) -> list[int] | None:
-        """Read which finger makes each of so many contacts; None = one after the other.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError
-        """
+        """Read which finger makes each of so many contacts; None = one after the other."""
         if not names:
             return None
         known = self.required().finger_names

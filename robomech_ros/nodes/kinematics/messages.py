@@ -31,7 +31,7 @@ def inverse_options(request: Any) -> dict[str, Any]:
 
     Raises
     ------
-    BadValueError, NonFiniteError
+    BadValueError
         A mode or metric that does not exist, a negative tolerance or timeout.
     """
     if request.metric >= len(_METRICS):
@@ -192,7 +192,7 @@ async def poses_in_base(frames: RobotFrames, poses: list[Any], patience: float) 
 
     Raises
     ------
-    NonFiniteError, BadQuaternionError
+    BadQuaternionError
         The message names the pose by its index.
     FrameUnavailableError, NoStateError
     """

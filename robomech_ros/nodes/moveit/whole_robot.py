@@ -64,7 +64,7 @@ class WholeRobot:
         ------
         RefusedError
             It contains objects that the robot carries.
-        BadValueError, WrongSizeError, UnknownJointError, NonFiniteError
+        UnknownJointError
             What it says of joints is not to be understood.
         """
         if state.attached_collision_objects:

@@ -126,7 +126,7 @@ def seen_marker(model: RobotModel, marker: Marker) -> SeenMarker:
     BadValueError
         It is of a kind that is not drawn, in a frame that is none of the robot's, or farther away
         or larger than 1e6 m.
-    NonFiniteError, BadQuaternionError
+    BadQuaternionError, NonFiniteError
         A number of it is NaN or infinite, or its orientation is none.
     """
     kind = _KINDS.get(marker.type)

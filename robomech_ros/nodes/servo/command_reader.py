@@ -71,7 +71,7 @@ class CommandReader:
 
         Raises
         ------
-        FrameUnavailableError, NonFiniteError, BadValueError
+        FrameUnavailableError
         """
         settings, twist = self._settings(), twist_vector(message.twist)
         scales = np.repeat((settings.rotational_scale, settings.linear_scale), 3)
@@ -85,7 +85,7 @@ class CommandReader:
 
         Raises
         ------
-        FrameUnavailableError, NoStateError, NonFiniteError, BadQuaternionError, BadValueError
+        FrameUnavailableError, NoStateError, BadQuaternionError
         """
         settings, target = self._settings(), matrix_from_pose(message.pose)
         place = self._frames.find(message.header.frame_id)
@@ -102,7 +102,7 @@ class CommandReader:
 
         Raises
         ------
-        UnknownJointError, WrongSizeError, NonFiniteError, BadValueError
+        UnknownJointError
         """
         rates = self._joint_speeds(message.name, message.velocity, "velocity", scaled=True)
         return JointCommand(rates, self._until(message.header))
@@ -112,7 +112,7 @@ class CommandReader:
 
         Raises
         ------
-        UnknownJointError, WrongSizeError, NonFiniteError, BadValueError
+        UnknownJointError
         """
         duration = float(message.duration)
         if not (math.isfinite(duration) and duration >= 0.0):

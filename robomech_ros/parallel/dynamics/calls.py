@@ -43,13 +43,7 @@ def loop_arguments(
 
 
 def states(mechanism: Mechanism, q: ArrayLike, **of_drives: ArrayLike) -> list[Array]:
-    """Return joints (..., n), and what belongs to the drives (..., m), with the same batch.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite real numbers of these shapes.
-    """
+    """Return joints (..., n), and what belongs to the drives (..., m), with the same batch."""
     joints = np.ascontiguousarray(as_finite("q", q, (mechanism.n,)))
     found, shape = [joints], (*joints.shape[:-1], mechanism.dof)
     for what, value in of_drives.items():

@@ -144,7 +144,7 @@ class ParallelDynamics:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError, WrongSizeError
             Not n finite numbers, or they do not close the loops.
         """
         given = as_finite(what, q, (self.mechanism.n,))
@@ -212,7 +212,7 @@ class ParallelDynamics:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError, WrongSizeError
             Not finite real numbers of these shapes, open loops, or a singular posture.
         """
         q, rates, accelerations = states(
@@ -250,7 +250,7 @@ class ParallelDynamics:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError, WrongSizeError
             As for :meth:`inverse`, or nothing resists some motion.
         """
         q, rates, efforts = states(self.mechanism, q, rates=rates, efforts=efforts)
@@ -335,7 +335,7 @@ class ParallelDynamics:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError, WrongSizeError
             As for :meth:`inverse`.
         """
         q, rates = states(self.mechanism, q, rates=rates)
@@ -363,7 +363,7 @@ class ParallelDynamics:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError, WrongSizeError
             As for :meth:`inverse`.
         """
         joints = self.checked_posture(q)

@@ -174,7 +174,7 @@ def singularity_distances(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`velocity_matrices`, or the length is not from 1e-9 to 1e9 m.
 
     See Also
@@ -208,7 +208,7 @@ def dexterity(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`singularity_distances`.
 
     References

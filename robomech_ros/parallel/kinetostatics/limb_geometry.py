@@ -163,7 +163,7 @@ def poses_of(robot: ParallelRobot | Mechanism, T: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not poses, or with motions that the platform does not have.
     """
     if isinstance(robot, Mechanism):
@@ -208,7 +208,7 @@ def drive_values(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         They are needed, as the limbs have branches, or are not m for each pose.
     """
     count = robot.n if isinstance(robot, Mechanism) else drives_of(robot)

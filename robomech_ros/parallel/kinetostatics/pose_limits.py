@@ -72,7 +72,7 @@ def pose_limits(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not poses that the platform can have, or not branches of its limbs.
 
     See Also
@@ -99,12 +99,7 @@ def pose_limits(
 
 
 def as_branches(robot: ParallelRobot | Mechanism, branches: object) -> str | None:
-    """Check branches of the limbs.
-
-    Raises
-    ------
-    BadValueError
-    """
+    """Check branches of the limbs."""
     if branches is None:
         return None
     if isinstance(robot, Mechanism):

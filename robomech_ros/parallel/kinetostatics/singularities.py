@@ -127,7 +127,7 @@ def loop_singularity(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`singularity_distances`, or more than one pose.
 
     See Also

@@ -51,8 +51,8 @@ def drive_forces(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        As for :func:`velocity_matrices`, or not wrenches, one for all poses or one for each.
+    BadValueError, WrongSizeError
+        As for :func:`velocity_matrices`.
 
     See Also
     --------
@@ -102,7 +102,7 @@ def platform_wrench(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`velocity_matrices`, or not m forces, for all poses or for each.
 
     See Also

@@ -94,9 +94,9 @@ def velocity_matrices(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not poses that the platform can have, or drives that do not hold it there: the drive and
-        the amount are named.
+    BadValueError
+        Not poses that the platform can have, or drives that do not hold it there: the drive and the
+        amount are named.
 
     References
     ----------
@@ -138,7 +138,7 @@ def velocity_matrix_rates(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`velocity_matrices`, or a twist that the platform does not have.
 
     References
@@ -176,7 +176,7 @@ def drive_rates(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`velocity_matrix_rates`.
 
     See Also
@@ -208,7 +208,7 @@ def platform_twist(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`velocity_matrices`, or not m rates for each pose.
 
     See Also
@@ -245,7 +245,7 @@ def drive_accelerations(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`velocity_matrix_rates`.
     """
     limbs = _limbs(robot, T, q)
@@ -287,7 +287,7 @@ def platform_acceleration(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`platform_twist`.
     """
     limbs = _limbs(robot, T, q)

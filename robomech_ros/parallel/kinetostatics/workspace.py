@@ -122,7 +122,7 @@ def platform_position_workspace(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`pose_limits`; the pose is excluded itself, or singular; a robot that only
         turns, or moves only as it turns; not directions, or such as the platform does not have.
 
@@ -174,7 +174,7 @@ def platform_orientation_workspace(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`platform_position_workspace`; a robot that only translates, or turns only as
         it moves, as ``tripod_3prs``.
 

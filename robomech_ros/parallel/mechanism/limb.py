@@ -237,7 +237,7 @@ def checked_drive_limits(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Another key, or values that are no limits.
     """
     if limits is not None and not isinstance(limits, Mapping):

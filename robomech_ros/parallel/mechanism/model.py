@@ -65,7 +65,7 @@ class Mechanism(LoopMotion):
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Limbs that do not fit together, or, where no ``direct`` is given, more or fewer drives than
         the closed loops leave freedoms.
 
@@ -220,7 +220,7 @@ class Mechanism(LoopMotion):
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError
             Not a pose, or one that no such platform can have.
         """
         pose = platform_poses(T)
@@ -245,7 +245,7 @@ class Mechanism(LoopMotion):
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError, WrongSizeError
             Not m positions of drives.
         """
         given = checked_drives("actuated", actuated, self.dof)

@@ -109,11 +109,6 @@ class LoopMotion:
         Returns
         -------
         ClosedPosture
-
-        Raises
-        ------
-        WrongSizeError, NonFiniteError
-            Not m and n finite numbers.
         """
         target = checked_drives("actuated", actuated, self.dof)
         return self.loops.close(target, checked_drives("near", near, self.n))
@@ -137,9 +132,9 @@ class LoopMotion:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not numbers of joints and drives, or a posture in which the drives do not determine
-            the motion.
+        BadValueError
+            Not numbers of joints and drives, or a posture in which the drives do not determine the
+            motion.
         """
         given = as_finite("actuated_rates", actuated_rates, (self.dof,))
         qd, twist = self.loops.rates(self._all_joints("q", q), given[..., None])

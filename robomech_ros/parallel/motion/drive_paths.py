@@ -79,7 +79,7 @@ def follow_drives(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not a way of the drives, or a start with open loops.
 
     Examples
@@ -129,10 +129,8 @@ def require_closed(mechanism: Mechanism, q: ArrayLike, what: str = "start") -> A
 
     Raises
     ------
-    WrongSizeError, NonFiniteError
-        Not n finite numbers.
     BadValueError
-        Not a mechanism, or a loop is open: the limb and the amounts are named.
+        A loop is open: the limb and the amounts are named.
     """
     if not isinstance(mechanism, Mechanism):
         raise BadValueError("mechanism", mechanism, "a Mechanism")

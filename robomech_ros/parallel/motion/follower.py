@@ -46,7 +46,7 @@ class MechanismFollower:
 
     Raises
     ------
-    BadValueError, WrongSizeError
+    BadValueError
         Not a mechanism, or limits of other joints.
     """
 

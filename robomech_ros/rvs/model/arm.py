@@ -94,7 +94,7 @@ class SeenArm(Moved):
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError
             It is not n finite numbers, or a joint is outside its limits.
         """
         values = np.array(q, dtype=np.float64)
@@ -141,11 +141,6 @@ class SeenArm(Moved):
         ----------
         T : array_like, shape (4, 4)
             ``T_base_tip`` (m).
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            It is no pose.
         """
         study = study_pose(self.chain, as_pose(T), self._q)
         self._curve_known = False

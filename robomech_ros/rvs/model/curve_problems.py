@@ -95,7 +95,7 @@ class PostureProblem:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As :class:`~robomech_ros.kinematics.oracles.PostureContours` does.
     """
 
@@ -136,7 +136,7 @@ class EquationsProblem:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As :class:`~robomech_ros.numerics.CurvePair` does.
     """
 

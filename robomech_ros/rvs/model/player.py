@@ -37,13 +37,7 @@ class Player:
         self.duration, self.time, self.playing = duration, 0.0, False
 
     def seek(self, time: float) -> None:
-        """Go to a time (s), at most to an end.
-
-        Raises
-        ------
-        BadValueError
-            It is no finite number.
-        """
+        """Go to a time (s), at most to an end."""
         self.time = min(max(finite_number("time", time, "s"), 0.0), self.duration)
 
     def set_speed(self, speed: float) -> None:

@@ -137,7 +137,7 @@ def study_pose(chain: SerialChain, T: Array, present: Array) -> PoseStudy:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`~robomech_ros.kinematics.inverse_kinematics`.
     """
     result = inverse_kinematics(chain, T, seed=present)

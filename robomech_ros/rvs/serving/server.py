@@ -122,7 +122,7 @@ def guarded_server(host: str, port: int, label: str) -> GuardedServer:
     Raises
     ------
     BadValueError
-        It is no port number, or no text.
+        It is no port number.
     AddressError
         The system does not let anybody listen there.
     PortTakenError

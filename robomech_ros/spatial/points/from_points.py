@@ -53,7 +53,7 @@ def angular_velocity_from_points(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Fewer than three points, or not finite numbers; with the basic form, also more than three.
     UndeterminedError
         Points on one line, or all the same; with the basic form, a singular D.
@@ -108,7 +108,7 @@ def angular_acceleration_from_points(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError, UndeterminedError
+    UndeterminedError
         As for :func:`angular_velocity_from_points`.
 
     References
@@ -130,8 +130,8 @@ def as_motions(robust: bool, *given: tuple[str, ArrayLike]) -> tuple[list[Array]
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Fewer than three points, more for the basic form, or arrays of other shapes.
+    BadValueError, WrongSizeError
+        Fewer than three points or more for the basic form.
     """
     arrays = [as_finite(what, value, (3,)) for what, value in given]
     first = arrays[0]

@@ -73,7 +73,7 @@ def rigidity(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`angular_velocity_from_points`, or a tolerance that is negative.
 
     See Also
@@ -139,7 +139,7 @@ def require_rigid(
     ContradictionError
         They are no rigid body: the message names the two points whose distance changes fastest, and
         by how much the motion misses.
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`rigidity`.
 
     References
@@ -193,7 +193,7 @@ def angular_velocity_covariance(points: ArrayLike, deviation: ArrayLike) -> Arra
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`angular_velocity_from_points`, or a deviation that is negative.
 
     References

@@ -100,9 +100,8 @@ def motion_from_tracks(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Times that do not increase, too few samples or points, a window or degree out of range, or
-        not finite numbers.
+    BadValueError, WrongSizeError
+        Times that do not increase, too few samples or points, or a window or degree out of range.
     ContradictionError, UndeterminedError
         Points that are no rigid body; points on one line, or all the same.
 

@@ -36,8 +36,8 @@ def matrix_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        An axis of zero length, or not finite real numbers.
+    BadValueError
+        An axis of zero length.
 
     See Also
     --------
@@ -79,7 +79,7 @@ def axis_angle_from_quaternion(quaternion: ArrayLike) -> tuple[Array, Array]:
 
     Raises
     ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+    BadQuaternionError
         Not a unit quaternion.
     """
     four = converted("quaternion", quaternion, QUATERNION, AXIS_ANGLE)
@@ -100,11 +100,6 @@ def axis_angle_from_matrix(matrix: ArrayLike) -> tuple[Array, Array]:
         Unit vector; z at the identity; at the angle pi its first non-zero component is positive.
     angle : ndarray, shape (...)
         In [0, pi] (rad).
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a rotation matrix.
 
     See Also
     --------
@@ -136,11 +131,6 @@ def matrix_from_rotation_vector(vector: ArrayLike) -> Array:
     ndarray, shape (..., 3, 3)
         Proper orthogonal, the matrix exponential of the vector's cross-product matrix.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not three finite real numbers.
-
     See Also
     --------
     rotation_vector_from_matrix : the inverse.
@@ -162,11 +152,6 @@ def rotation_vector_from_matrix(matrix: ArrayLike) -> Array:
     ndarray, shape (..., 3)
         Of length at most pi (rad).
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a rotation matrix.
-
     See Also
     --------
     matrix_from_rotation_vector : the inverse.
@@ -187,11 +172,6 @@ def quaternion_from_rotation_vector(vector: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 4)
         Vector first, scalar last.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not three finite real numbers.
     """
     return converted("rotation vector", vector, ROTATION_VECTOR, QUATERNION)
 
@@ -211,7 +191,7 @@ def rotation_vector_from_quaternion(quaternion: ArrayLike) -> Array:
 
     Raises
     ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+    BadQuaternionError
         Not a unit quaternion.
     """
     return converted("quaternion", quaternion, QUATERNION, ROTATION_VECTOR)

@@ -39,7 +39,7 @@ def compose_rotations(second: ArrayLike, first: ArrayLike, representation: str) 
 
     Raises
     ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+    BadQuaternionError, BadValueError, WrongSizeError
         The numbers stand for no rotation, or the representation has none for the result.
 
     See Also
@@ -112,7 +112,7 @@ def slerp(start: ArrayLike, goal: ArrayLike, fraction: ArrayLike) -> Array:
 
     Raises
     ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+    BadQuaternionError
         Not unit quaternions, or not finite numbers.
 
     See Also

@@ -80,13 +80,7 @@ def kind_of(what: str, name: object) -> int:
 
 
 def sequence_kind(sequence: object) -> int:
-    """Look up what kernels call Euler angles of a sequence.
-
-    Raises
-    ------
-    BadValueError
-        No sequence.
-    """
+    """Look up what kernels call Euler angles of a sequence."""
     if isinstance(sequence, str) and sequence in SEQUENCES:
         return _NAMES[sequence]
     raise BadValueError(
@@ -126,7 +120,7 @@ def convert_rotation(value: ArrayLike, source: str, target: str) -> Array:
 
     Raises
     ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+    BadQuaternionError, BadValueError, WrongSizeError
         The numbers stand for no rotation, or the target has none for it.
 
     References
@@ -176,7 +170,7 @@ def raise_bad_rotation(
 
     Raises
     ------
-    BadQuaternionError, BadValueError, NonFiniteError
+    BadQuaternionError
     """
     row, fault = divmod(int(status), STATUSES)
     given = rows.reshape(shape + tail_of(kind))

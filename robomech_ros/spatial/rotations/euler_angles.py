@@ -54,11 +54,6 @@ def euler_angles_from_matrix(matrix: ArrayLike, sequence: str) -> Array:
         In the order of the letters (rad).  The first and third in [-pi, pi], the second in
         [0, pi] where these two axes are the same, else in [-pi/2, pi/2].
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a rotation matrix, or no sequence.
-
     See Also
     --------
     matrix_from_euler_angles : the inverse.
@@ -98,11 +93,6 @@ def matrix_from_euler_angles(angles: ArrayLike, sequence: str) -> Array:
     ndarray, shape (..., 3, 3)
         Proper orthogonal.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not three finite real numbers, or no sequence.
-
     See Also
     --------
     euler_angles_from_matrix : the inverse.
@@ -127,7 +117,7 @@ def euler_angles_from_quaternion(quaternion: ArrayLike, sequence: str) -> Array:
 
     Raises
     ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+    BadQuaternionError
         Not a unit quaternion, or no sequence.
     """
     return converted("quaternion", quaternion, QUATERNION, sequence_kind(sequence))
@@ -147,11 +137,6 @@ def quaternion_from_euler_angles(angles: ArrayLike, sequence: str) -> Array:
     -------
     ndarray, shape (..., 4)
         Vector first, scalar last.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not three finite real numbers, or no sequence.
     """
     return converted("Euler angles", angles, sequence_kind(sequence), QUATERNION)
 
@@ -168,11 +153,6 @@ def quaternion_from_roll_pitch_yaw(angles: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 4)
         Vector first, scalar last.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not three finite real numbers.
     """
     return converted("roll, pitch, yaw", angles, ROLL_PITCH_YAW, QUATERNION)
 
@@ -192,7 +172,7 @@ def roll_pitch_yaw_from_quaternion(quaternion: ArrayLike) -> Array:
 
     Raises
     ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+    BadQuaternionError
         Not a unit quaternion.
     """
     return converted("quaternion", quaternion, QUATERNION, ROLL_PITCH_YAW)
@@ -212,11 +192,6 @@ def axis_angle_from_roll_pitch_yaw(angles: ArrayLike) -> tuple[Array, Array]:
         Unit vector.
     angle : ndarray, shape (...)
         In [0, pi] (rad).
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not three finite real numbers.
     """
     four = converted("roll, pitch, yaw", angles, ROLL_PITCH_YAW, AXIS_ANGLE)
     return four[..., :3], four[..., 3]
@@ -239,7 +214,7 @@ def roll_pitch_yaw_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        An axis of zero length, or not finite real numbers.
+    BadValueError
+        An axis of zero length.
     """
     return converted_axis_angle(axis, angle, ROLL_PITCH_YAW)

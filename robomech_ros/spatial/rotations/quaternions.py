@@ -49,7 +49,7 @@ def matrix_from_quaternion(quaternion: ArrayLike) -> Array:
 
     Raises
     ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+    BadQuaternionError
         As for :func:`unit_quaternion`.
 
     See Also
@@ -89,11 +89,6 @@ def quaternion_from_matrix(matrix: ArrayLike) -> Array:
     ndarray, shape (..., 4)
         Vector first, scalar last.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a rotation matrix.
-
     See Also
     --------
     matrix_from_quaternion : the inverse.
@@ -130,8 +125,8 @@ def quaternion_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        An axis of zero length, or not finite real numbers.
+    BadValueError
+        An axis of zero length.
 
     See Also
     --------
@@ -161,7 +156,7 @@ def compose_quaternions(second: ArrayLike, first: ArrayLike) -> Array:
 
     Raises
     ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+    BadQuaternionError
         As for :func:`unit_quaternion`.
 
     See Also
@@ -190,7 +185,7 @@ def inverse_quaternion(quaternion: ArrayLike) -> Array:
 
     Raises
     ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+    BadQuaternionError
         As for :func:`unit_quaternion`.
     """
     opposite = unit_quaternion(quaternion) * (-1.0, -1.0, -1.0, 1.0)

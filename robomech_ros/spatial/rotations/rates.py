@@ -55,7 +55,7 @@ def rotation_rates(
 
     Raises
     ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+    BadQuaternionError, BadValueError
         No rotation, or one at which the numbers have no rates: the identity for axis and angle, a
         half turn for Rodrigues vectors, parallel axes for Euler angles.
 
@@ -121,7 +121,7 @@ def angular_motion(
 
     Raises
     ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+    BadQuaternionError, BadValueError, WrongSizeError
         No rotation, rates of another shape, or a half turn given by its linear invariants.
 
     See Also

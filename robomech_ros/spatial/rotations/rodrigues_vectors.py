@@ -32,8 +32,8 @@ def rodrigues_vector_from_matrix(matrix: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a rotation matrix, or a half turn.
+    BadValueError
+        A half turn.
 
     See Also
     --------
@@ -54,11 +54,6 @@ def matrix_from_rodrigues_vector(vector: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3, 3)
         Proper orthogonal.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not three finite real numbers.
 
     See Also
     --------
@@ -82,7 +77,7 @@ def rodrigues_vector_from_quaternion(quaternion: ArrayLike) -> Array:
 
     Raises
     ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+    BadQuaternionError, BadValueError
         Not a unit quaternion, or that of a half turn.
     """
     return converted("quaternion", quaternion, QUATERNION, RODRIGUES_VECTOR)
@@ -100,11 +95,6 @@ def quaternion_from_rodrigues_vector(vector: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 4)
         Vector first, scalar last.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not three finite real numbers.
     """
     return converted("Rodrigues vector", vector, RODRIGUES_VECTOR, QUATERNION)
 
@@ -135,7 +125,7 @@ def matrix_from_linear_invariants(vect: ArrayLike, trace: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         The linear invariants of no rotation, or of a half turn.
 
     References

@@ -32,11 +32,6 @@ def matrix_from_roll_pitch_yaw(angles: ArrayLike) -> Array:
     ndarray, shape (..., 3, 3)
         Proper orthogonal.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not three finite real numbers.
-
     See Also
     --------
     roll_pitch_yaw_from_matrix : the inverse.
@@ -82,11 +77,6 @@ def roll_pitch_yaw_from_matrix(matrix: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3)
         Roll and yaw in [-pi, pi], pitch in [-pi/2, pi/2] (rad).
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a rotation matrix.
 
     See Also
     --------

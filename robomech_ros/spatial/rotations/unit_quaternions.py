@@ -31,8 +31,6 @@ def unit_quaternion(quaternion: ArrayLike, tolerance: float = UNIT_NORM) -> Arra
     ------
     BadQuaternionError
         The norm is 0 or not 1 within the tolerance.
-    BadValueError, WrongSizeError, NonFiniteError
-        Not four finite real numbers.
     """
     q = as_finite("quaternion", quaternion, (4,))
     with np.errstate(over="ignore"):

@@ -34,11 +34,6 @@ def angular_acceleration_matrix(
     ndarray, shape (..., 3, 3)
         In 1/s^2.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite numbers, or too large.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.5.
@@ -76,11 +71,6 @@ def point_acceleration(
     -------
     ndarray, shape (..., 3)
         m/s^2.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite numbers, or too large.
 
     See Also
     --------
@@ -129,11 +119,6 @@ def acceleration_pole(
     -------
     ndarray, shape (..., 3)
         In m; NaN where there is none, or not only one.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite numbers, or too large.
 
     See Also
     --------
@@ -215,11 +200,6 @@ def moving_axes_motion(
     Returns
     -------
     MovingAxesMotion
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite numbers, or too large.
 
     References
     ----------

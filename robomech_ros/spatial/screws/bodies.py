@@ -34,8 +34,8 @@ def inertia_of_point_mass(mass: ArrayLike, position: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        A negative mass, or not finite numbers.
+    BadValueError
+        A negative mass.
 
     References
     ----------
@@ -73,8 +73,8 @@ def inertia_about_point(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        A negative mass, an inertia that is not symmetric, or not finite numbers.
+    BadValueError
+        A negative mass or an inertia that is not symmetric.
 
     References
     ----------
@@ -113,8 +113,8 @@ def inertia_dyad(mass: ArrayLike, inertia: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        A negative mass, an inertia that is not symmetric, or not finite numbers.
+    BadValueError
+        A negative mass or an inertia that is not symmetric.
 
     References
     ----------
@@ -138,11 +138,6 @@ def angular_velocity_dyad(angular_velocity: ArrayLike) -> Array:
     Returns
     -------
     ndarray, shape (..., 6, 6)
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not three finite numbers.
 
     References
     ----------
@@ -173,8 +168,8 @@ def momentum_screw(mass: ArrayLike, inertia: ArrayLike, twist: ArrayLike) -> Arr
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        As for :func:`inertia_dyad`, or not a finite twist.
+    BadValueError, WrongSizeError
+        As for :func:`inertia_dyad`.
 
     References
     ----------
@@ -198,7 +193,7 @@ def twist_kinetic_energy(mass: ArrayLike, inertia: ArrayLike, twist: ArrayLike) 
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`momentum_screw`.
 
     See Also
@@ -247,7 +242,7 @@ def newton_euler_wrench(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`momentum_screw`.
 
     References

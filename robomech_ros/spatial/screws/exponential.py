@@ -37,11 +37,6 @@ def pose_exponential(xi: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 4, 4)
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not six finite real numbers, or too large.
-
     See Also
     --------
     pose_logarithm : the inverse.
@@ -73,11 +68,6 @@ def pose_logarithm(pose: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 6)
         ``[w; v]`` as :func:`pose_exponential` takes it, w of length at most pi.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a pose.
 
     See Also
     --------

@@ -69,11 +69,6 @@ def finite_screw(pose: ArrayLike) -> FiniteScrew:
     -------
     FiniteScrew
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a pose.
-
     See Also
     --------
     pose_from_screw : the inverse.
@@ -122,8 +117,8 @@ def pose_from_screw(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        An axis of zero length, or not finite numbers.
+    BadValueError
+        An axis of zero length.
 
     See Also
     --------

@@ -59,11 +59,6 @@ def instant_screw(twist: ArrayLike, point: ArrayLike | None = None) -> InstantSc
     -------
     InstantScrew
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite numbers of these shapes.
-
     See Also
     --------
     finite_screw : of a pose.
@@ -98,11 +93,6 @@ def wrench_axis(wrench: ArrayLike, point: ArrayLike | None = None) -> InstantScr
     Returns
     -------
     InstantScrew
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite numbers of these shapes.
 
     See Also
     --------

@@ -68,8 +68,8 @@ def line_through(point: ArrayLike, direction: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        A direction of zero length, or not finite numbers.
+    BadValueError
+        A direction of zero length.
 
     References
     ----------
@@ -104,8 +104,8 @@ def line_through_points(first: ArrayLike, second: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Points that coincide, or not finite numbers.
+    BadValueError
+        Points that coincide.
 
     References
     ----------
@@ -134,11 +134,6 @@ def line_nearest_point(line: ArrayLike, point: ArrayLike | None = None) -> Array
     -------
     ndarray, shape (..., 3)
         In m.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        No line, or not finite numbers.
 
     References
     ----------
@@ -170,11 +165,6 @@ def transfer_line(line: ArrayLike, from_point: ArrayLike, to_point: ArrayLike) -
     ndarray, shape (..., 6)
         ``[e; n + (a - b) x e]``.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        No line, or not finite numbers.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.2.2.
@@ -202,11 +192,6 @@ def line_reciprocity(first: ArrayLike, second: ArrayLike) -> Array:
     -------
     ndarray, shape (...)
         In m.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        No lines.
 
     References
     ----------
@@ -238,11 +223,6 @@ def line_distance(first: ArrayLike, second: ArrayLike) -> Array:
     ndarray, shape (...)
         In m.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        No lines.
-
     See Also
     --------
     common_normal : its feet and direction.
@@ -261,11 +241,6 @@ def common_normal(first: ArrayLike, second: ArrayLike) -> CommonNormal:
     Returns
     -------
     CommonNormal
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        No lines.
 
     References
     ----------
@@ -327,11 +302,6 @@ def line_intersection(first: ArrayLike, second: ArrayLike, tolerance: float = _M
     -------
     ndarray, shape (..., 3)
         Middle between the feet (m); NaN where they do not meet, or not in one point.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        No lines.
     """
     found = common_normal(first, second)
     middle = 0.5 * (found.first + found.second)

@@ -36,7 +36,7 @@ def pose_from_position_quaternion(position: ArrayLike, quaternion: ArrayLike) ->
 
     Raises
     ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+    BadQuaternionError
         Not three finite numbers, or not a unit quaternion.
 
     See Also
@@ -70,11 +70,6 @@ def position_quaternion_from_pose(pose: ArrayLike) -> tuple[Array, Array]:
         Origin of the frame (m).
     quaternion : ndarray, shape (..., 4)
         Vector first, scalar last, scalar not negative.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a pose.
     """
     T = as_pose(pose)
     return T[..., :3, 3].copy(), quaternion_from_matrix(T[..., :3, :3])
@@ -97,8 +92,8 @@ def pose_array_from_pose(pose: ArrayLike, rotation: str = "quaternion") -> Array
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a pose, or a representation that is not of four numbers.
+    BadValueError
+        A representation that is not of four numbers.
 
     See Also
     --------
@@ -130,9 +125,9 @@ def pose_from_pose_array(array: ArrayLike, rotation: str = "quaternion") -> Arra
 
     Raises
     ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
-        Not seven finite numbers, or the four stand for no rotation; linear invariants do not for
-        a half turn.
+    BadQuaternionError, BadValueError
+        Not seven finite numbers, or the four stand for no rotation; linear invariants do not for a
+        half turn.
 
     References
     ----------
@@ -156,11 +151,6 @@ def pose_error(target: ArrayLike, actual: ArrayLike) -> Array:
     ndarray, shape (..., 6)
         Rotation vector (rad), then difference of the origins (m), both in that frame: angular
         first, as a twist.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not poses.
 
     Examples
     --------

@@ -37,11 +37,6 @@ def transfer_twist(twist: ArrayLike, from_point: ArrayLike, to_point: ArrayLike)
     -------
     ndarray, shape (..., 6)
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite numbers of these shapes.
-
     See Also
     --------
     transfer_wrench : its counterpart; the power of both stays the same.
@@ -76,11 +71,6 @@ def transfer_wrench(wrench: ArrayLike, from_point: ArrayLike, to_point: ArrayLik
     -------
     ndarray, shape (..., 6)
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite numbers of these shapes.
-
     See Also
     --------
     transfer_twist : its counterpart.
@@ -111,11 +101,6 @@ def twist_transfer_matrix(from_point: ArrayLike, to_point: ArrayLike) -> Array:
     ndarray, shape (..., 6, 6)
         Its inverse and transpose is that of wrenches between the same points.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite points.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.4.2.
@@ -134,11 +119,6 @@ def wrench_transfer_matrix(from_point: ArrayLike, to_point: ArrayLike) -> Array:
     Returns
     -------
     ndarray, shape (..., 6, 6)
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite points.
 
     References
     ----------
@@ -164,7 +144,7 @@ def pose_adjoint(pose: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not a pose, or too far away.
     """
     rows, shape = as_rows("pose", pose, (4, 4), 16)

@@ -32,11 +32,6 @@ def transform_vectors(rotation: ArrayLike, vectors: ArrayLike) -> Array:
     ndarray, shape (..., 3)
         In frame a.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a rotation, or not finite vectors.
-
     See Also
     --------
     transform_points : with shifted origins.
@@ -66,11 +61,6 @@ def transform_points(pose: ArrayLike, points: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3)
         In frame a (m).
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a pose, or not finite points.
 
     See Also
     --------
@@ -110,11 +100,6 @@ def homogeneous_coordinates(points: ArrayLike) -> Array:
     ndarray, shape (..., 4)
         What a pose (..., 4, 4) multiplies.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not finite points.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.5.3.
@@ -137,7 +122,7 @@ def points_from_homogeneous(coordinates: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not finite coordinates, or points at infinity.
 
     References
@@ -166,11 +151,6 @@ def similarity_transform(matrix: ArrayLike, rotation: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3, 3)
         In frame a.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a rotation, or not a matrix of finite numbers.
 
     See Also
     --------
@@ -202,7 +182,7 @@ def moments(matrix: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not square matrices of finite numbers, or too large for their powers.
 
     References
@@ -247,7 +227,7 @@ def same_in_two_frames(first: ArrayLike, second: ArrayLike, tolerance: float = _
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Not square matrices of finite numbers and of the same size, or a tolerance that is not
         positive.
 

@@ -55,8 +55,8 @@ def linear_map(matrix: ArrayLike, tolerance: float = _RANK) -> LinearMap:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a matrix of finite numbers, or a tolerance outside 0 to 1.
+    BadValueError
+        A tolerance outside 0 to 1.
 
     References
     ----------
@@ -108,7 +108,7 @@ def orthogonal_projection(matrix: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for :func:`linear_map`.
 
     References
@@ -134,8 +134,8 @@ def projection_on_line(direction: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        A direction of zero length, or not finite numbers.
+    BadValueError
+        A direction of zero length.
 
     References
     ----------
@@ -159,8 +159,8 @@ def projection_on_plane(normal: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        A normal of zero length, or not finite numbers.
+    BadValueError
+        A normal of zero length.
 
     References
     ----------
@@ -175,8 +175,8 @@ def unit_vectors(what: str, value: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        A vector of zero length, or not finite numbers.
+    BadValueError
+        A vector of zero length.
     """
     v = as_finite(what, value, (3,))
     largest = np.abs(v).max(axis=-1, keepdims=True)

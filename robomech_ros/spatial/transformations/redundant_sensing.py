@@ -77,8 +77,8 @@ def sensor_agreement(rotations: ArrayLike, tolerance: float = _SAME_ANGLE) -> Se
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not rotations of this shape, or a tolerance that is not positive.
+    BadValueError
+        A tolerance that is not positive.
 
     See Also
     --------
@@ -129,8 +129,6 @@ def frame_between_sensors(first: ArrayLike, second: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not rotations of these shapes.
     ContradictionError, UndeterminedError
         Other angles for both sensors, or rotations that no X matches, such as inverted ones; no
         rotations, all about parallel axes, about which X is then free to turn, or half turns about

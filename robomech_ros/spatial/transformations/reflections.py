@@ -33,8 +33,8 @@ def reflection(normal: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        A normal of zero length, or not finite numbers.
+    BadValueError
+        A normal of zero length.
 
     See Also
     --------
@@ -70,7 +70,7 @@ def reflection_normal(matrix: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not a reflection; the message gives the amount.
     """
     H = as_finite("reflection", matrix, (3, 3))
@@ -112,8 +112,8 @@ def compose_reflections(second: ArrayLike, first: ArrayLike) -> Array:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        A normal of zero length, or not finite numbers.
+    BadValueError
+        A normal of zero length.
 
     See Also
     --------
@@ -153,11 +153,6 @@ def reflections_from_matrix(matrix: ArrayLike) -> tuple[Array, Array]:
     -------
     second, first : ndarray, shape (..., 3)
         Unit normals, as :func:`compose_reflections` takes them.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a rotation matrix.
 
     References
     ----------

@@ -24,7 +24,7 @@ def checked_pieces(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Shapes that do not fit, a higher order, numbers that are not finite, breaks that do not
         increase, or positions too large.
     """

@@ -25,11 +25,6 @@ def sample_many(curve: PiecewisePolynomial, t: npt.ArrayLike) -> Sample:
     -------
     Sample
         Arrays of shape (n,) or (m, n).
-
-    Raises
-    ------
-    NonFiniteError
-        If an instant is NaN or infinite.
     """
     times = checked_times(t)
     if not times.ndim:

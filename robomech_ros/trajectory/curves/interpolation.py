@@ -47,8 +47,6 @@ def interpolant(
 
     Raises
     ------
-    WrongSizeError
-        If the shapes do not go together.
     NonFiniteError
         If a number is NaN or infinite (other than in a row that is NaN altogether).
     BadValueError

@@ -77,11 +77,6 @@ def knots_at(at: npt.ArrayLike, count: int) -> Array:
     -------
     ndarray, shape (count,)
         From 0 to 1.
-
-    Raises
-    ------
-    WrongSizeError, BadValueError
-        If they are invalid.
     """
     parts = real_array("at", at)
     if parts.shape != (count - 2,):

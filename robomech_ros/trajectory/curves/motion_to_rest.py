@@ -52,11 +52,6 @@ class MotionToRest:
         -------
         Sample
             Arrays of shape (n,) or (m, n).
-
-        Raises
-        ------
-        NonFiniteError
-            If an instant is NaN or infinite.
         """
         return settled(sample_many(self.pieces, t), t, self.pieces, self.goal)
 

@@ -91,11 +91,6 @@ class PiecewisePolynomial:
         -------
         Sample
             Arrays of shape (n,) or (m, n).
-
-        Raises
-        ------
-        NonFiniteError
-            If an instant is NaN or infinite.
         """
         times = checked_times(t)
         if not times.ndim:

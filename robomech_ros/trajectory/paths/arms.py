@@ -61,7 +61,7 @@ class SerialArm:
 
     Raises
     ------
-    BadValueError, WrongSizeError
+    BadValueError
         One of the three is not callable, or the mask is none.
     """
 
@@ -104,11 +104,6 @@ class SerialArm:
         Returns
         -------
         ndarray, shape (6, n)
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            Not n finite numbers each.
         """
         values = as_finite("joint values", q, ())
         if values.ndim != 1:
@@ -141,7 +136,7 @@ class JoinedArms:
 
     Raises
     ------
-    BadValueError, WrongSizeError
+    BadValueError
         No arms, something that is no arm, or not one number of joints for each.
     """
 

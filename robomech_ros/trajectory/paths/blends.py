@@ -91,9 +91,9 @@ def blended_polyline(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not points, neighbours that coincide, a corner at which the way goes straight back, or
-        not exactly one of radius and deviation, above 0.
+    BadValueError
+        Not points, neighbours that coincide, a corner at which the way goes straight back, or not
+        exactly one of radius and deviation, above 0.
     """
     if not isinstance(blend, str) or blend not in get_args(Blend):
         raise BadValueError("blend", blend, "one of " + ", ".join(get_args(Blend)))

@@ -34,7 +34,7 @@ def line(start: npt.ArrayLike, end: npt.ArrayLike) -> FunctionCurve:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Not two points apart from each other.
     """
     first, last = as_points(
@@ -65,7 +65,7 @@ def arc_through(start: npt.ArrayLike, through: npt.ArrayLike, end: npt.ArrayLike
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Not three points, two of them coincide, or all lie on a line.
     """
     given = [as_vector("start", start), as_vector("through", through), as_vector("end", end)]
@@ -104,7 +104,7 @@ def arc_about(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not points, a vector and an angle other than zero, or a start on the axis.
     """
     origin, first = as_vector("center", center), as_vector("start", start)
@@ -156,8 +156,8 @@ def helix(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        A radius or angle that is not above 0, or an invalid pose.
+    BadValueError
+        A radius or angle that is not above 0.
 
     See Also
     --------
@@ -212,8 +212,8 @@ def viviani(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        A radius that is not above 0, angles that do not increase, or an invalid pose.
+    BadValueError
+        A radius that is not above 0 or angles that do not increase.
 
     See Also
     --------
@@ -276,9 +276,9 @@ def cylinder_intersection(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Radii that are not above 0, a smaller pipe that does not end on the larger one all
-        round (r + abs(d) must be below R), or an invalid pose.
+    BadValueError
+        Radii that are not above 0 or a smaller pipe that does not end on the larger one all round
+        (r + abs(d) must be below R).
 
     See Also
     --------

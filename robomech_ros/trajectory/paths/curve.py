@@ -59,9 +59,9 @@ class FunctionCurve:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Invalid breaks or pose, or a function that is not callable.  What the function
-        returns is checked whenever it is called.
+    BadValueError, WrongSizeError
+        Invalid breaks or pose, or a function that is not callable. What the function returns is
+        checked whenever it is called.
     """
 
     function: Callable[[Array], Sequence[npt.ArrayLike] | Array]

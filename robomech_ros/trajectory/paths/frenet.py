@@ -106,7 +106,7 @@ def frenet_serret(curve: Curve, u: npt.ArrayLike) -> FrenetSerret:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         No curve, or parameters that are not on it.
 
     See Also

@@ -64,7 +64,7 @@ class JointPath:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError
             Not coordinates from 0 to `length`.
         """
         return np.stack(self.pieces.sample(as_parameters("s", s, 0.0, self.length)))
@@ -141,11 +141,6 @@ class JointMotion:
         -------
         Sample
             Arrays of shape (n,) or (m, n).
-
-        Raises
-        ------
-        NonFiniteError
-            If an instant is NaN or infinite.
         """
         times = checked_times(t)
         s, v, a, j = (np.atleast_2d(row) for row in self.law.sample(np.atleast_1d(times)))

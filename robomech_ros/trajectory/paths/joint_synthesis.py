@@ -55,7 +55,7 @@ def joint_spline(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not a path, an arm, a joint path that follows it or a number, or periodic ends of a path
         that does not close in the joints.
 
@@ -104,7 +104,7 @@ def tracking_error(path: PosePath, arm: Arm, joints: JointPath, s: npt.ArrayLike
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not paths, an arm, or coordinates that are on both.
     """
     check_follows(path, joints)

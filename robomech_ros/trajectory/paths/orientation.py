@@ -152,11 +152,6 @@ def constant_orientation(rotation: npt.ArrayLike) -> ConstantOrientation:
     Returns
     -------
     ConstantOrientation
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not one rotation matrix.
     """
     return ConstantOrientation(_one_rotation("rotation", rotation))
 
@@ -181,9 +176,9 @@ def geodesic_orientation(rotations: npt.ArrayLike, knots: npt.ArrayLike) -> Piec
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not rotations or not knots, or neighbours opposite to each other: 180 degrees apart no
-        axis is shorter than another.
+    BadValueError
+        Not rotations or not knots, or neighbours opposite to each other: 180 degrees apart no axis
+        is shorter than another.
 
     See Also
     --------
@@ -213,9 +208,9 @@ def frenet_orientation(curve: Curve, offset: npt.ArrayLike | None = None) -> Fre
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         No curve or no rotation, or the frame jumps: at an inflection, at a corner, or where a
-        straight part ends in a bend to another side.  The message names the place and the angle.
+        straight part ends in a bend to another side. The message names the place and the angle.
     """
     curve = as_curve("curve", curve)
     turn = np.eye(3) if offset is None else _one_rotation("offset", offset)

@@ -69,9 +69,9 @@ def orientation_spline(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not rotations, knots or rates, neighbours opposite to each other, a motion that should
-        close and does not, or orientations so far apart that no smooth motion was found.
+    BadValueError, WrongSizeError
+        Not rotations, knots or rates, neighbours opposite to each other, a motion that should close
+        and does not, or orientations so far apart that no smooth motion was found.
 
     See Also
     --------

@@ -104,7 +104,7 @@ def track_path(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Not a path, an arm, joint values or positive numbers, or what the arm returns is no finite
         array of its shape.
 

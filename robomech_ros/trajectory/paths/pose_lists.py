@@ -51,7 +51,7 @@ def straight_path(poses: npt.ArrayLike, *, radius: float = TURN_RADIUS) -> PoseP
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Not poses, fewer than two, equal neighbours, or neighbours of opposite orientations.
 
     See Also
@@ -94,7 +94,7 @@ def spline_path(poses: npt.ArrayLike, *, radius: float = TURN_RADIUS) -> PosePat
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         As for `straight_path`.
 
     See Also
@@ -154,7 +154,7 @@ def arc_path(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         Not poses or pairs, positions that coincide or lie on a line, or neighbours of opposite
         orientations.
     """

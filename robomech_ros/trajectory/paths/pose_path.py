@@ -112,7 +112,7 @@ class PosePath:
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError
             Not coordinates from 0 to `length`.
         """
         inside = as_parameters("s", s, 0.0, self.length)
@@ -152,7 +152,7 @@ def pose_path(curve: Curve, orientation: Orientation, *, radius: float = 0.0) ->
 
     Raises
     ------
-    BadValueError, NonFiniteError
+    BadValueError
         Not a curve, an orientation that does not cover it, a negative radius, or a place where
         nothing moves.
     """

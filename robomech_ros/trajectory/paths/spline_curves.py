@@ -63,7 +63,7 @@ def spline_curve(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         Points, knots or rates that are invalid or too few, neighbours that coincide, a curve that
         should close and does not, or an unknown degree or kind of ends.
 

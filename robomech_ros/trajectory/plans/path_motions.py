@@ -125,7 +125,7 @@ def along_path(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError
         If the path, the arm, the start or an option is invalid.
     MissingLimitsError
         If a joint lacks a velocity or acceleration limit.

@@ -71,11 +71,6 @@ class Spline:
         -------
         Sample
             Arrays of shape (n,) or (m, n).
-
-        Raises
-        ------
-        NonFiniteError
-            If an instant is NaN or infinite.
         """
         sample = sample_many(self.pieces, t)
         return settled(sample, t, self.pieces, self.points[-1]) if self.ends == "rest" else sample
@@ -143,7 +138,7 @@ def spline_through(
 
     Raises
     ------
-    WrongSizeError, NonFiniteError, BadValueError
+    WrongSizeError, BadValueError
         If points, times or options are invalid.
     MissingLimitsError
         If a joint lacks a limit that is needed.

@@ -101,7 +101,7 @@ def verify(
 
     Raises
     ------
-    BadValueError, NonFiniteError, WrongSizeError
+    BadValueError, WrongSizeError
         If waypoints or pieces make no curve: times that do not increase, NaN, wrong shapes; or
         another option is not what it should be.
 
@@ -161,7 +161,7 @@ def first_violation(
 
     Raises
     ------
-    BadValueError, NonFiniteError, WrongSizeError
+    BadValueError, WrongSizeError
         As `verify` does.
     """
     known, rates = Limits.of(limits), _checked_rates(rates)

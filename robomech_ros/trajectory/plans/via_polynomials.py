@@ -93,7 +93,7 @@ def via_polynomial(
 
     Raises
     ------
-    WrongSizeError, NonFiniteError, BadValueError
+    WrongSizeError, BadValueError
         If points or options are invalid.
     MissingLimitsError
         If a joint lacks a velocity or acceleration limit.

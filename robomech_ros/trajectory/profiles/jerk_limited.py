@@ -157,11 +157,6 @@ class JerkLimited:
         -------
         Sample
             Arrays of shape (n,) or (m, n).
-
-        Raises
-        ------
-        NonFiniteError
-            If an instant is NaN or infinite.
         """
         return settled(sample_many(self.pieces, t), t, self.pieces, self.goal)
 

@@ -59,11 +59,6 @@ class StateToState:
         -------
         Sample
             Arrays of shape (n,) or (m, n).
-
-        Raises
-        ------
-        NonFiniteError
-            If an instant is NaN or infinite.
         """
         sample = sample_many(self.pieces, t)
         instants = np.asarray(t, dtype=np.float64).ravel()
@@ -110,13 +105,13 @@ def state_to_state(
 
     Raises
     ------
-    WrongSizeError, NonFiniteError, BadValueError
+    BadValueError
         If positions or rates do not have one finite number for each joint, or Ruckig fails.
     MissingLimitsError
         If a joint lacks a limit.
     SeedOutsideLimitsError, LimitExceededError
-        If a state is outside the limits, or the motion between them leaves them: a joint that is
-        as fast as it may be and still accelerates must become faster.
+        If a state is outside the limits, or the motion between them leaves them: a joint that is as
+        fast as it may be and still accelerates must become faster.
     DurationTooShortError
         If the wanted duration is not possible; moving joints may not be able to wait, either.
 

@@ -85,11 +85,6 @@ class RestToRest(StraightMotion):
         -------
         Sample
             Arrays of shape (n,) or (m, n).
-
-        Raises
-        ------
-        NonFiniteError
-            If an instant is NaN or infinite.
         """
         times = checked_times(t)
         inside = np.minimum(np.maximum(times, 0.0), self.duration)

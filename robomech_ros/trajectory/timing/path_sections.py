@@ -20,7 +20,7 @@ def checked_path(path: PiecewisePolynomial) -> PiecewisePolynomial:
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError
         If it is no piecewise polynomial up to the fifth order, or not continuous.
     """
     if not isinstance(path, PiecewisePolynomial):

@@ -83,11 +83,6 @@ class TimeOptimal:
         -------
         Sample
             Arrays of shape (n,) or (m, n).
-
-        Raises
-        ------
-        NonFiniteError
-            If an instant is NaN or infinite.
         """
         return sample_many(self.pieces, t)
 
@@ -131,9 +126,9 @@ def time_optimal(
 
     Raises
     ------
-    WrongSizeError, NonFiniteError, BadValueError
-        If the path is none, or not continuous; if a path speed cannot be reached within the
-        limits; if the torque limits, or the speed limits, allow no motion.
+    BadValueError
+        If the path is none, or not continuous; if a path speed cannot be reached within the limits;
+        if the torque limits, or the speed limits, allow no motion.
     MissingLimitsError
         If a joint lacks a limit that is needed.
     SeedOutsideLimitsError, LimitExceededError

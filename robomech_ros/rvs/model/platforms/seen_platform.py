@@ -150,7 +150,7 @@ class SeenPlatform(Moved):
 
         Raises
         ------
-        BadValueError, WrongSizeError, NonFiniteError
+        BadValueError
             It is no pose; or the nearest one is outside the limits.
         """
         target = self._possible(as_pose(T))
