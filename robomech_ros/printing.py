@@ -1,4 +1,4 @@
-"""What people see who print a model or a result: a few lines; in lists and errors one line."""
+"""Printed form of models and results: a few lines; in lists and errors one line."""
 
 import dataclasses
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""What killed processes leave of Fast DDS in shared memory: ports, and segments of messages.
+"""Fast DDS shared memory files of killed processes: ports, and segments of messages.
 
 A port is a queue by which a participant hears.  Who listens holds a lock, which the operating
 system frees however the process ends; the files stay where it was killed.  Who gets such a port

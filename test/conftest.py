@@ -1,4 +1,4 @@
-"""What tests of several parts share: golden files, random chains, and a network of their own."""
+"""Shared fixtures: golden files, random chains, and a separate network."""
 
 import json
 import os

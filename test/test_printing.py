@@ -1,4 +1,4 @@
-"""What people see who print chains, results and models."""
+"""Printed form of chains, results and models."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What README.md says of services and calls, against the interface definitions; no ROS needed."""
+"""Services and calls in README.md, compared with the interface definitions; no ROS needed."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What killed processes left of Fast DDS is found and removed; what a process uses stays."""
+"""Fast DDS files of killed processes are found and removed; those in use stay."""
 
 import fcntl
 import mmap

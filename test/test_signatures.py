@@ -1,4 +1,4 @@
-"""What ``help`` shows of every public function can be read."""
+"""Signatures that ``help`` shows of public functions are readable."""
 
 import importlib
 import inspect

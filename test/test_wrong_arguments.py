@@ -1,4 +1,4 @@
-"""What is no argument at all raises our errors, and names to choose from can be imported."""
+"""Arguments of wrong types raise our errors, and names to choose from can be imported."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What tests give to every argument of a function, to see it answered or refused."""
+"""Argument values with which tests call every function, to see it answered or rejected."""
 
 import inspect
 import warnings

@@ -1,4 +1,4 @@
-"""Where a sensor is, on the hand or beside the robot, and which of several is wrong (section 2.7).
+"""Calibration of a sensor on the hand or beside the robot, and its hypotheses (section 2.7).
 
 Poses are 4 x 4 matrices.  Each part is loaded on first use: the refinement is compiled.
 """

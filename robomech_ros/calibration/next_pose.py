@@ -1,4 +1,4 @@
-"""Where to take the next sample of a hand-eye calibration."""
+"""Choice of the next sample of a hand-eye calibration."""
 
 from __future__ import annotations
 

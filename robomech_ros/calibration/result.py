@@ -1,4 +1,4 @@
-"""What a hand-eye calibration finds."""
+"""Result of a hand-eye calibration."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class HandEyeNoise:
 
 @dataclass(frozen=True, eq=False)
 class HandEyeResult(Printed):
-    """Where a sensor and its target are.
+    """Poses of a sensor and its target.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What is given for a hand-eye calibration: poses in pairs, each pair once."""
+"""Samples of a hand-eye calibration: pairs of poses, each pair once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a robot is to the planner of paths, and serial chains as such robots."""
+"""Robot models for the path planner, and serial chains as such models."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Follower(Protocol):
 
     @property
     def limits(self) -> Limits:
-        """Of all its joints, rad or m."""
+        """Limits of all joints (rad or m)."""
 
     @property
     def timed(self) -> Sequence[int]:
@@ -35,7 +35,7 @@ class Follower(Protocol):
 
     @property
     def arm(self) -> Tracked:
-        """What `track_path` follows paths with."""
+        """Kinematic model with which `track_path` follows paths."""
 
     def tip_poses(self, q: Array, start: Array) -> Array:
         """Poses ``T_base_tip`` (m, 4, 4) of timed joints (m, t) on a way from a posture (n,)."""
@@ -64,12 +64,12 @@ class ChainFollower:
 
     @cached_property
     def limits(self) -> Limits:
-        """Of all its joints, rad or m."""
+        """Limits of all joints (rad or m)."""
         return Limits.of(self.chain)
 
     @cached_property
     def arm(self) -> SerialArm:
-        """What `track_path` follows paths with."""
+        """Kinematic model with which `track_path` follows paths."""
         return serial_arm(self.chain, self._mask)
 
     def tip_poses(self, q: Array, start: Array) -> Array:

@@ -38,7 +38,7 @@ _REACHED = 1e-6
 
 @dataclass(frozen=True)
 class StopReason:
-    """Where and why a path ends before its end.
+    """Position and reason of an early end of a path.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What ends a joint path before its arm does: singularities, jumps, conditions of the caller."""
+"""Checks that end a joint path early: singularities, jumps, conditions of the caller."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _FEWEST = 10
 
 @dataclass(frozen=True)
 class PathBounds:
-    """What ends a path.
+    """Bounds that end a path early.
 
     Attributes
     ----------

@@ -63,7 +63,7 @@ class CartesianPlan(Printed):
 
     @property
     def stop(self) -> StopReason | None:
-        """Where and why the motion ends before the path does; None where it does not."""
+        """Position and reason of an early end of the motion; None if the path is complete."""
         return self.followed.stop
 
 

@@ -76,7 +76,7 @@ class ChainDynamics:
 
     @property
     def drives_at(self) -> IntArray:
-        """Where the drives are among the joints: everywhere."""
+        """Indices of the drives among the joints: all joints."""
         return np.arange(self.chain.n)
 
     @property
@@ -106,7 +106,7 @@ class ChainDynamics:
 
     @property
     def mass(self) -> float:
-        """Of all that moves (kg)."""
+        """Total moving mass (kg)."""
         return float(self.chain.packed_bodies[:, 0].sum())
 
     def checked_posture(self, q: ArrayLike, what: str = "q") -> Array:

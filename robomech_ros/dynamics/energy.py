@@ -189,7 +189,7 @@ def _totals(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class PowerBalance:
-    """Where the power goes, each an array of shape () or (...,) in W.
+    """Balance of powers, each an array of shape () or (...,) in W.
 
     ``drives + tip = kinetic + potential + friction``.
 

@@ -1,4 +1,4 @@
-"""What a motion demands of the drives: peaks, energy, and which joint saturates where."""
+"""Demands of a motion on the drives: peaks, energy, and saturated joints."""
 
 from __future__ import annotations
 

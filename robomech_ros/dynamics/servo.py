@@ -1,4 +1,4 @@
-"""What a controller of drives asks of a system, and a chain that moves as it says."""
+"""Systems that a drive controller can command, and a chain that follows commands exactly."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class ServoLaw:
 
 @dataclass(frozen=True, eq=False)
 class DrivenState:
-    """Where n joints and their m drives are; a run overwrites the arrays.
+    """State of n joints and their m drives; a run overwrites the arrays.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Timing:
 
 @dataclass(frozen=True, eq=False)
 class ServoRun:
-    """What became of it, in the periods that were done.
+    """Result of a servo run, for the completed periods.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What can be simulated and asked for its efforts: a chain, or anything that says as much."""
+"""Systems that can be simulated and return efforts: chains, and objects with this interface."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class DynamicSystem(Protocol):
 
     @property
     def drives_at(self) -> IntArray:
-        """Where these are among the joints, shape (m,)."""
+        """Indices of the drives among the joints, shape (m,)."""
         ...
 
     @property
@@ -77,7 +77,7 @@ class DynamicSystem(Protocol):
 
     @property
     def mass(self) -> float:
-        """Of all that moves (kg)."""
+        """Total moving mass (kg)."""
         ...
 
     def checked_posture(self, q: ArrayLike, what: str) -> Array:

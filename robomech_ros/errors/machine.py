@@ -22,7 +22,7 @@ class MapFileError(RobomechError):
 
 
 class NotEnoughMemoryError(RobomechError):
-    """What was asked for does not fit into the memory of this machine.
+    """The request needs more memory than this machine has.
 
     Parameters
     ----------

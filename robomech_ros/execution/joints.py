@@ -1,4 +1,4 @@
-"""What the execution knows of the joints: their limits, and where they are."""
+"""Joint data of the execution: limits and positions."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ USUAL_SPEED = 1.0
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Where n joints are and how they move.
+    """Positions and rates of n joints.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ def at_rest(position: Array) -> State:
 
 @dataclass(frozen=True, eq=False)
 class JointKinds:
-    """What kinds n joints are of, as far as a client knows.
+    """Kinds of n joints, as far as a client knows them.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class JointKinds:
 
 @dataclass(frozen=True, eq=False)
 class Joints:
-    """What the execution must know of the joints.
+    """Joint properties that the execution needs.
 
     Attributes
     ----------

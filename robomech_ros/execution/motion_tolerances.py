@@ -14,7 +14,7 @@ NONE = -1.0
 
 @dataclass(frozen=True, eq=False)
 class Tolerances:
-    """What a motion is held to; infinite where nothing is asked.
+    """Tolerances of a motion; infinite for no limit.
 
     Attributes
     ----------

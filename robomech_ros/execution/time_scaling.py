@@ -22,7 +22,7 @@ _MAX_STEPS = 8000
 
 @dataclass(frozen=True, eq=False)
 class TimeScaling:
-    """Where on a curve its execution is at which time: a change of pace, then a constant pace.
+    """Curve time over execution time: a change of speed scale, then a constant scale.
 
     Attributes
     ----------

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 
 class Verdict(NamedTuple):
-    """What is to be said of a motion that is over.
+    """Result of a finished motion, to be reported.
 
     Attributes
     ----------

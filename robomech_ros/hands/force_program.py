@@ -29,7 +29,7 @@ _MOST_KEPT = 128
 
 @dataclass(frozen=True, eq=False)
 class ForceProgram:
-    """What programs of grasps with the same components share: min q x, A x + s = b, s in cones.
+    """Shared parts of conic programs of grasps: min q x, A x + s = b, s in cones.
 
     Parameters
     ----------

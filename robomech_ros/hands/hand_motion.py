@@ -23,7 +23,7 @@ _FASTEST = 1e9
 
 @dataclass(frozen=True, eq=False)
 class GraspMobility:
-    """What moves, and what forces can be set, in a grasp.
+    """Mobility and internal forces of a grasp.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from robomech_ros.typing import Array
 
 @dataclass(frozen=True, eq=False)
 class Jump:
-    """Where a joint path cannot go on continuously.
+    """Discontinuity of a joint path.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ _ZERO = 1e-12
 
 
 class ManipulabilityEllipsoid(NamedTuple):
-    """What a point does at joint rates of norm 1, and what it holds at joint torques of norm 1.
+    """Velocities at joint rates of norm 1, and forces at joint torques of norm 1, of a point.
 
     Attributes
     ----------

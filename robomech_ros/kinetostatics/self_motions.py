@@ -60,12 +60,12 @@ class SelfMotionCurve:
 
     @property
     def low(self) -> float:
-        """Where it begins (rad or m), at most 0."""
+        """Low end (rad or m), at most 0."""
         return float(self.length[0])
 
     @property
     def high(self) -> float:
-        """Where it ends (rad or m), at least 0."""
+        """High end (rad or m), at least 0."""
         return float(self.length[-1])
 
     def at(self, length: float) -> Array:

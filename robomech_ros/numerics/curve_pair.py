@@ -21,7 +21,7 @@ _CROSSED = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class CurveCrossing:
-    """Where two curves cross.
+    """Crossing of two curves.
 
     Parameters
     ----------

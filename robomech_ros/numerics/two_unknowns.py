@@ -30,7 +30,7 @@ ANGLES = ((-np.pi, np.pi), (-np.pi, np.pi))
 
 @dataclass(frozen=True, eq=False)
 class Bivariate:
-    """What `bivariate` finds.
+    """Result of `bivariate`.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Where parallel robots are found by name; nothing is compiled for that."""
+"""Files of parallel robots by name, found without compiling anything."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ _WITHIN = 1e-12
 
 @dataclass(frozen=True)
 class Limb:
-    """What one limb can do for a pose.
+    """Solutions of one limb for a pose.
 
     Parameters
     ----------

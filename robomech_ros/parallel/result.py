@@ -1,4 +1,4 @@
-"""What the direct and the inverse kinematics of a parallel robot return."""
+"""Results of the direct and the inverse kinematics of a parallel robot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What poses are found, in the order of their distance from a seed."""
+"""Poses in the order of their distance from a seed."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ _NUDGE, _STILL_CLOSED = 0.02, 1e-10
 
 @dataclass(eq=False)
 class SingularEnds:
-    """What has become of paths without a regular end.
+    """Outcome of homotopy paths without a regular end.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What all pictures need: matplotlib, where it is installed, and a figure to draw in."""
+"""Basis of all plots: matplotlib, if it is installed, and a new figure."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -1,4 +1,4 @@
-"""What a joint's drive adds to the rigid bodies: friction, and the inertia of its rotor."""
+"""Effects of a joint's drive beyond the rigid bodies: friction, and inertia of its rotor."""
 
 import math
 from dataclasses import dataclass, fields
@@ -62,7 +62,7 @@ class Drive:
 
     @property
     def reflected_inertia(self) -> float:
-        """What the rotor adds to the joint's own inertia (kg m^2, or kg along a slide)."""
+        """Inertia that the rotor adds to the joint (kg m^2, or kg for a prismatic joint)."""
         return self.rotor_inertia * self.gear_ratio**2
 
 

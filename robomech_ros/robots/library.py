@@ -1,4 +1,4 @@
-"""Where robots are found, by name, by path or in a string.
+"""Search for robots by name, by path or in a string.
 
 The folders are, first to last: those of the environment variable ``ROBOMECH_ROBOTS_PATH``
 (separated by ``:``), ``config/robots`` of the source tree this package runs from, and

@@ -1,4 +1,4 @@
-"""What an SRDF says of a robot: groups of joints, end effectors, named postures.
+"""Content of an SRDF: groups of joints, end effectors, named postures.
 
 One place for named postures: a robot without an SRDF has ``home`` of its own description.
 """

@@ -1,4 +1,4 @@
-"""What wheels demand of the twist of their base, and what they leave free.
+"""Constraints of wheels on the twist of their base, and its remaining mobility.
 
 The planar twist is ``[omega, v_x, v_y]`` of the base at its origin, in its own axes.  The point p
 of the base has the velocity ``v + omega E p`` with E the quarter turn.

@@ -45,7 +45,7 @@ _MOST_WHEELS = 100
 
 @dataclass(frozen=True, eq=False)
 class RollingRobot:
-    """What a document says of a rolling robot.
+    """Rolling robot, as its document describes it.
 
     Attributes
     ----------

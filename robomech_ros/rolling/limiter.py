@@ -26,7 +26,7 @@ _MOST_STEERED = 50
 
 @dataclass(frozen=True, eq=False)
 class BaseMotion:
-    """Where a limited motion is.
+    """State of a limited motion.
 
     Attributes
     ----------

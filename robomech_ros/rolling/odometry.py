@@ -50,7 +50,7 @@ class OdometryNoise:
 
 @dataclass(frozen=True, eq=False)
 class Odometry:
-    """Where a base is by what its wheels have rolled.
+    """Pose of a base by the rolling of its wheels.
 
     Attributes
     ----------

@@ -25,7 +25,7 @@ _LONGEST = 3600.0
 
 @dataclass(frozen=True, eq=False)
 class RollingRun:
-    """What a rolling robot did.
+    """Simulated motion of a rolling robot.
 
     Attributes
     ----------

@@ -19,7 +19,7 @@ _LONGEST_TURN, _MOST_CUT = 0.3, 100
 
 
 class SimulatedBase:
-    """Where a base and its wheels are.
+    """Simulated state of a base and its wheels.
 
     Parameters
     ----------

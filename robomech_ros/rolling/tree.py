@@ -105,7 +105,7 @@ def rolling_description(
 
 
 class _Axle(NamedTuple):
-    """What a wheel turns about: the joint, empty for none; where in the base, how far ahead (m)."""
+    """Axle of a wheel: its joint, empty for none; position in the base, offset ahead (m)."""
 
     joint: str
     place: tuple[float, float]

@@ -1,4 +1,4 @@
-"""What is seen of a robot that is no arm, by the kind that its document says."""
+"""Views of robots other than arms, by the kind in their document."""
 
 from __future__ import annotations
 

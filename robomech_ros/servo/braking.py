@@ -46,7 +46,7 @@ class StopPlan:
 
     @property
     def shape(self) -> tuple[Array, Array]:
-        """What is left of the velocity after each period, and the way per velocity until then (s).
+        """Remaining velocity fraction and travel per velocity (s) after each period.
 
         Both of shape (periods, 1).
         """

@@ -32,7 +32,7 @@ def end_of_cubic(width: float, q: Array, v: Array) -> Array:
 
 
 class Verdict(NamedTuple):
-    """What was found of cubics.
+    """Result of checking cubics.
 
     Attributes
     ----------

@@ -17,7 +17,7 @@ RATE_ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class ServoLimits:
-    """What n joints can do.
+    """Limits of n joints.
 
     Attributes
     ----------

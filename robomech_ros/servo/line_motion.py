@@ -92,7 +92,7 @@ class _Plan(NamedTuple):
 
 
 class LineMotion:
-    """Where the joints are told to be on a way, one knot after the other.
+    """Commanded joint motion along a path, one knot after the other.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ class LineMotion:
 
     @property
     def place(self) -> float:
-        """Where on the way it is before the mean."""
+        """Path coordinate before averaging."""
         return float(self._places[-1])
 
     def ahead(self) -> tuple[Array, Array]:

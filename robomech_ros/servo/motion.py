@@ -139,7 +139,7 @@ class Motion:
 
     @property
     def position(self) -> Array:
-        """Where the latest knot is, before any mean (rad or m)."""
+        """Position of the latest knot before averaging (rad or m)."""
         return np.array(self._position)
 
     @property

@@ -1,4 +1,4 @@
-"""What a servo says of a period: how much of the command was carried out, and what limits it."""
+"""Servo report on a period: executed fraction of the command, and its limiting causes."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -17,7 +17,7 @@ _NOTICED = 0.05
 
 
 class ServoCondition(Enum):
-    """What limits the motion."""
+    """Cause that limits the motion."""
 
     NO_WARNING = "no warning"
     APPROACHING_SINGULARITY = "approaching a singularity"
@@ -39,7 +39,7 @@ _NEAR_SINGULARITY = {
 
 @dataclass(frozen=True, eq=False)
 class ServoReport:
-    """What was made of the command in one period.
+    """Execution of the command in one period.
 
     Attributes
     ----------

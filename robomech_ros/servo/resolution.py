@@ -83,7 +83,7 @@ class Resolution(NamedTuple):
 
 
 class Heading(NamedTuple):
-    """Where a twist leads from a posture.
+    """Joint rates of a twist at a posture.
 
     Attributes
     ----------

@@ -24,7 +24,7 @@ _BEND = 1e-3
 
 
 class Stream:
-    """Where the joints are told to be, in which way so ever.
+    """Commanded joint motion, along a path or free.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class Stream:
 
     @property
     def position(self) -> Array:
-        """Where the latest knot is, before any mean (rad or m)."""
+        """Position of the latest knot before averaging (rad or m)."""
         return self._free.position if self.line is None else self.line.ahead()[0]
 
     @property

@@ -35,7 +35,7 @@ JERK_MARGIN = 1e-5
 
 
 class JointLimits(Protocol):
-    """What a planner reads of a robot; a chain model fits, and so does `Limits`."""
+    """Robot limits that a planner reads; a chain model fits, and so does `Limits`."""
 
     @property
     def joint_names(self) -> Sequence[str]:
@@ -219,7 +219,7 @@ class Limits:
 
     @cached_property
     def tools(self) -> Tools:
-        """What planners keep for the next plan within these limits."""
+        """Objects that planners reuse for the next plan within these limits."""
         return Tools()
 
     @cached_property

@@ -1,4 +1,4 @@
-"""What a trajectory is at one or many instants."""
+"""State of a trajectory at one or many instants."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the trunk has come to, by the joints of the legs that stand."""
+"""Odometry of the trunk, from the joints of the stance legs."""
 
 from __future__ import annotations
 

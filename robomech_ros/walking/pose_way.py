@@ -62,7 +62,7 @@ class PoseWay(NamedTuple):
 
     @property
     def goal(self) -> Array:
-        """Where it leads, shape (6,)."""
+        """Target of the path, shape (6,)."""
         return self.waiting[-1][0] if self.waiting else self.end
 
     @property
@@ -77,7 +77,7 @@ class PoseWay(NamedTuple):
 
     @property
     def offset(self) -> Array:
-        """Where the trunk is."""
+        """Present offset of the trunk."""
         return self.ahead(0.0)
 
     def ahead(self, time: float) -> Array:

@@ -1,4 +1,4 @@
-"""What a robot can do with a gait: how far feet may stand from their places, and poses."""
+"""Limits of a robot with a gait: stride lengths and trunk poses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What one period of walking gives."""
+"""Result of one period of walking."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from robomech_ros.typing import Array, BoolArray
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WalkUpdate:
-    """What one period of walking gives.
+    """Result of one period of walking.
 
     Attributes
     ----------

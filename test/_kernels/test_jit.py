@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept, and that trouble with it never stops anybody."""
+"""Cache of compiled kernels, whose failures never stop a program."""
 
 import os
 import subprocess

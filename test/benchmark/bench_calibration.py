@@ -42,7 +42,7 @@ def rows() -> list[Row]:
 
 
 def cells() -> Iterator[tuple[str, int, str, str]]:
-    """Who is noisy, number of poses, kind of motions and size of the noise, of every cell."""
+    """Yield the noise source, number of poses, kind of motions and size of the noise."""
     for who, kinds, counts in (
         ("camera", KINDS, POSES),
         ("camera and robot", KINDS, POSES),

@@ -1,4 +1,4 @@
-"""What joints and tip do at the controller, at 500 Hz: robots of the library, up to 1 m/s.
+"""Joint and tip motion at the controller, at 500 Hz: robots of the library, up to 1 m/s.
 
     python test/benchmark/servo_at_controller.py [drives [robot ...]]
 

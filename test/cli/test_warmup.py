@@ -1,4 +1,4 @@
-"""What ``robomech warmup`` compiles, and in which order."""
+"""Kernels that ``robomech warmup`` compiles, and their order."""
 
 from numba.core.compiler import Flags
 from numba.core.targetconfig import TargetConfig

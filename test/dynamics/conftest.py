@@ -1,4 +1,4 @@
-"""What the tests of the dynamics import from beside them."""
+"""Import path for the helpers of the dynamics tests."""
 
 import sys
 from pathlib import Path

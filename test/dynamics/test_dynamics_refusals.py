@@ -1,4 +1,4 @@
-"""What dynamics refuses, and how it says so."""
+"""Rejected requests of the dynamics, and their error messages."""
 
 import dataclasses
 

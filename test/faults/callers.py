@@ -78,7 +78,7 @@ def _named(code: int, text: str) -> str:
 
 
 class _Diagnoses:
-    """What a node says of itself on /diagnostics, by key."""
+    """Diagnostics that a node publishes about itself, by key."""
 
     def __init__(self, node: Node, of: str) -> None:
         self._of = of

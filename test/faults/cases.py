@@ -84,7 +84,7 @@ class Case:
 
     @property
     def expected(self) -> str:
-        """What the caller has to hear, as a regular expression."""
+        """Expected response to the caller, as a regular expression."""
         success = _SUCCESS[self.caller]
         if self.fault.jump or (self.fault.stop and self.node not in (CONTROLLER, "servo")):
             return success
@@ -101,7 +101,7 @@ class Case:
         return "answered, .*; then: all answered, 0 NONE$|^all answered, 0 NONE$"
 
     def _of_controller(self, success: str) -> str:
-        """What is to be heard of faults of the controller."""
+        """Return the expected response to faults of the controller."""
         actions = self.caller in (*_ACTIONS, _GRIPPER)
         if self.fault.stop:
             if self.fault.stop < 0.5:

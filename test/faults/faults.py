@@ -1,4 +1,4 @@
-"""What happens to nodes: killed, ended, held up, started again, and steps of the clock."""
+"""Faults of nodes: killed, ended, stalled, started again, and steps of the clock."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ _NANO = 1e-9
 
 @dataclass(frozen=True)
 class Limits:
-    """Of n joints: names, and limits of velocity and acceleration (rad/s or m/s, and per s)."""
+    """Names of n joints, and limits of velocity and acceleration (rad/s or m/s, and per s)."""
 
     names: tuple[str, ...]
     velocity: Array
@@ -55,7 +55,7 @@ class Jump:
 
 @dataclass(frozen=True)
 class Ratios:
-    """What was reached of the limits by differences of neighbouring states.
+    """Used fractions of the limits, by differences of neighbouring states.
 
     Attributes
     ----------

@@ -30,7 +30,7 @@ _FEW = 50
 
 @dataclass(frozen=True)
 class Finding:
-    """What came of one fault.
+    """Result of one fault.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Work:
-    """What is done while a fault happens.
+    """Action during a fault.
 
     Attributes
     ----------

@@ -49,7 +49,7 @@ _FAULTS = {"fault_noise": 0.5, "fault_dropped_commands": 1.0, "fault_delay": 0.5
 
 @dataclass
 class Outcome:
-    """What came of an attack.
+    """Result of an attack.
 
     Attributes
     ----------

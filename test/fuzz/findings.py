@@ -1,4 +1,4 @@
-"""What is wrong with an answer."""
+"""Checks of responses for faults."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What those who attack the nodes of a robot know of it, whatever its kind."""
+"""Robot data for attacks on its nodes, for any kind of robot."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _NEAR = 0.05
 
 @dataclass(frozen=True, eq=False)
 class PublishedJoints:
-    """What no state of a robot's joints may contradict.
+    """Conditions that every state of a robot's joints must satisfy.
 
     Attributes
     ----------

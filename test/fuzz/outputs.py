@@ -1,4 +1,4 @@
-"""What nodes publish while they are attacked: finite numbers, and no motion by spoilt commands."""
+"""Messages of attacked nodes: finite numbers, and no motion by corrupt commands."""
 
 from __future__ import annotations
 

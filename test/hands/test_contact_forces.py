@@ -283,7 +283,7 @@ def test_a_load_on_the_border_of_one_cone(part, held):
 
 @pytest.mark.parametrize("shift", [0.0, 1e-14, 1e-12])
 def test_contacts_that_are_in_a_plane_but_for_rounding(shift):
-    """What normals in a plane hold they hold when their positions are rounded."""
+    """Contacts with normals in a plane keep holding a load when their positions are rounded."""
     rng = np.random.default_rng(2)
     a = np.arange(6.0)
     rim = np.stack([np.cos(a), np.sin(a), shift * rng.normal(size=6)], axis=1)

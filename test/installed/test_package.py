@@ -1,4 +1,4 @@
-"""What the two packages declare, against what they contain."""
+"""Declarations of the two packages, compared with their contents."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the installed suite says of parallel robots, against formulae of our own here."""
+"""Parallel robots in the installed suite, compared with separate formulae in this file."""
 
 import re
 
@@ -73,7 +73,7 @@ def test_a_delta_whose_forearms_lie_in_a_plane_is_singular_of_type_2(suite, outs
         return (centre + ways[0])[:, None] * outward - ways[1][:, None] * [0.0, 0.0, 1.0]
 
     def middle(first):
-        """Of a circle through elbows 2 and 3, on the other side of elbow 1; how far that is out."""
+        """Return the middle of a circle through elbows 2 and 3, opposite elbow 1, and its error."""
         one, two, three = elbows(np.array([first, 0.9, 0.9]))
         between, half = 0.5 * (two + three), 0.5 * np.linalg.norm(three - two)
         way = one - between

@@ -58,7 +58,7 @@ class Viewer:
             assert self.news.wait_for(condition, PATIENCE), sorted(self.frames)
 
     def positions(self, frame):
-        """Where the joints were at the instant of a frame that moves; None for not heard of."""
+        """Return the joint positions at the instant of a moving frame; None without a message."""
         stamp = self.frames[frame].header.stamp
         return self.states[frame.split("/")[0]].get((stamp.sec, stamp.nanosec))
 

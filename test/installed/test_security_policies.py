@@ -43,7 +43,7 @@ def check_structure(element):
 
 @pytest.fixture
 def policy(suite):
-    """What the command writes for a robot in a namespace."""
+    """Return the policy that the command writes for a robot in a namespace."""
     arguments = ("security-policies", *OPTIONS, "--enclave", ENCLAVE)
     done = suite.run("robomech", *arguments, timeout=2 * PATIENCE)
     assert done.returncode == 0, done.stderr

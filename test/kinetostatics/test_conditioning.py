@@ -166,7 +166,7 @@ def test_a_planar_arm_is_judged_by_what_it_does_in_its_plane(robot, part, rows, 
 
 @pytest.mark.parametrize("robot", ["scara", "stanford", "puma560"])
 def test_the_angles_of_the_best_posture_are_within_a_turn(robot):
-    """Of PUMA an angle of ``characteristic_length(puma).q`` was -17.8 rad."""
+    """The PUMA had an angle of -17.8 rad in ``characteristic_length(puma).q``."""
     chain = load_robot(robot)
     length = characteristic_length(chain)
     assert np.abs(length.q[chain.types == 0]).max() <= np.pi

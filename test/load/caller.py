@@ -33,7 +33,7 @@ AGAIN = 5.0
 
 @dataclass(frozen=True)
 class Task:
-    """What a client is to call.
+    """Calls that a client must make.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Task:
 
 @dataclass
 class Burst:
-    """What came of calls that were on their way at the same time.
+    """Result of concurrent calls.
 
     Attributes
     ----------

@@ -33,7 +33,7 @@ _LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 @dataclass(frozen=True)
 class Flood:
-    """What is to be sent.
+    """Messages to send.
 
     Attributes
     ----------

@@ -34,7 +34,7 @@ _INSIDE = np.array([0.0, 0.1, 0.25, 0.5, 0.75, 0.9])
 
 @dataclass
 class Outcome:
-    """What came of the plans of one profile.
+    """Result of the plans of one profile.
 
     Attributes
     ----------

@@ -202,7 +202,7 @@ def test_limbs_of_any_kind_move_as_their_loops_do(name):
 
 
 def test_six_rods_are_as_far_from_singular_as_the_lines_of_their_forces_say():
-    """Of Pluecker's coordinates of the rods, found from the poses of their ends alone."""
+    """The expected values follow from Pluecker coordinates of the rods alone."""
     mechanism = load_parallel("linapod")
     q = postures(mechanism, 1)[0]
     T, length = mechanism.pose(q), 0.2

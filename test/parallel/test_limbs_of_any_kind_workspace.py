@@ -71,7 +71,7 @@ def test_rates_at_rest_are_zero_and_those_of_singular_limbs_are_none():
 
 
 def linapod_margins(T):
-    """What slides and joint cones of the linapod have left (rad or m), by lines between points."""
+    """Return the margins of slides and joint cones of the linapod (rad or m)."""
     document = yaml.safe_load((ROBOTS / "linapod.yaml").read_text())
     begin = np.array(document["platform"]["xyz"])
     left = []

@@ -23,7 +23,7 @@ def missed_by(found, poses):
 
 
 def study_of_one(seed, starts):
-    """What is wrong with the answers for a random platform, as text, and how many modes it had."""
+    """Return the faults in the answers for a random platform, as text, and its number of modes."""
     rng = np.random.default_rng([16, seed])
     robot = StewartGough(*rng.normal(size=(2, 6, 3)))
     T = random_pose(robot, rng)

@@ -1,4 +1,4 @@
-"""Where platforms can be and how far they turn: against inverse kinematics, pose by pose."""
+"""Positions and rotations of platforms, compared with inverse kinematics, pose by pose."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Of which kind a robot is, by its name, its file or its text."""
+"""Kind of a robot by its name, its file or its text."""
 
 import pytest
 

@@ -150,7 +150,7 @@ def test_published_poses():
     ],
 )
 def test_makers_zero_postures(robot, position):
-    """Where the flange is with all joints at zero, from the lengths of the data sheets."""
+    """The position of the flange with all joints at zero agrees with the data sheets' lengths."""
     from robomech_ros.kinematics import forward_kinematics
 
     chain = load_robot(robot)

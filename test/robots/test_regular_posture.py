@@ -1,4 +1,4 @@
-"""Where an arm begins whose description gives no posture."""
+"""Start posture of an arm whose description specifies none."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What the tests of rolling robots share."""
+"""Shared fixtures of the tests of rolling robots."""
 
 import sys
 from pathlib import Path

@@ -93,7 +93,7 @@ def turn(axis, angle):
 
 
 def wheel_pose(wheel, pivot, roll):
-    """Where a wheel is in the base, written from what its arguments mean, by itself."""
+    """Return the pose of a wheel in the base, derived from the meaning of its arguments alone."""
     R = turn(2, wheel.heading + pivot)
     T = np.eye(4)
     T[:3, :3] = R @ turn(1, roll)
@@ -174,7 +174,7 @@ def test_several_joints_of_one_wheel_stand_in_a_row_and_one_without_is_fixed():
 
 @pytest.mark.parametrize("name", list_rolling())
 def test_colours_have_names(name):
-    """Of bodies without, RViz gives all of a link the colour of the first."""
+    """RViz gives all unnamed colours of a link that of the first."""
     root = ElementTree.fromstring(rolling_description(load_rolling(name)).document)
     named = {}
     for material in root.iter("material"):

@@ -1,4 +1,4 @@
-"""What tests in a real browser share: when they run, and a browser that is closed after them."""
+"""Shared parts of tests in a real browser: skip conditions, and a browser that is closed."""
 
 from contextlib import contextmanager
 

@@ -1,4 +1,4 @@
-"""What speaks to a page without a browser."""
+"""Client of a page without a browser."""
 
 import time
 from http.client import HTTPConnection
@@ -13,7 +13,7 @@ PATIENCE = 180.0
 
 
 class Client:
-    """What speaks to a page without a browser."""
+    """Client of a page without a browser."""
 
     def __init__(self, page):
         address = urlsplit(page.url)
@@ -37,7 +37,7 @@ class Client:
 
     @property
     def cookie(self):
-        """What a browser has once it brought the token."""
+        """Return the cookie that a browser has after it sent the token."""
         _, headers, _ = self.get(f"/?token={self.token}")
         return headers["Set-Cookie"].split(";")[0]
 

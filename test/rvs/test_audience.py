@@ -1,4 +1,4 @@
-"""Who commands a page, where controls cannot be made, or end while something is done."""
+"""Commanding browser of a page, if controls cannot be made, or end during an action."""
 
 import logging
 import threading

@@ -9,7 +9,7 @@ from robomech_ros.rvs.model.seen_robot import seen_robot
 
 
 def seen_at(eye, points, fov, aspect):
-    """Where points are in the picture, from -1 to 1 both ways, and how far they are (m)."""
+    """Return image coordinates of points, from -1 to 1 both ways, and their distance (m)."""
     into = eye.look_at - eye.position
     into = into / np.linalg.norm(into)
     side = np.cross(into, [0.0, 0.0, 1.0])

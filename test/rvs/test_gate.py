@@ -1,4 +1,4 @@
-"""Who may come in: raw requests and connections with a foreign Origin, Host, without token."""
+"""Access control: raw requests and connections with a foreign Origin, Host, without token."""
 
 import socket
 

@@ -1,4 +1,4 @@
-"""What is kept of a page: its view as a text, recordings, and files of plans."""
+"""Stored parts of a page: its view as a text, recordings, and files of plans."""
 
 import time
 

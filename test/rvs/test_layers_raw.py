@@ -1,4 +1,4 @@
-"""What a raw client may send to controls of the layers: refused or harmless, server alive."""
+"""Raw messages to controls of the layers: rejected or harmless, server alive."""
 
 import math
 import threading

@@ -1,4 +1,4 @@
-"""What is understood of an arm, against the functions below and numbers of others."""
+"""Analysis of an arm, compared with the functions below and published numbers."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What wakes the senders of a page is never lost."""
+"""Wake-ups of the senders of a page are never lost."""
 
 import asyncio
 import threading

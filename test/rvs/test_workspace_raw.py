@@ -1,4 +1,4 @@
-"""What a raw client may send to the folder "Workspace": done, or refused, server alive."""
+"""Raw messages to the folder "Workspace": carried out, or rejected, server alive."""
 
 import contextlib
 import math

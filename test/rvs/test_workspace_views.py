@@ -45,7 +45,7 @@ def places(view, count, number, rng):
 
 
 def test_regions_have_as_many_postures_as_the_whole_arm_finds(puma):
-    """Of joints 1 to 3 that is, whatever the wrist does: joint 1 has its limits, too."""
+    """The postures of joints 1 to 3 count, for any wrist; joint 1 has its limits, too."""
     chain, view = puma
     rng, T = np.random.default_rng(3), forward_kinematics(chain, chain.home())
     seen = 0

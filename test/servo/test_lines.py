@@ -157,7 +157,7 @@ def test_commands_of_other_sizes_go_on_along_the_same_line(robot):
     ("robot", "seed"), [("irb120", 5), ("general7r", 3), ("gen3", 0), ("general7r", 2)]
 )
 def test_accelerations_do_not_step_between_one_plan_and_the_next(robot, seed):
-    """Where twists change in motion the jerk was 1.06, 1.014, 1.012 and 1.009 times its limit."""
+    """The jerk was 1.06, 1.014, 1.012 and 1.009 times its limit when twists changed in motion."""
     rng = np.random.default_rng(seed)
     drive = Drive(robot, random_start(robot, rng)[0], length=length_of(robot))
     for _ in range(4):
@@ -192,7 +192,7 @@ def test_a_twist_in_axes_of_the_tip_is_a_screw():
 
 @pytest.mark.parametrize("robot", ["puma560", "irb120"])
 def test_a_wrist_passes_its_singularity(robot):
-    """Where the tip loses nothing; it remains within a millimetre of its line."""
+    """The tip loses no motion there; it remains within a millimetre of its line."""
     chain = robot_of(robot)
     q = np.array([0.3, 0.6, -0.7, 0.4, 0.3, 0.2])
     twist = 0.5 * jacobian(chain, q)[:, 4] * -1.0

@@ -56,7 +56,7 @@ def twists():
 
 
 def test_from_exactly_there_every_axis_leads_out_one_way_or_the_other(case):
-    """What leads deeper in stands or creeps, and leads out the other way."""
+    """An axis that leads deeper stops or creeps, and the opposite direction leads out."""
     robot, q, _ = case
     outcomes = []
     for twist in twists():

@@ -1,4 +1,4 @@
-"""What processes hold: memory, open files, threads."""
+"""Resources of processes: memory, open files, threads."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _MEGABYTE = 1e6
 
 @dataclass(frozen=True)
 class Usage:
-    """What a process holds at one moment.
+    """Resources of a process at one moment.
 
     Attributes
     ----------

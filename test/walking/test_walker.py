@@ -28,7 +28,7 @@ def walker_of(gait, **options):
 
 
 def check(walker, last, update, deep):
-    """What holds in every period."""
+    """Check the properties that hold in every period."""
     robot = walker.robot
     assert update.margin >= walker.bound - 1e-12
     assert update.contacts.sum() >= (3 if GAITS[walker.gait].static else 2)
@@ -248,7 +248,7 @@ def test_no_twist_jumps_whatever_is_commanded(gait, acceleration):
 
 @pytest.mark.parametrize("gait", ROBOTS)
 def test_a_robot_that_was_commanded_too_fast_for_long_stops_as_soon_as_any_other(gait):
-    """What it could not follow has not piled up."""
+    """Motion that it could not follow has not accumulated."""
     walker = walker_of(gait, timeout=0.1)
     for _ in range(2000):
         walker.command([0.0, 10.0, 0.0])

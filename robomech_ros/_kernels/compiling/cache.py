@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept.
+"""Cache of compiled kernels.
 
 Numba looks only at the file a kernel stands in when it decides whether cached code is still good;
 a change of a function that the kernel calls in another file goes unnoticed.  Therefore the name of
@@ -27,7 +27,7 @@ from robomech_ros._kernels.compiling.trust import who_else_can_write
 
 
 class _Locator(_CacheLocator):
-    """Where numba keeps a kernel: in one directory for all installations.
+    """Locate cached kernels in one directory for all installations.
 
     Numba itself would make one for each place that the sources are installed at.
     """

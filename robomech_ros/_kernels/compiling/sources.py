@@ -1,4 +1,4 @@
-"""What each kernel module is made of: its source and those of the kernel modules that it imports.
+"""Sources of each kernel module: its own and those of the kernel modules it imports.
 
 Every start of a node asks for it, so sources are not parsed: each mention of a kernel module
 counts as an import. One too many costs a compilation, and none is missed.

@@ -1,4 +1,4 @@
-"""What the bits of a solution's branch mean."""
+"""Meaning of the bits of a solution's branch."""
 
 SHOULDER_RIGHT = 1 << 0
 ELBOW_DOWN = 1 << 1

@@ -1,4 +1,4 @@
-"""What solutions are worth: errors, distance from the limits, conditioning."""
+"""Quality of solutions: errors, distance from the limits, conditioning."""
 
 import math
 

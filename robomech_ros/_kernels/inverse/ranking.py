@@ -28,7 +28,7 @@ _TURN_AND_HALF = 3.0 * math.pi
 
 
 class Request(NamedTuple):
-    """What solutions are ranked by; each array (n,), ``turns`` true for revolute joints."""
+    """Criteria for ranking solutions; each array (n,), ``turns`` true for revolute joints."""
 
     turns: Any
     lower: Any
@@ -39,7 +39,7 @@ class Request(NamedTuple):
 
 
 class Ranked(NamedTuple):
-    """Where ranked solutions go: joint values (room, n), branches (room,), distances (room,)."""
+    """Buffers for ranked solutions: joint values (room, n), branches (room,), distances (room,)."""
 
     q: Any
     names: Any

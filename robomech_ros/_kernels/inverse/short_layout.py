@@ -1,4 +1,4 @@
-"""Where the constants of an arm of n < 6 joints stand in its data array.
+"""Layout of the constants of an arm of n < 6 joints in its data array.
 
 The arm is completed to one of six joints by imagined ones, so that it has a closed form; solutions
 are those in which the imagined joints stay at zero.

@@ -1,4 +1,4 @@
-"""What the Jacobian of a posture says: singular values, what is lost, what is free, factors.
+"""Report on a posture's Jacobian: singular values, lost and free directions, factors.
 
 The Jacobian is that of a point of the tip link; its linear rows are divided by a length.
 """

@@ -1,4 +1,4 @@
-"""Where paths of poses end: which ends are distinct, conjugate to each other, real."""
+"""End points of homotopy paths: select distinct, conjugate and real ones."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What the planar and the spherical robot share: three equations in three unknowns."""
+"""Newton steps of the planar and the spherical robot: three equations in three unknowns."""
 
 from robomech_ros._kernels.compiling.jit import lean
 

@@ -54,7 +54,7 @@ _INNER = 0.999
 
 
 class Pattern(NamedTuple):
-    """Where feet stand and when: ``geometry`` (k, 5) and ``settings`` (6,)."""
+    """Foothold geometry and timing: ``geometry`` (k, 5) and ``settings`` (6,)."""
 
     geometry: Any
     settings: Any
@@ -69,7 +69,7 @@ class State(NamedTuple):
 
 
 class Step(NamedTuple):
-    """What is commanded: ``twist`` (3,), ``pose`` (15,), ``time`` and ``period`` (s)."""
+    """Command of one step: ``twist`` (3,), ``pose`` (15,), ``time`` and ``period`` (s)."""
 
     twist: Any
     pose: Any
@@ -78,7 +78,7 @@ class Step(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What is told of a step.
+    """Result of one step.
 
     ``rates`` (k, 3) of the joints over the whole period; ``trunk`` (4, 4), its pose over the
     ground; ``report`` (4,): the margin (m), the largest part of a joint's speed, the joint with the

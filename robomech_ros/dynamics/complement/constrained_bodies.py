@@ -196,7 +196,7 @@ class ConstrainedBodies:
 
     @cached_property
     def prescribed_effort(self) -> Array:
-        """What a prescribed motion demands, ``T^T (M dt_0/dt + W M t_0)``, shape (..., m)."""
+        """Effort of a prescribed motion, ``T^T (M dt_0/dt + W M t_0)``, shape (..., m)."""
         effort = np.zeros_like(self.rates)
         if self.t_0_dot is not None:
             effort = effort + times(transposed(self.T), times(self.M, self.t_0_dot))
@@ -207,7 +207,7 @@ class ConstrainedBodies:
 
     @cached_property
     def kinetic_energy(self) -> Array:
-        """Of bodies and rotors, shape () or (...,) (J)."""
+        """Kinetic energy of bodies and rotors, shape () or (...,) (J)."""
         energy = 0.5 * np.sum(self.twists * times(self.M, self.twists), axis=-1)
         if self.rotors is not None:
             spins = self.rates if self.N is None else times(self.N, self.rates)

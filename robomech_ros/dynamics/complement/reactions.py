@@ -19,7 +19,7 @@ _LARGEST = 1e30
 
 @dataclass(frozen=True, eq=False)
 class ConstraintReactions:
-    """What constraints exert to be kept.
+    """Reactions of the constraints.
 
     Attributes
     ----------

@@ -37,7 +37,7 @@ _MOST = 50
 
 @dataclass
 class Operations:
-    """What was counted so far; a division counts as a multiplication, a sign as nothing."""
+    """Operation counts; a division counts as a multiplication, a sign as nothing."""
 
     multiplications: int = 0
     additions: int = 0

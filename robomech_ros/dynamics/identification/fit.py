@@ -42,7 +42,7 @@ _LEAST_DEVIATION = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Identification:
-    """What the motions of a chain tell about its bodies and its friction.
+    """Body and friction parameters identified from motions of a chain.
 
     Parameters
     ----------

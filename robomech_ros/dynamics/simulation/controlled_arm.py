@@ -26,7 +26,7 @@ _MOST_SUBSTEPS = 1000
 
 @dataclass(frozen=True, eq=False)
 class ControlledMotion:
-    """What became of a robot under a controller, at the end of each period.
+    """Motion of a controlled robot, at the end of each period.
 
     Attributes
     ----------

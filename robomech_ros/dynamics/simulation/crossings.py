@@ -1,4 +1,4 @@
-"""Where a simulated motion crosses a limit or an event, and what a bounce does."""
+"""Limit and event crossings of a simulated motion, and impacts."""
 
 import math
 from collections.abc import Callable, Iterator

@@ -23,7 +23,7 @@ class RunAwayError(Exception):
 
 @dataclass(frozen=True, eq=False)
 class EquationsOfMotion:
-    """What moves a system; a state is the values and rates of its m drives, work and heat.
+    """Equations of motion of a system; the state has m drive values, their rates, work and heat.
 
     Parameters
     ----------

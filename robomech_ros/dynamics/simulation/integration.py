@@ -29,7 +29,7 @@ _REST = 1e-6
 
 @dataclass(frozen=True)
 class SolverChoice:
-    """What integrates, and how finely.
+    """Choice of the integrator and its tolerances.
 
     Attributes
     ----------

@@ -35,7 +35,7 @@ _LEAST_RTOL = 100.0 * float(np.finfo(np.float64).eps)
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """What a chain, or another system of n joints, did.
+    """Simulated motion of a chain or of another system of n joints.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What each joint carries, seen from its own axis, as polynomials: mass, moments and inertia.
+"""Load on each joint in its own axes, as polynomials: mass, moments and inertia.
 
 The frame of joint i here is frame i of the table turned by theta_i, so that it moves with link i
 and the angle of the joint itself appears nowhere in what it carries.

@@ -103,7 +103,7 @@ class ArrivalWatch:
 
     @property
     def left_out(self) -> str:
-        """What of a loop the robot has left out that is at its end; empty for nothing."""
+        """Part of a closed path that the robot skipped, once it is at the end; empty for none."""
         return self._excursion.missing(self._settings.goal_tolerance)
 
     def lost(self, patience: float) -> Verdict | None:

@@ -23,7 +23,7 @@ class Transport(Enum):
 
 
 class Stage(Enum):
-    """Where a delivery is."""
+    """Stage of a delivery."""
 
     QUEUED = "queued"
     SENT = "sent"
@@ -91,13 +91,13 @@ class Delivery:
 
     @property
     def start(self) -> Array | None:
-        """Where it begins, rad or m; None if it is to be reached from wherever the robot is."""
+        """Start of the trajectory (rad or m); None if it starts from any position."""
         first: Array = self.waypoints.positions[0]
         return first if self.waypoints.times[0] <= 0.0 else None
 
     @property
     def goal(self) -> Array:
-        """Where it ends, rad or m, shape (n,)."""
+        """End of the trajectory (rad or m), shape (n,)."""
         last: Array = self.waypoints.positions[-1]
         return last
 

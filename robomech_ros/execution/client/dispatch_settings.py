@@ -1,4 +1,4 @@
-"""What the owner of a dispatcher decides."""
+"""Settings of a dispatcher."""
 
 from dataclasses import dataclass
 

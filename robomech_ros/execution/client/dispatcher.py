@@ -20,7 +20,7 @@ from robomech_ros.outcomes import Code
 
 @dataclass
 class Tally:
-    """What has happened so far, for the diagnostics."""
+    """Counts of past events, for the diagnostics."""
 
     sent: int = 0
     arrived: int = 0

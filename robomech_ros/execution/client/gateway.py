@@ -1,4 +1,4 @@
-"""What a dispatcher needs of the controller and of the robot's state."""
+"""Interfaces of a dispatcher to the controller and to the robot's state."""
 
 from collections.abc import Sequence
 from typing import Protocol

@@ -1,4 +1,4 @@
-"""What the joint states say of the present trajectory: whether they come, whether it moves."""
+"""Progress of the present trajectory by the joint states: whether they arrive, whether it moves."""
 
 import numpy as np
 
@@ -83,7 +83,7 @@ class Progress:
             self._overdue_since = now
 
     def _expected(self, now: float) -> Array:
-        """Where the trajectory is by now, rad or m."""
+        """Return the expected position on the trajectory at this time (rad or m)."""
         time = now - self._sent_at - self._delay
         last = float(self.curve.breaks[-1])
         return self.curve.sample(min(max(time, 0.0), last)).position

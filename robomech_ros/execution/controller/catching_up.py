@@ -106,7 +106,7 @@ class Belt:
 
     @property
     def place(self) -> Array:
-        """Where on the curve the robot is at time 0 (s), its pace, and the rate of that (1/s)."""
+        """Time on the curve (s) at time 0, its rate, and the derivative of the rate (1/s)."""
         if self.merged <= 0.0:
             return np.array([0.0, 1.0, 0.0])
         return np.array([0.0, 1.0, 0.0]) + self.ahead[:3] * (1.0, 1.0, 2.0)

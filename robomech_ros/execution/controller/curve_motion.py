@@ -13,7 +13,7 @@ from robomech_ros.typing import Array
 
 
 class CurveMotion:
-    """Where the joints should be and where they are.
+    """Desired and actual joint positions.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ _UNSETTLED = 1.0
 
 
 class Phase(Enum):
-    """What the robot is doing."""
+    """Activity of the robot."""
 
     HOLDING = "holding"
     MOVING = "moving"
@@ -88,12 +88,12 @@ class Follower:
 
     @property
     def desired(self) -> State:
-        """Where the trajectory is."""
+        """Desired state by the trajectory."""
         return self.motion.desired
 
     @property
     def actual(self) -> State:
-        """Where the sensors show the joints."""
+        """Measured joint state."""
         return self.motion.actual
 
     def start(

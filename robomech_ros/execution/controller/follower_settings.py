@@ -1,4 +1,4 @@
-"""What the owner of a follower decides."""
+"""Settings of a trajectory follower."""
 
 from dataclasses import dataclass
 

@@ -23,7 +23,7 @@ _SAME = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Faults:
-    """What is wrong with the joints.
+    """Faults of the joints.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Faults:
 
 @dataclass(frozen=True, eq=False)
 class DrivenMotion:
-    """What became of joints that forces move.
+    """Motion of joints under applied forces.
 
     Attributes
     ----------
@@ -150,7 +150,7 @@ class SimulatedJoints:
 
     @property
     def position(self) -> Array:
-        """Where the joints really are, rad or m, shape (n,)."""
+        """True joint positions (rad or m), shape (n,)."""
         return self._state.position
 
     def inject(self, faults: Faults) -> None:

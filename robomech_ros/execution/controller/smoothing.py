@@ -1,4 +1,4 @@
-"""What is added to a curve: a step at its start fades out, speed at its end is braked."""
+"""Additions to a curve: a step at its start fades out, speed at its end is braked."""
 
 import numpy as np
 

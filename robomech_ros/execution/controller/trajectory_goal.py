@@ -14,7 +14,7 @@ from robomech_ros.typing import Array
 
 
 class End(IntEnum):
-    """What became of a trajectory."""
+    """Outcome of a trajectory."""
 
     REACHED = auto()
     ABORTED = auto()
@@ -94,7 +94,7 @@ class TrajectoryGoal:
 
     @property
     def last_position(self) -> Array:
-        """Where it ends, rad or m, shape (n,)."""
+        """End of the trajectory (rad or m), shape (n,)."""
         return self.curve.sample(self.curve.breaks[-1]).position
 
     @property

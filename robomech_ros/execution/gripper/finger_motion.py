@@ -1,4 +1,4 @@
-"""What a command wants of the fingers, what has become of it, and the curve that they move by."""
+"""Goal of a finger command, its outcome, and the curve of the fingers."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -23,7 +23,7 @@ _MOST = 1000
 
 
 class FingerEnd(Enum):
-    """What has become of a command."""
+    """Outcome of a finger command."""
 
     REACHED = "reached"
     STALLED = "stalled"
@@ -33,7 +33,7 @@ class FingerEnd(Enum):
 
 @dataclass(frozen=True, eq=False)
 class FingerCommand:
-    """Where fingers are to go.
+    """Target of the fingers.
 
     Attributes
     ----------

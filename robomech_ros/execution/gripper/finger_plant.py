@@ -15,7 +15,7 @@ _SAME = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Where an object between the fingers stops them.
+    """Object between the fingers that stops them.
 
     Attributes
     ----------

@@ -48,7 +48,7 @@ _HALF_TURN = 1e-14
 
 @dataclass(frozen=True, eq=False)
 class UnivariateRoots:
-    """What a univariate procedure finds.
+    """Result of a univariate procedure.
 
     Parameters
     ----------

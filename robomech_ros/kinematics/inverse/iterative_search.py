@@ -27,7 +27,7 @@ _CHUNK_OF_MANY = 5000
 
 @dataclass(frozen=True, eq=False)
 class IterativeSearch:
-    """What a search found.
+    """Result of an iterative search.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a caller of inverse kinematics asks for, checked."""
+"""Checked request for inverse kinematics."""
 
 import math
 from collections.abc import Sequence

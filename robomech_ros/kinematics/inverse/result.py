@@ -1,4 +1,4 @@
-"""What inverse kinematics returns."""
+"""Result of inverse kinematics."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _NUMBERED = bit.ARM_NUMBERED | bit.POSTURE_NUMBERED
 
 @dataclass(frozen=True, eq=False)
 class Findings:
-    """What is known of a list of solutions, or of there being none.
+    """Facts about a list of solutions, which may be empty.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class Findings:
 
 
 class Listing(NamedTuple):
-    """What is listed beside the solutions.
+    """Properties listed with the solutions.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ class InverseKinematicsResult(Printed):
 
     @property
     def blocking_joints(self) -> tuple[str, ...]:
-        """Where limits exclude everything: the joints outside in the least offending solution."""
+        """Joints outside their limits in the least offending solution, if limits exclude all."""
         return self.findings.blocking_joints
 
     @property

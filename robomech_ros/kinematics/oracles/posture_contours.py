@@ -34,7 +34,7 @@ _LEFT, _NEAR = 1e-4, 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Crossing:
-    """Where the two drawn contours cross.
+    """Crossing of the two drawn contours.
 
     Parameters
     ----------

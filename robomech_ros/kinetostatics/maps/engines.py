@@ -1,4 +1,4 @@
-"""Where the cells of a map are computed: in threads of this process, or by Dask on many machines.
+"""Computation of map cells: in threads of this process, or by Dask on many machines.
 
 An engine gives the chunks in the order in which they are done; their content does not depend on
 where they were computed.

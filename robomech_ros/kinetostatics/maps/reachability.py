@@ -41,7 +41,7 @@ _COUNTED = 10**12
 
 @dataclass(frozen=True, eq=False)
 class ReachMap:
-    """What an arm can do at each point of a grid.
+    """Capabilities of an arm at each point of a grid.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ class RobotIdentity:
 
 @dataclass(frozen=True, eq=False)
 class MapRequest:
-    """What a map is of.
+    """Definition of a map.
 
     Parameters
     ----------

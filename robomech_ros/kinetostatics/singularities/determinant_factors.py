@@ -34,7 +34,7 @@ _NAMES = {
 
 
 class NamedParts(NamedTuple):
-    """What the kernel ``posture_factors`` needs to know of an arm, the same in every posture.
+    """Data of an arm for the kernel ``posture_factors``, the same in every posture.
 
     Attributes
     ----------

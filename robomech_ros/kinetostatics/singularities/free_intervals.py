@@ -40,7 +40,7 @@ _HALVINGS = 60
 
 @dataclass(frozen=True, eq=False)
 class SingularityFree:
-    """What is known of the singular postures within joint intervals.
+    """Result of a search for singular postures within joint intervals.
 
     Attributes
     ----------

@@ -30,7 +30,7 @@ _compiled = direct(posture_reports)
 
 @dataclass(frozen=True, eq=False)
 class SingularityReport(Printed):
-    """What the Jacobian of a posture says.
+    """Report on the Jacobian of a posture.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class SingularityReport(Printed):
 
 @dataclass(frozen=True, eq=False)
 class SingularityReports:
-    """What the Jacobians of many postures say: the fields of :class:`SingularityReport`.
+    """Reports on the Jacobians of many postures: the fields of :class:`SingularityReport`.
 
     ``reports[k]`` is the report on one posture, k an index of the leading axes of q.
 
@@ -119,7 +119,7 @@ class SingularityReports:
 
     @property
     def singular(self) -> BoolArray:
-        """Where the tip has lost a motion that the arm has in other postures, shape (...)."""
+        """True where the tip has lost a motion that the arm has in other postures, shape (...)."""
         return self.kinds.astype(bool)
 
     def __getitem__(self, index: int | tuple[int, ...]) -> SingularityReport:
@@ -142,7 +142,7 @@ class SingularityReports:
 
 
 class _GenericFacts(NamedTuple):
-    """What of an arm is the same in every posture.
+    """Facts about an arm that are the same in every posture.
 
     Attributes
     ----------
@@ -249,7 +249,7 @@ def posture_report(
 
 
 class _Measured(NamedTuple):
-    """What the kernel writes for m postures, and what it was given of the arm."""
+    """Kernel results for m postures, and the arm's data that they used."""
 
     values: Array
     numbers: Array

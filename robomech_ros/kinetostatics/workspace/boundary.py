@@ -68,7 +68,7 @@ class BoundaryCurve:
 
 @dataclass(frozen=True, eq=False)
 class Workspace(Printed):
-    """What the first joints of an arm reach with the point that they place.
+    """Points that the positioning joints of an arm can reach.
 
     Points are given in the base of the chain (m). Make one with :func:`workspace_boundary`.
 

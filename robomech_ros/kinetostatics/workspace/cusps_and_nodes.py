@@ -128,7 +128,7 @@ def _cusp(section: WorkspaceSection, q: Array, weights: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Crossing:
-    """Where the images of two branches, or of two parts of one, cross.
+    """Crossing of the images of two branches, or of two parts of one.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Where a planar arm of three joints, of which the last turns, brings its tip.
+"""Reach of the tip of a planar arm of three joints with a revolute last joint.
 
 A point inside is reached by a continuum of postures, a curve in the box of the joint values.  It
 meets a side of the box, where a joint is at a limit; or it is closed, and then the first joint has
@@ -74,7 +74,7 @@ class HeldPair:
 
 @dataclass(frozen=True, eq=False)
 class PlanarTip:
-    """What pairs of joints reach, together.
+    """Joint reach of all pairs of joints.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a calibration looks like, as markers for viewers."""
+"""Calibration markers for viewers."""
 
 from __future__ import annotations
 

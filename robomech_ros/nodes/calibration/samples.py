@@ -124,7 +124,7 @@ class Samples:
 
     @property
     def solved(self) -> Solution | None:
-        """What was found from the very samples that there are now; None if nothing was."""
+        """Solution from exactly the present samples; None if there is none."""
         found = self.solution
         same = found is not None and found.robot is self.robot and found.tracking is self.tracking
         return found if same else None

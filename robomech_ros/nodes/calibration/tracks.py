@@ -1,4 +1,4 @@
-"""Where a frame was in another one over the last seconds, by tf or by a topic of poses."""
+"""Recent poses of a frame in another one, from tf or a pose topic."""
 
 from __future__ import annotations
 

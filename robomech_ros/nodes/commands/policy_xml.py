@@ -1,4 +1,4 @@
-"""What nodes publish, hear, offer and use, as an access policy of SROS2."""
+"""Access policy of SROS2 for all topics, services and actions of the nodes."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ _KINDS = (
 
 @dataclass(frozen=True)
 class NodeRights:
-    """What one node may do, each a tuple of full names in alphabetical order.
+    """Rights of one node, each a tuple of full names in alphabetical order.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What nodes have in the graph, found by starting them in a domain of their own."""
+"""Topics, services and actions of nodes, found by starting them in a domain of their own."""
 
 import os
 import sys

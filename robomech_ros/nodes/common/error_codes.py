@@ -64,7 +64,7 @@ class RobotMovesError(NoStateError):
 
 
 class OutcomeError(RobomechError):
-    """What a request asks for does not exist: an outcome of the mathematics, with its code.
+    """The requested result does not exist: an outcome of the mathematics, with its code.
 
     Parameters
     ----------

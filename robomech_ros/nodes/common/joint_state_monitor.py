@@ -33,7 +33,7 @@ _MOST_LISTED = 10
 
 
 class _Seen(NamedTuple):
-    """What a message says of a joint: rad or m, and per s; NaN where it gives no velocity."""
+    """Position and velocity of a joint from a message (rad or m, and per s); NaN if missing."""
 
     position: float
     velocity: float

@@ -1,4 +1,4 @@
-"""What a controller says on /diagnostics of a trajectory that it refused, and who sent that."""
+"""Diagnostics of trajectories that a controller rejected, with their senders."""
 
 import zlib
 from collections.abc import Mapping

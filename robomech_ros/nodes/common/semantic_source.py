@@ -30,7 +30,7 @@ class Learner(Protocol):
 
 
 class SemanticSource:
-    """What a node knows of the groups of its robot.
+    """Joint groups of the robot, as the node knows them.
 
     Where the parameter is empty, it listens to the topic.  What comes from there never changes the
     configured chain or its home posture: whether it comes before the robot is chance.

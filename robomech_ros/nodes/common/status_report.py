@@ -1,4 +1,4 @@
-"""What a node says of itself on /diagnostics, once a second."""
+"""Status of a node on /diagnostics, once a second."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -1,1 +1,1 @@
-"""What ``robomech demo`` does: a pick and place with every part of the suite."""
+"""Demonstration of ``robomech demo``: a pick and place with every part of the suite."""

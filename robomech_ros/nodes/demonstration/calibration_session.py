@@ -34,7 +34,7 @@ from robomech_ros.rvs import ViewUnavailableError, write_calibration
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is demonstrated.
+    """Options of the demonstration.
 
     Parameters
     ----------

@@ -58,7 +58,7 @@ _IMPOSSIBLE = 100.0
 
 @dataclass(frozen=True, eq=False)
 class Progress:
-    """What is known with so many samples.
+    """Calibration result after a number of samples.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Progress:
 
     @property
     def squared_distance(self) -> float:
-        """Of the truth from the result, in deviations."""
+        """Squared distance of the truth from the result, in deviations."""
         return float(self.error @ np.linalg.solve(self.covariance, self.error))
 
 

@@ -33,7 +33,7 @@ _MISTAKE = (0.0, 0.0, 0.5 * np.pi, 0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Where camera and target are.
+    """Poses of camera and target.
 
     Attributes
     ----------

@@ -38,7 +38,7 @@ class Joints(Protocol):
 
     @property
     def units(self) -> Sequence[str]:
-        """Of each ``"rad"`` or ``"m"``."""
+        """Unit of each joint, ``"rad"`` or ``"m"``."""
 
 
 class DemoClient:

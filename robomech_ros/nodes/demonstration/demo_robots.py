@@ -1,4 +1,4 @@
-"""What the demonstration knows of the robot that it moves: an arm, or a parallel robot."""
+"""Robots of the demonstration: an arm, or a parallel robot."""
 
 from collections.abc import Sequence
 from typing import Protocol
@@ -15,7 +15,7 @@ class RobotToShow(Protocol):
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Name of the robot."""
 
     @property
     def base(self) -> str:
@@ -23,7 +23,7 @@ class RobotToShow(Protocol):
 
     @property
     def title(self) -> str:
-        """What it is, in a line."""
+        """One-line description of the robot."""
 
     @property
     def joint_names(self) -> Sequence[str]:
@@ -31,14 +31,14 @@ class RobotToShow(Protocol):
 
     @property
     def units(self) -> Sequence[str]:
-        """Of all joints, ``"rad"`` or ``"m"``."""
+        """Units of all joints, ``"rad"`` or ``"m"``."""
 
     @property
     def shown(self) -> Sequence[int]:
         """Numbers of the joints that are printed and plotted."""
 
     def home(self) -> Array:
-        """Where it begins, shape (n,), rad or m."""
+        """Start posture, shape (n,), rad or m."""
 
     def pose(self, q: Array) -> Array:
         """Pose of the tip in the base (4, 4), of joints (n,)."""
@@ -70,7 +70,7 @@ class ArmToShow:
         self.title = f"{chain.name}: {chain.n} joints {joints}, {chain.base} to {chain.tip}"
 
     def home(self) -> Array:
-        """Where it begins, shape (n,), rad or m."""
+        """Start posture, shape (n,), rad or m."""
         return self._chain.home()
 
     def pose(self, q: Array) -> Array:

@@ -92,7 +92,7 @@ class DriveTask:
 
     @property
     def places(self) -> Array:
-        """Where the base was, shape (n, 4): ROS time (s), x, y (m), heading (rad), continuous."""
+        """Path of the base, shape (n, 4): ROS time (s), x, y (m), heading (rad), continuous."""
         with self._lock:
             rows = np.array(self._true)
         rows = rows[np.diff(rows[:, 0], prepend=-np.inf) > 0.0]

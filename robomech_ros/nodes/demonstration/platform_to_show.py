@@ -1,4 +1,4 @@
-"""What the demonstration does with a parallel robot: pick, place, and a circle with a tilt."""
+"""Demonstration with a parallel robot: pick, place, and a circle with a tilt."""
 
 import numpy as np
 
@@ -47,7 +47,7 @@ class PlatformToShow:
         self._place = mechanism.home()
 
     def home(self) -> Array:
-        """Where it begins, shape (n,), rad or m."""
+        """Start posture, shape (n,), rad or m."""
         return self.mechanism.home()
 
     def pose(self, q: Array) -> Array:

@@ -1,4 +1,4 @@
-"""What the demonstration prints."""
+"""Printed report of the demonstration."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager

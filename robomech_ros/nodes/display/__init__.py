@@ -1,1 +1,1 @@
-"""What RViz and others need to show a robot: its description, and its frames on /tf."""
+"""Robot description and frames on /tf for RViz and other viewers."""

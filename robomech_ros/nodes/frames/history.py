@@ -1,4 +1,4 @@
-"""Where one frame of tf was in its parent, over the last seconds."""
+"""Recent poses of one tf frame in its parent."""
 
 import math
 from bisect import bisect_left
@@ -13,7 +13,7 @@ _SAME_TURN = 1.0 - 1e-9
 
 
 class Sample(NamedTuple):
-    """Where a frame is in its parent at an instant.
+    """Pose of a frame in its parent at an instant.
 
     Attributes
     ----------

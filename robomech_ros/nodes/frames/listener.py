@@ -1,4 +1,4 @@
-"""What is said on ``/tf`` and ``/tf_static``, as a tree of frames.
+"""Frame tree of the messages on ``/tf`` and ``/tf_static``.
 
 Messages on ``/tf`` are taken from the middleware only when somebody asks: a node that listens to
 fast robots spends nothing while it is idle.

@@ -1,4 +1,4 @@
-"""Where a frame that a request names is: one of the robot, or one that tf connects with it."""
+"""Poses of requested frames: frames of the robot, and those that tf connects with it."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -34,7 +34,7 @@ _NOWHERE = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """Where a frame is, as far as joints do not move it.
+    """Location of a frame, as far as joints do not move it.
 
     Attributes
     ----------

@@ -37,7 +37,7 @@ class NoTransformError(RobomechError):
 
 
 class Found(NamedTuple):
-    """Where a frame is in another one.
+    """Pose of a frame in another one.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What is found of grasps, as answers of the node."""
+"""Grasp results as responses of the node."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from robomech_ros.typing import Array
 
 @dataclass(frozen=True, eq=False)
 class GraspAnalysis:
-    """What is found of contacts, and of the hand that makes them where its state is given."""
+    """Analysis of contacts, and of the hand that makes them if its state is specified."""
 
     force_closed: bool
     form_closed: bool

@@ -1,4 +1,4 @@
-"""What the controller does in every cycle: move the robot on, and publish what is due."""
+"""One control cycle: move the robot, then publish due messages."""
 
 import traceback
 from collections.abc import Callable, Sequence

@@ -14,7 +14,7 @@ def _nothing() -> Refusal:
 
 @dataclass
 class MotionCounts:
-    """What has happened so far, for the diagnostics."""
+    """Counts of past events, for the diagnostics."""
 
     accepted: int = 0
     reached: int = 0

@@ -1,4 +1,4 @@
-"""What all actions of the controller have in common: the goals under way, cancelled and ended."""
+"""Common part of all actions of the controller: active goals, their cancellation and end."""
 
 from abc import ABC, abstractmethod
 from typing import Any, Generic, TypeVar

@@ -72,7 +72,7 @@ _SERVICES = (
 
 
 class _Posture(NamedTuple):
-    """What a request about a Jacobian is about.
+    """Posture and point of a request about a Jacobian.
 
     Attributes
     ----------

@@ -14,7 +14,7 @@ FAMILY = "parallel"
 
 @dataclass(frozen=True, eq=False)
 class PlatformSolutions:
-    """What `encode_result` needs: k postures of n joints, nearest to the seed first.
+    """Data for `encode_result`: k postures of n joints, nearest to the seed first.
 
     Parameters
     ----------

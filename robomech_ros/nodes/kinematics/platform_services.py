@@ -56,7 +56,7 @@ from robomech_ros.typing import Array
 
 
 class PlatformServices:
-    """What the node does for a parallel robot, service by service as for an arm.
+    """Services of the node for a parallel robot, matching those for an arm.
 
     Parameters
     ----------

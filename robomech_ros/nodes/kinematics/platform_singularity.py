@@ -1,4 +1,4 @@
-"""What is said of the singularities of a parallel robot."""
+"""Singularity messages for a parallel robot."""
 
 from dataclasses import replace
 from typing import Any

@@ -1,4 +1,4 @@
-"""Where the platform of a parallel robot gets with the orientations of the poses asked about."""
+"""Reach of the platform of a parallel robot in the orientations of the requested poses."""
 
 import time
 from functools import partial

@@ -1,4 +1,4 @@
-"""What a robot reaches at all: computed once, in a thread of its own, on the first request."""
+"""Workspace of a robot, computed once, in a separate thread, on the first request."""
 
 import math
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from robomech_ros.typing import Array
 
 @dataclass(frozen=True, eq=False)
 class ReachableSpace:
-    """What is the same for all poses of a robot.
+    """Reach of a robot, the same for all poses.
 
     Parameters
     ----------

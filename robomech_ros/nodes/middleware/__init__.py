@@ -1,1 +1,1 @@
-"""What stands between our nodes and ROS: queues, requests and bytes, and signs of life."""
+"""Layer between our nodes and ROS: queues, requests and bytes, and liveliness."""

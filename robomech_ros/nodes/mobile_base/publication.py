@@ -1,4 +1,4 @@
-"""What a mobile base says of itself: odometry, frames, wheels and what they are commanded."""
+"""Published state of a mobile base: odometry, frames, wheels and their commands."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ _LEAST_STEP, _LEAST_SPEED, _LEAST_SCALE = 1e-5, 1e-6, 1e-6
 
 @dataclass(frozen=True)
 class CartesianQuestion:
-    """What a request asks for.
+    """Checked content of a Cartesian request.
 
     Attributes
     ----------

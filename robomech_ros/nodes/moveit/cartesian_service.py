@@ -141,7 +141,7 @@ class CartesianPathService:
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """What came of a request: a plan if there is one, and how much of the waypoints it reaches."""
+    """Result of a request: the plan if there is one, and the reached fraction of the waypoints."""
 
     plan: SampledPlan | None
     fraction: float

@@ -37,7 +37,7 @@ _TURNS = (OrientationConstraint.XYZ_EULER_ANGLES, OrientationConstraint.ROTATION
 
 
 class Conditions:
-    """What the constraints of a request demand of an answer.
+    """Constraints of a request, to be checked on an answer.
 
     Parameters
     ----------

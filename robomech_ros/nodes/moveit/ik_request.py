@@ -35,7 +35,7 @@ class IkTarget(NamedTuple):
 
 @dataclass(frozen=True)
 class IkQuestion:
-    """What a request asks for.
+    """Checked content of an inverse kinematics request.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What is wrong with a request, in MoveIt's error codes."""
+"""Request errors in MoveIt's error codes."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

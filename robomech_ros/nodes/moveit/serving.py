@@ -1,4 +1,4 @@
-"""What all services with types of MoveIt have in common."""
+"""Common part of all services with MoveIt types."""
 
 import traceback
 from collections.abc import Awaitable, Callable

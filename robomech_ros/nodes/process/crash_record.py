@@ -1,4 +1,4 @@
-"""What a process writes down for its successor, in case it is killed."""
+"""Record of a process for its successor, in case it is killed."""
 
 import fcntl
 import hashlib
@@ -27,7 +27,7 @@ _ATTEMPTS = 5
 
 @dataclass(frozen=True)
 class LeftBehind:
-    """What a process that was killed had written down.
+    """Record of a killed process.
 
     Attributes
     ----------

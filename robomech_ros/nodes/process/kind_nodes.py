@@ -15,7 +15,7 @@ from robomech_ros.rolling import rolling_robot
 
 @dataclass(frozen=True, kw_only=True)
 class KindNodes:
-    """What is run for robots of a kind.
+    """Nodes for robots of one kind.
 
     Parameters
     ----------

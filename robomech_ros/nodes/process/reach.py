@@ -1,4 +1,4 @@
-"""Who can reach the nodes: this machine alone, or all of the subnet; what could be in the way."""
+"""Discovery range of the nodes: this machine, or the whole subnet; obstacles to it."""
 
 import os
 from collections.abc import Mapping

@@ -21,7 +21,7 @@ _PERIOD = 0.02
 
 
 class _Jog(NamedTuple):
-    """What is held: which way, along whose axes, and at which part of the greatest speed."""
+    """Pressed jog button: direction, frame of its axes, and fraction of the greatest speed."""
 
     direction: JogDirection
     frame: str

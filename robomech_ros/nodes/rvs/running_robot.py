@@ -59,7 +59,7 @@ class RunningRobot:
 
     @property
     def condition(self) -> str:
-        """What is wrong with the joint states."""
+        """Problem of the joint states; empty if there is none."""
         return self._feed.condition
 
     @property

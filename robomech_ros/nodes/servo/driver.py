@@ -94,7 +94,7 @@ class Driver:
 
     @property
     def topic(self) -> str:
-        """Where the controller listens."""
+        """Topic of the controller's input."""
         return self._stream.topic
 
     def wake(self) -> None:

@@ -1,4 +1,4 @@
-"""What MoveIt's servo has beside topics for commands: a choice of their kind, and its status."""
+"""MoveIt's servo interface besides command topics: choice of the command type, and status."""
 
 from collections.abc import Callable
 from typing import Any

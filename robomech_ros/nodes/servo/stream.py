@@ -62,7 +62,7 @@ class StreamPublisher:
 
     @property
     def topic(self) -> str:
-        """Where the controller listens."""
+        """Topic of the controller's input."""
         return str(self._publisher.topic_name)
 
     @property

@@ -34,7 +34,7 @@ _AT_SINGULARITY = {PlanCartesian.Request.STOP: "STOP", PlanCartesian.Request.SLO
 
 @dataclass(frozen=True, eq=False)
 class PathRequest:
-    """What a PlanCartesian request asks for, apart from its start.
+    """Content of a PlanCartesian request, apart from its start.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What a robot is to the planner: the joints of trajectories, and how these are planned."""
+"""Joint motions of a robot for the planner: the joints of trajectories, and their planning."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -40,7 +40,7 @@ _SCALES = ("velocity_scale", "acceleration_scale", "jerk_scale")
 
 @dataclass(frozen=True)
 class PlanRequest:
-    """What a PlanJoint request asks for, apart from its start and goal.
+    """Content of a PlanJoint request, apart from its start and goal.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What the planner publishes of its latest plan, after its answer has left."""
+"""Publications of the latest plan, after the planner's response has been sent."""
 
 from collections.abc import Callable
 

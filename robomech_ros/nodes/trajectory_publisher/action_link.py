@@ -22,7 +22,7 @@ _ENDED = (GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_ABORTED, GoalStatus.STA
 
 @dataclass(frozen=True)
 class AskedTolerances:
-    """What every goal asks of the controller; 0 = as the controller is set.
+    """Tolerances that every goal requests from the controller; 0 = the controller's own setting.
 
     Attributes
     ----------

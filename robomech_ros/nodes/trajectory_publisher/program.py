@@ -54,7 +54,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Program:
-    """What to do, and how often.
+    """Steps to execute, and their repetitions.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ def read_program(path: Path, chain: SerialChain, semantic: SemanticDescription) 
 
 @dataclass(frozen=True)
 class _Postures:
-    """Where the robot can be sent by name: what the program gives goes before what is known."""
+    """Named postures of the robot; names in the program take precedence."""
 
     given: Mapping[str, tuple[float, ...]]
     chain: SerialChain

@@ -66,7 +66,7 @@ class Driver:
 
     @property
     def topics(self) -> tuple[str, str]:
-        """Where twists come from, and where the controller listens."""
+        """Topics of the twists and of the controller's input."""
         return self._intake.twists.topic, str(self._publisher.topic_name)
 
     def cycle(self) -> None:

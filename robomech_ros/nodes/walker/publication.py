@@ -1,4 +1,4 @@
-"""What a walker says of itself: odometry, frames, contacts, margin and polygon."""
+"""Published state of a walker: odometry, frames, contacts, margin and polygon."""
 
 from __future__ import annotations
 

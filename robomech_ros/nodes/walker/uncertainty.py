@@ -30,12 +30,12 @@ class Uncertainty:
 
     @property
     def pose(self) -> Array:
-        """Of the pose, as a message has it: 36 numbers (m^2, m rad, rad^2)."""
+        """Covariance of the pose in message order: 36 numbers (m^2, m rad, rad^2)."""
         return full_covariance(self._pose, POSE)
 
     @property
     def twist(self) -> Array:
-        """Of the twist since the last moment, in the trunk, as a message has it: 36 numbers."""
+        """Covariance of the twist since the last moment, in the trunk: 36 numbers."""
         return full_covariance(self._twist, TWIST)
 
     def forget(self) -> None:

@@ -1,4 +1,4 @@
-"""What the kernels are given of a mechanism in some states, checked."""
+"""Checked kernel arguments of a mechanism in some states."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ class ParallelDynamics:
 
     @property
     def mass(self) -> float:
-        """Of all that moves (kg)."""
+        """Total moving mass (kg)."""
         return float(limb_totals(self.mechanism, *np.zeros((2, self.mechanism.n)))[0])
 
     def checked_posture(self, q: ArrayLike, what: str = "q") -> Array:

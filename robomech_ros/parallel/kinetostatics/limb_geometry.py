@@ -1,4 +1,4 @@
-"""Where the limbs of a parallel robot hold its platform, and how these places move.
+"""Attachment points of the limbs on the platform of a parallel robot, and their motion.
 
 A limb keeps a point of the platform at a distance from a centre that its drive moves, or extends
 this distance; a limb of the spherical robot keeps an angle between two axes.

@@ -32,7 +32,7 @@ _AT_END = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Wrenches:
-    """What limbs bear of the load of a platform, for postures (...).
+    """Load shares of the limbs of a platform, for postures (...).
 
     Parameters
     ----------

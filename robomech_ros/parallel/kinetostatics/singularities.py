@@ -27,7 +27,7 @@ _TAKES_PART = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class LoopSingularity:
-    """What the matrices of K t = J qd say of a pose.
+    """Singularity analysis of the matrices of K t = J qd at a pose.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class LoopSingularity:
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """What is singular, such as "type 2: limbs 1, 3"; empty where nothing is."""
+        """Singularity descriptions, such as "type 2: limbs 1, 3"; empty if there is none."""
         return tuple(
             f"type {k + 1}: {_named(limbs)}" for k, limbs in enumerate(self.limbs) if limbs
         )

@@ -14,7 +14,7 @@ from robomech_ros.typing import Array
 
 
 class LoopMotion:
-    """Where joints of closed loops are, and how they move.
+    """Positions and motion of the joints of closed loops.
 
     All methods raise WrongSizeError or NonFiniteError where joints are not n finite numbers.  Those
     of velocities and accelerations raise what :meth:`rates` does.

@@ -22,7 +22,7 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """What moves in a parallel robot.
+    """Moving bodies of a parallel robot.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a mechanism returns."""
+"""Results of a mechanism."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class AssemblyModes(DirectKinematicsResult):
 
 @dataclass(frozen=True, eq=False)
 class ClosedPosture:
-    """Where all joints have gone when the drives moved.
+    """Joint positions after the drives moved.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What is seen of a mechanism: base and platform between their joints, bars, legs that extend.
+"""Visual shapes of a mechanism: base and platform between their joints, bars, legs that extend.
 
 Bars go from joint to joint, cylinder and rod along a slide, balls stand where joints are, and arcs
 of a sphere where all axes meet in its centre.

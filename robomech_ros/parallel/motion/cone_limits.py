@@ -1,4 +1,4 @@
-"""Where passive joints of a mechanism bend beyond their cones, along a path of all joints."""
+"""Exceeded cone limits of passive joints of a mechanism, along a path of all joints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is odd in a description and no error, reported once."""
+"""Report of oddities in a description that are no errors, once each."""
 
 import logging
 from functools import lru_cache

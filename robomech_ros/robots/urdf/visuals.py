@@ -1,4 +1,4 @@
-"""What a URDF shows of its links: boxes, cylinders, spheres and files of meshes, with colours."""
+"""Visual elements of links in a URDF: boxes, cylinders, spheres and mesh files, with colours."""
 
 from __future__ import annotations
 

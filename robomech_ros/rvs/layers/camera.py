@@ -1,4 +1,4 @@
-"""Where the eye is, at first and by a button: the robot and its ghosts fill the picture."""
+"""Initial view and "Fit view": the robot and its ghosts fill the picture."""
 
 from __future__ import annotations
 

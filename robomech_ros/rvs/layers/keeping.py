@@ -1,4 +1,4 @@
-"""What is kept: recordings, files of motions, pictures, and the view in the address."""
+"""Storage of recordings, motion files, pictures, and the view in the address."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ TRACE_WIDTH, AXES_LENGTH, AXES_RADIUS = 0.006, 0.05, 0.0025
 
 
 class SweptPlan(NamedTuple):
-    """What of a plan is seen at once.
+    """Shown parts of a plan.
 
     Parameters
     ----------

@@ -132,7 +132,7 @@ class PlatformWorkspaceLayer:
 
 
 class _Part:
-    """What is shown of positions, or of orientations.
+    """Shown workspace of positions, or of orientations.
 
     Attributes
     ----------

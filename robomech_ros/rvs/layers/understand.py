@@ -1,4 +1,4 @@
-"""What an arm can do: its numbers, ellipsoids of velocity and force, and what it loses where."""
+"""Capabilities of an arm: key figures, ellipsoids of velocity and force, and lost motions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an arm reaches: the boundary of its workspace by its section, and maps of points."""
+"""Workspace of an arm: its boundary by a section, and maps of points."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ _HINT = "Two numbers in m, as 0.5, 0.2; a click on the section writes them. The 
 
 @dataclass
 class Choices:
-    """What a map is like; that of the next robot is like it."""
+    """Map options; the next robot starts with the same."""
 
     orientations: str = ORIENTATIONS[0]
     density: str = "medium"

@@ -1,1 +1,1 @@
-"""What the view shows of a robot; knows no browser."""
+"""Model of the view, independent of any browser."""

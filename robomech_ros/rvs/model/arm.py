@@ -72,12 +72,12 @@ class SeenArm(Moved):
 
     @property
     def study(self) -> PoseStudy:
-        """What is known of the pose that the tip has or is dragged to."""
+        """Study of the pose that the tip has or is dragged to."""
         return self._study
 
     @property
     def tip(self) -> Array:
-        """Where the tip is: ``T_base_tip`` (m), shape (4, 4)."""
+        """Pose of the tip: ``T_base_tip`` (m), shape (4, 4)."""
         return forward_kinematics(self.chain, self._q)
 
     def travel(self, joint: int) -> Travel:

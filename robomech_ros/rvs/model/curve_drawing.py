@@ -26,7 +26,7 @@ MOST_TICKS = 6
 
 
 class Mark(NamedTuple):
-    """What is drawn at a point: a crossing, or where something is now.
+    """Mark at a point: a crossing, or the present state.
 
     Parameters
     ----------

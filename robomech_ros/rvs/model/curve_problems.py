@@ -1,4 +1,4 @@
-"""What two crossing curves are drawn of: the postures of an arm at a pose, or any two equations."""
+"""Problems drawn as two crossing curves: postures of an arm at a pose, or any two equations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the eye is, so that a robot and its ghosts fill the picture."""
+"""Camera pose in which a robot and its ghosts fill the picture."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ REST = 0.3
 
 
 class FollowingGoal:
-    """Where a robot is and is to go; for several threads.
+    """Present and goal positions of a robot; for several threads.
 
     Parameters
     ----------

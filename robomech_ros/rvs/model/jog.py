@@ -55,7 +55,7 @@ class JogDirection:
 
 
 class Beat(NamedTuple):
-    """What a page says again and again while a button is held.
+    """Message that a page repeats while a button is pressed.
 
     Attributes
     ----------

@@ -48,7 +48,7 @@ class SeenMarker:
 
 @dataclass(frozen=True)
 class ServoNews:
-    """What the servo says.
+    """Latest state of the servo.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class ServoNews:
 
 
 class RunningView(Protocol):
-    """What any robot tells a page; methods may be called from any thread, and return soon."""
+    """Page for any running robot; call methods from any thread, they return soon."""
 
     def wait_until_seen(self, seconds: float) -> bool:
         """Wait until somebody looks, but no longer; return whether somebody does."""
@@ -79,7 +79,7 @@ class RunningView(Protocol):
 
 
 class LiveView(RunningView, Protocol):
-    """What an arm or a parallel robot tells a page."""
+    """Page for a running arm or parallel robot."""
 
     def show_joints(self, positions: Mapping[str, float]) -> None:
         """Draw the robot with its joints there (rad or m, by name)."""
@@ -101,7 +101,7 @@ class LiveView(RunningView, Protocol):
 
 
 class LiveRobot(Protocol):
-    """What a page asks of a robot; methods return at once, and answers go to the view."""
+    """Running robot as a page uses it; methods return at once, and results go to the view."""
 
     def begin(self, view: LiveView) -> None:
         """Tell this page, from now on."""

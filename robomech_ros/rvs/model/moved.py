@@ -89,7 +89,7 @@ class Moved(ABC):
     @property
     @abstractmethod
     def study(self) -> PoseStudy:
-        """What is known of the pose that the end has or is dragged to."""
+        """Study of the pose that the end has or is dragged to."""
 
     @property
     def target(self) -> Array:

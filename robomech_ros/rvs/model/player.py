@@ -1,4 +1,4 @@
-"""Where in a motion one is, and how it goes on."""
+"""Playback position in a motion, and its advance."""
 
 from __future__ import annotations
 

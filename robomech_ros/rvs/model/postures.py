@@ -1,4 +1,4 @@
-"""What is known of a pose: every posture that takes it, or why there is none."""
+"""Study of a pose: all postures that reach it, or the reason why there is none."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ class PoseStudy:
 
 @dataclass(frozen=True, eq=False)
 class ToldStudy(PoseStudy):
-    """What is shown of a pose, in a sentence of the robot's own.
+    """Study of a pose as one sentence by the robot.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ class ToldStudy(PoseStudy):
 
     @property
     def sentence(self) -> str:
-        """What is known, for people."""
+        """Sentence for people."""
         return self.text
 
 

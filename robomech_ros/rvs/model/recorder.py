@@ -1,4 +1,4 @@
-"""What an arm does, kept as a motion."""
+"""Recorder of an arm's motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is to be understood of an arm and its posture: conditioning, ellipsoids, singularities."""
+"""Analysis of an arm and its posture: conditioning, ellipsoids, singularities."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ ARROW, NONE = 0.35, 1e-3
 
 @dataclass(frozen=True, eq=False)
 class ArmFacts:
-    """What is the same in every posture of an arm.
+    """Facts that are the same in every posture of an arm.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class ArmFacts:
 
 @dataclass(frozen=True, eq=False)
 class PostureFacts:
-    """What is known of a posture at once.
+    """Facts about a posture that need no search.
 
     Parameters
     ----------

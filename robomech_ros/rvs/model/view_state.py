@@ -1,4 +1,4 @@
-"""What a page shows, as a text for its address: posture, eye, what is switched on."""
+"""View state as text for the page's address: posture, camera, visible items."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _FORM = "q:...;eye:x,y,z;at:x,y,z;show:..."
 
 
 class ViewState(NamedTuple):
-    """What a page shows.
+    """State of the view of a page.
 
     Parameters
     ----------

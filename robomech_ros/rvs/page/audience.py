@@ -1,4 +1,4 @@
-"""Who looks at a page: one browser commands, the others watch until they take over."""
+"""Viewers of a page: one browser commands, the others watch until they take over."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _NOBODY = "No browser commands this robot."
 
 
 class Controls(Protocol):
-    """What the browser that commands has beyond the others."""
+    """Additional controls of the commanding browser."""
 
     def remove(self) -> None:
         """Take it from the browser."""

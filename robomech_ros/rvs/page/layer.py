@@ -1,4 +1,4 @@
-"""What a layer of a page is: something seen and asked for beyond the robot and its postures."""
+"""Interface of a page's layer: an addition to the robot and its postures."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Switch(NamedTuple):
 
 @dataclass(frozen=True)
 class Place:
-    """Where a layer lives.
+    """Context of a layer.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ class Place:
 
     @property
     def arm(self) -> SeenArm:
-        """What is moved, of the page of an arm."""
+        """Arm that is moved; raises TypeError if the page shows no arm."""
         if not isinstance(self.moved, SeenArm):
             raise TypeError("the page shows no arm")
         return self.moved
@@ -129,7 +129,7 @@ class Place:
 
     @property
     def platform(self) -> SeenPlatform:
-        """What is moved, of the page of a parallel robot."""
+        """Parallel robot that is moved; raises TypeError if the page shows none."""
         if not isinstance(self.moved, SeenPlatform):
             raise TypeError("the page shows no parallel robot")
         return self.moved

@@ -78,7 +78,7 @@ class RobotPage:
 
     @property
     def name(self) -> str:
-        """What the robot is called."""
+        """Name of the robot."""
         return self._arm.name
 
     @property

@@ -1,4 +1,4 @@
-"""What every browser sees: the robot, its ghosts, what is known of the pose."""
+"""Scene of every browser: the robot, its ghosts, results for the pose."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is around a robot: ground and lights; nothing comes from outside."""
+"""Surroundings of a robot: ground and lights; nothing is loaded from outside."""
 
 from __future__ import annotations
 

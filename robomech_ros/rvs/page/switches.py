@@ -1,4 +1,4 @@
-"""What a layer shows: checkboxes of its folder, which the address of the page keeps."""
+"""Checkboxes of a layer's folder, stored in the address of the page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the panel writes: what is known of the pose, and the table of its postures."""
+"""Texts of the panel: results for the pose, and the table of its postures."""
 
 from __future__ import annotations
 

@@ -146,7 +146,7 @@ class AngleSlider:
 
     @property
     def value(self) -> Any:
-        """Where it stands; what is no number is given as it is."""
+        """Value of the slider; returned unchanged if it is no number."""
         value = self._handle.value
         return value / self._factor if type(value) in (int, float) else value
 

@@ -1,4 +1,4 @@
-"""What is written below the section of a workspace, and below a map."""
+"""Captions below the section of a workspace, and below a map."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where pages listen, unless another address is given."""
+"""Default address of pages."""
 
 # Only this machine; the port is viser's.
 HOST, PORT = "127.0.0.1", 8080

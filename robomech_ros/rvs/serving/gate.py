@@ -1,4 +1,4 @@
-"""Who may come in: the token, the cookie that it becomes, and the headers Host and Origin.
+"""Access control: the token, the cookie that it becomes, and the headers Host and Origin.
 
 Any page in any browser on this machine can send requests to a port on it.  A request is answered if
 its Host is a name that this server is known by, so that no foreign name can be made to point here;

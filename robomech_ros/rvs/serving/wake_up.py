@@ -1,4 +1,4 @@
-"""What wakes the senders of a page, from whatever thread."""
+"""Wake-up of the senders of a page, from any thread."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ _RANK = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class LinearMap:
-    """What a matrix (m, n) does with space.
+    """Rank, range, kernel and singular values of a matrix (m, n).
 
     Attributes
     ----------

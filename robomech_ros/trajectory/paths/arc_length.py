@@ -62,7 +62,7 @@ class ArcLength:
 
     @property
     def length(self) -> float:
-        """Of the whole curve (m)."""
+        """Length of the whole curve (m)."""
         return float(self.lengths[-1])
 
     @cached_property
@@ -136,7 +136,7 @@ class ByArcLength:
 
     @property
     def length(self) -> float:
-        """Of the whole curve (m)."""
+        """Length of the whole curve (m)."""
         return self.measure.length
 
     @cached_property

@@ -1,4 +1,4 @@
-"""What tracking needs of an arm, serial arms made from three functions, and arms joined."""
+"""Arms for path tracking: required interface, arms from three functions, and joined arms."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _METHODS = ("forward", "inverse", "jacobian", "jacobian_rate")
 
 
 class Arm(Protocol):
-    """What tracking needs to know of an arm with n joints.
+    """Arm of n joints, as path tracking needs it.
 
     All is in the base frame, twists are [omega; v] at the tool's origin, rad and m.
     """

@@ -157,7 +157,7 @@ def _frames(curve: Curve, u: Array) -> FrenetSerret:
 
 
 def _is_curved(curve: Curve, rows: Array, p: Array) -> BoolArray:
-    """Where the curvature (1/m) is more than rounding, seen over the length of the curve."""
+    """Return True where the curvature (1/m) exceeds rounding over the length of the curve."""
     length = np.linalg.norm(rows[1], axis=-1) * (curve.breaks[-1] - curve.breaks[0])
     curved: BoolArray = np.linalg.norm(p[2], axis=-1) * length > STRAIGHT
     return curved

@@ -1,4 +1,4 @@
-"""Where joint paths must end: the last place with acceptable joint values."""
+"""End points of joint paths: the last position with acceptable joint values."""
 
 from collections.abc import Callable
 

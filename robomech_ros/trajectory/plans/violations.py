@@ -1,4 +1,4 @@
-"""What is wrong with a curve: at its ends, and first of each kind between them."""
+"""Violations of a curve: at its ends, and the first of each kind between them."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ _QUANTITIES = ("position", *RATES)
 
 @dataclass(frozen=True)
 class Violation:
-    """What is wrong first with a trajectory.
+    """First violation in a trajectory.
 
     Attributes
     ----------

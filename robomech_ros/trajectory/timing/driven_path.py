@@ -27,7 +27,7 @@ class DrivenRobot(Protocol):
 
     @property
     def drives_at(self) -> IntArray:
-        """Where the drives are among the joints, shape (m,)."""
+        """Indices of the drives among the joints, shape (m,)."""
         ...
 
     def checked_posture(self, q: Array, what: str) -> Array:
@@ -66,7 +66,7 @@ class DrivenPath:
 
     @property
     def drives(self) -> list[int]:
-        """Where the drives are among the joints."""
+        """Indices of the drives among the joints."""
         robot: Any = self.robot
         return robot.drives_at.tolist() if _is_robot(robot) else list(range(self.path.joints))
 

@@ -1,4 +1,4 @@
-"""What limits the speed along a path, speeds cell by cell, and the motions that they give."""
+"""Limits of the speed along a path, speeds cell by cell, and the resulting motions."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -24,7 +24,7 @@ Bound = Callable[[Array], Array]
 
 @dataclass(frozen=True, eq=False)
 class PathLimits:
-    """What limits the speed along a path of n joints.
+    """Limits of the speed along a path of n joints.
 
     Attributes
     ----------

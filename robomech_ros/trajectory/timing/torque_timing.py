@@ -168,7 +168,7 @@ def _timed(known: Limits, drives: list[int]) -> list[int]:
 
 @dataclass(frozen=True, eq=False)
 class _Model:
-    """What a robot takes on a path, of those joints that have an effort limit."""
+    """Effort limits of a robot on a path, for the joints that have one."""
 
     driven: DrivenPath
     effort: Array

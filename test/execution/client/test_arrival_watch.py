@@ -1,4 +1,4 @@
-"""What the joint states say of a motion: whether it arrives, stands or cannot be seen any more."""
+"""Motion progress by joint states: a robot arrives, is at rest, or sends no more states."""
 
 import numpy as np
 import pytest

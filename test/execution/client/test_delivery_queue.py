@@ -1,4 +1,4 @@
-"""Who waits for what, and how long."""
+"""Requests in the queue, and their waiting times."""
 
 import pytest
 from dispatch_cases import HOME, delivery, stamped

@@ -1,4 +1,4 @@
-"""What a follower says of the time to come, and of the time that is over."""
+"""Desired states of a follower in the future and in the past."""
 
 import numpy as np
 import pytest

@@ -109,7 +109,7 @@ def test_the_join_keeps_acceleration_limits_and_is_continuous():
 
 @pytest.mark.parametrize("points", [2, 3, 5])
 def test_a_trajectory_may_be_shorter_than_the_smoothing(points):
-    """Told to be here within 20 ms, a robot at full speed is back there later, and smoothly."""
+    """A robot at full speed that must be here within 20 ms returns later, and smoothly."""
     present = state((0.05, 0.0, 0.0), (1.0, -0.3, 0.0))
     here = np.tile((0.05, 0.0, 0.0), (points, 1))
     still = np.zeros((points, 3))

@@ -258,7 +258,7 @@ def test_batch_agrees_with_single_calls(ur5e):
 
 @pytest.mark.parametrize("name", ["puma560", "irb120", "stanford"])
 def test_a_batch_tells_a_continuum_outside_the_limits(name):
-    """Of a continuum only representatives are tried: that limits exclude all of it is not known."""
+    """Only representatives of a continuum are tried: limits may exclude part of it."""
     chain = load_robot(name)
     quarters = np.random.default_rng(0).integers(-1, 3, (60, 6)) * (np.pi / 2)
     T = forward_kinematics(chain, np.where(chain.types == 1, 0.1, quarters))

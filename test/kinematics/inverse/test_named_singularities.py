@@ -47,7 +47,7 @@ def random_postures(name, rng):
 
 
 def centre(chain, q):
-    """Where the last axes meet (m): three of them, of ur5e two."""
+    """Return the intersection (m) of the last axes: three of them, two for the ur5e."""
     pose = forward_kinematics(chain, q)
     return pose[..., :3, 3] - chain.dh.b[5] * pose[..., :3, 2]
 

@@ -74,7 +74,7 @@ def least_distance_inside(chain, point, rng, starts=8):
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_issue_12_the_amount_respects_the_limits(name):
-    """Of SCARA 1.313 m were told where 1.371 m were true: its slide had no ends."""
+    """The SCARA reported 1.313 m instead of 1.371 m: the ends of its slide were ignored."""
     chain, rng, seen = load_robot(name), np.random.default_rng(7), set()
     for point in ((0.0, 0.0, -3.0), (-0.5, -2.0, 0.5), (-1.5, 0.5, -1.0), (0.3, 0.2, 3.0)):
         T = pose_at(point)

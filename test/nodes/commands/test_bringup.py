@@ -1,4 +1,4 @@
-"""What `robomech bringup` starts, and with which parameters."""
+"""Nodes that `robomech bringup` starts, and their parameters."""
 
 import argparse
 import re

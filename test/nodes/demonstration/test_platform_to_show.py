@@ -1,4 +1,4 @@
-"""What the demonstration does with parallel robots: in reach, apart, nothing in the way."""
+"""Demonstration with parallel robots: in reach, apart, without obstacles."""
 
 import numpy as np
 import pytest

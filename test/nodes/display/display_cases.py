@@ -66,7 +66,7 @@ class PinocchioRobot:
 
 
 class StatePublisher(Node):
-    """What robot_state_publisher does: the description, and the frames of each joint state.
+    """Substitute for robot_state_publisher: the description, and the frames of each joint state.
 
     Parameters
     ----------

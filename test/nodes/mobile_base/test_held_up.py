@@ -25,7 +25,7 @@ def base():
 
 @pytest.mark.slow
 def test_commands_without_a_stamp_from_that_time_move_nothing(graph, base):
-    """Who sent them may have let go since."""
+    """The sender of such commands may have let go since."""
     said, news = [], threading.Event()
 
     def hear(message):

@@ -1,4 +1,4 @@
-"""What a mobile base is given that is wrong: each is refused, or left out as its page says."""
+"""Wrong input to a mobile base: each is rejected, or ignored as documented."""
 
 import math
 import re

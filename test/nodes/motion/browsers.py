@@ -56,7 +56,7 @@ class Browser:
         self.set(self.layer._controls._pad.handle, text)
 
     def said(self, line="result"):
-        """What the page says."""
+        """Return the text of a line of the page."""
         return html.unescape(self.layer._news._lines[line])
 
     def close(self):
@@ -64,7 +64,7 @@ class Browser:
 
 
 def drawn(browser):
-    """Where the robot is drawn (rad), shape (n,)."""
+    """Return the drawn joint positions of the robot (rad), shape (n,)."""
     latest = browser.layer._goal._robot
     return np.full(6, np.nan) if latest is None else latest
 

@@ -125,7 +125,7 @@ def test_straight_lines_from_waypoint_to_waypoint(puma):
 
 
 def test_nothing_is_published_that_an_executor_would_take(puma):
-    """Who asks MoveIt's service has the answer executed; neither is a part of a path."""
+    """A client of MoveIt's service executes the response itself; neither is a part of a path."""
     heard = []
     topic = "trajectory_planner/planned_trajectory"
     puma.client.create_subscription(JointTrajectory, topic, heard.append, LATCHED)

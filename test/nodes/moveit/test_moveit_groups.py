@@ -29,7 +29,7 @@ OPTIONS = {"robot_description": URDF, "group": "left_arm", "state_timeout": 0.0}
 
 
 def everywhere(**changes):
-    """Where all joints are: both arms at home, the torso turned, but for some."""
+    """Return all joint positions: both arms at home, the torso turned, with some changes."""
     at = {**SEMANTIC.state("left_arm", "home"), **SEMANTIC.state("right_arm", "home")}
     return {"torso_joint": 0.7, "finger_joint": 0.01, "thumb_joint": -0.01, **at, **changes}
 

@@ -1,4 +1,4 @@
-"""What a process that is killed leaves for the next one, and files that are not such a record."""
+"""Records of a killed process for the next one, and files that are no such record."""
 
 import os
 import signal

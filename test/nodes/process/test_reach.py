@@ -1,4 +1,4 @@
-"""Who can reach the nodes is said at their start."""
+"""Nodes report at their start who can reach them."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""What the tests of motions of parallel robots share."""
+"""Shared fixtures of the tests of parallel robots' motions."""
 
 import sys
 from pathlib import Path

@@ -14,7 +14,7 @@ TIP = "__viserMutable.nodeRefFromName['/base/target']"
 
 
 def places(tab, points):
-    """Where points of the root are in the picture, from -1 to 1 both ways."""
+    """Return the image coordinates of points in the root, from -1 to 1 both ways."""
     script = f"""(() => {{
         const v = __viserMutable;
         const root = v.nodeRefFromName['/base'].parent, c = v.camera;

@@ -54,7 +54,7 @@ def contours(shown):
 
 
 def steady_plane(tab):
-    """Where the plane is seen, once folders and the page have stopped moving."""
+    """Return the plane's position on the screen, once folders and the page have stopped moving."""
     script = f"""(() => {{
         {PLOT}.scrollIntoView({{block: 'center'}});
         const r = {PLOT}.querySelector('[data-plane]').getBoundingClientRect();

@@ -41,7 +41,7 @@ def at_home(shown):
 
 
 def pixel(tab, node):
-    """Where the origin of a node is seen."""
+    """Return the pixel of a node's origin."""
     script = f"""(() => {{
         const v = __viserMutable, o = v.nodeRefFromName[{node!r}], c = v.camera;
         o.updateWorldMatrix(true, false); c.updateMatrixWorld();
@@ -133,7 +133,7 @@ def release(tab, page, x, y):
 
 
 def handle(tab):
-    """Where the middle of one of the gizmo's arrows is seen: part of the way to its end."""
+    """Return the pixel of the middle of one of the gizmo's arrows: part of the way to its end."""
     script = f"""(() => {{
         const v = __viserMutable, o = {NODE}, c = v.camera;
         o.updateWorldMatrix(true, true); c.updateMatrixWorld();
@@ -163,7 +163,7 @@ def test_the_arm_follows_the_gizmo(at_home):
 
 
 def gizmo_place(tab):
-    """Where the gizmo is in the base (m); its own position stays while it is dragged."""
+    """Return the gizmo's position in the base (m); its own position stays while it is dragged."""
     script = f"""(() => {{
         const base = __viserMutable.nodeRefFromName['/base'], o = {NODE};
         base.updateWorldMatrix(true, false); o.updateWorldMatrix(true, false);
@@ -214,7 +214,7 @@ def ghost_places(page):
 
 
 def seen(tab, place):
-    """Where a point in the base is seen."""
+    """Return the pixel of a point in the base."""
     script = f"""(() => {{
         const v = __viserMutable, o = v.nodeRefFromName['/base'], c = v.camera;
         o.updateWorldMatrix(true, false); c.updateMatrixWorld();

@@ -34,7 +34,7 @@ def layer(page):
 
 
 def seen_at(tab, point):
-    """Where a point of the picture (in its own units) is seen, once the page stopped moving."""
+    """Return the pixel of a point of the picture (in its own units), once the page is still."""
     x, y = point
     script = f"""(() => {{
         const s = {SECTION};

@@ -24,7 +24,7 @@ def hand():
 
 
 def tips(hand):
-    """Where the tips of the fingers are, by the fingers alone and by the tree that is drawn."""
+    """Return the tips of the fingers, by the fingers alone, and check the drawn tree."""
     parts = hand.hand.split(hand.fingers_q)
     own = [forward_kinematics(f, q)[:3, 3] for f, q in zip(hand.hand.fingers, parts, strict=True)]
     links = hand.description.link_poses(hand.positions)

@@ -1,4 +1,4 @@
-"""What is seen of a robot: meshes where they are, generated bodies where not, ghosts."""
+"""Drawn parts of a robot: meshes if they exist, generated bodies if not, ghosts."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ endsolid one
 
 
 def volume(solid):
-    """Of a closed surface, positive if its triangles face outwards."""
+    """Return the volume of a closed surface, positive if its triangles face outwards."""
     a, b, c = (solid.vertices[solid.faces[:, k]] for k in range(3))
     return np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0
 

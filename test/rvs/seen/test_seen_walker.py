@@ -18,7 +18,7 @@ ROBOTS = list_legged()
 
 
 def feet_seen(walker):
-    """Where the feet are, by the tree that is drawn."""
+    """Return the positions of the feet in the drawn tree."""
     poses = walker.description.link_poses(walker.positions)
     return np.array([poses[f"{leg}_foot"][:3, 3] for leg in walker.robot.leg_names])
 

@@ -1,4 +1,4 @@
-"""What all profiles have in common: requests that are refused, and properties of every motion."""
+"""Common behaviour of all profiles: rejected requests, and properties of every motion."""
 
 from types import SimpleNamespace
 

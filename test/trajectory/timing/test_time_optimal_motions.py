@@ -129,7 +129,7 @@ def test_a_path_that_swings_out_of_the_limits_is_held_back():
 
 
 def test_a_straight_line_out_of_the_limits_is_refused():
-    """Where a via point is the start or the goal, a straight line is left."""
+    """A straight line is left if a via point is the start or the goal."""
     narrow = replace(LIMITS, lower=np.full(3, -0.5), upper=np.full(3, 0.5))
     start, goal = np.zeros(3), np.array([0.2, 0.9, 0.1])
     for points in ([start, start, goal], [start, goal, goal]):

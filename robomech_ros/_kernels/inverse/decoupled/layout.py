@@ -1,4 +1,4 @@
-"""Where the constants of a decoupled arm stand in its data array.
+"""Layout of the constants of a decoupled arm in its data array.
 
 The wrist centre has the constant coordinates W in the frame that moves with joint 3, so that the
 arm's part of the problem is ``J_1 C_1 J_2 C_2 J_3 W = c``.  Read from the tip it is

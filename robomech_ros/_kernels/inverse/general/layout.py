@@ -1,4 +1,4 @@
-"""Where the constants of a general six-joint arm stand in its data array.
+"""Layout of the constants of a general six-joint arm in its data array.
 
 A form is one way to the solutions.  With one slide at most it is an elimination.  It walks round
 the closed loop of the six joints and of the target pose in one sense, from one of its links, and

@@ -1,4 +1,4 @@
-"""Where the constants of the iterative solver stand in its data array of a chain of n joints."""
+"""Layout of the iterative solver's constants in its data array, for a chain of n joints."""
 
 JOINTS = 0  # n
 UNIT = 1  # weight of the squared position error against the squared angle (1/m^2)

@@ -54,7 +54,7 @@ def _through_wrist(data, G, x, y, z, far, turns):
 
 @lean
 def carried(data, G, k, far, turns):
-    """Where the motion that is left to the parallel axes takes a point or direction, in F.
+    """Map a point or direction by the motion that remains for the parallel axes, in F.
 
     ``k`` says where its coordinates stand in the data: POINT with far = 1, HEADING with 0.
     ``turns`` are cosine, sine and displacement of axes a, 5 and 6.

@@ -1,4 +1,4 @@
-"""Where the constants of an arm with three parallel axes stand in its data array.
+"""Layout of the constants of an arm with three parallel axes in its data array.
 
 Frames: F has its z along the three parallel axes, its origin on the first of them and its x
 towards the second.  Frames 5 and 6 stand at the feet of the common normal of the last two axes,

@@ -1,4 +1,4 @@
-"""Where the constants of a redundant arm of n joints stand in its data array.
+"""Layout of the constants of a redundant arm of n joints in its data array.
 
 LOCKED arms have six neighbouring joints, from FIRST on, that make an arm with a closed form; the
 n - 6 others are locked at chosen values.  ARM_ANGLE arms have seven revolute joints, axes 1 to 3

@@ -58,7 +58,7 @@ class RunningMover:
 
     @property
     def condition(self) -> str:
-        """What is wrong with odometry or joint states."""
+        """Problem of odometry or joint states; empty if there is none."""
         return self._feed.condition
 
     @property

@@ -1,4 +1,4 @@
-"""What contacts hold: closure, quality, forces for a load, and the effort of the fingers."""
+"""Grasp study: closure, quality, forces for a load, and the effort of the fingers."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Grasp:
 
 @dataclass(frozen=True, eq=False)
 class GraspStudy:
-    """What is known of a grasp.
+    """Result of a grasp study.
 
     Parameters
     ----------

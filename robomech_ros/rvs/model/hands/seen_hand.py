@@ -40,7 +40,7 @@ MASKED = "; only x, y and z"
 
 @dataclass(frozen=True)
 class Spot:
-    """Where a finger touches the object.
+    """Contact of a finger with the object.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ class SeenHand(SeenTree):
 
     @property
     def study(self) -> PoseStudy:
-        """What is known of the pose of the object: all postures of the fingers."""
+        """Study of the object's pose: all postures of the fingers."""
         return self._study
 
     @property
@@ -159,7 +159,7 @@ class SeenHand(SeenTree):
 
     @property
     def grasp(self) -> Grasp:
-        """What is held, by the fingers that reach."""
+        """Grasp by the fingers that reach the object."""
         contacts, centre = self.contacts(self.reached), self.tip[:3, 3]
         return Grasp(self.hand, self.fingers_q, contacts, self.reached, centre, self.load)
 

@@ -52,7 +52,7 @@ class Moving(Protocol):
 
     @property
     def trail(self) -> Array:
-        """Where it was, shape (m, 3) (m)."""
+        """Past positions, shape (m, 3) (m)."""
 
     def forget(self) -> None:
         """Begin a new trail."""

@@ -138,7 +138,7 @@ class SeenBase(SeenTree):
 
     @property
     def trail(self) -> Array:
-        """Where the base was, shape (m, 3) (m)."""
+        """Past positions of the base, shape (m, 3) (m)."""
         return self._trail.points
 
     def facts(self) -> list[tuple[str, str]]:

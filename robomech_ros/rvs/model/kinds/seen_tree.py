@@ -61,22 +61,22 @@ class SeenTree(Moved):
 
     @property
     def values(self) -> Array:
-        """Where the joints with sliders are (rad or m)."""
+        """Positions of the joints with sliders (rad or m)."""
         return np.array([self._at[name] for name in self._travels])
 
     @property
     def tip(self) -> Array:
-        """Where the link that is dragged is (m), shape (4, 4)."""
+        """Pose of the dragged link (m), shape (4, 4)."""
         return np.asarray(self.description.link_poses(self._at)[self.end])
 
     @property
     def target(self) -> Array:
-        """Where the gizmo is: at that link (m), shape (4, 4)."""
+        """Pose of the gizmo, equal to that of the dragged link (m), shape (4, 4)."""
         return self.tip
 
     @property
     def study(self) -> PoseStudy:
-        """What is told of it."""
+        """Study of the pose."""
         status = Status.OUT_OF_REACH if self._refused else Status.SUCCESS
         return ToldStudy(self.tip, (), True, status, "", text=self._text)
 

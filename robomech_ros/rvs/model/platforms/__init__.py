@@ -1,1 +1,1 @@
-"""What the view shows of a parallel robot; knows no browser."""
+"""Model of the view of a parallel robot, independent of any browser."""

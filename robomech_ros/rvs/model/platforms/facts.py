@@ -20,7 +20,7 @@ ANGULAR = 3
 
 @dataclass(frozen=True, eq=False)
 class PlatformFacts:
-    """What is known of a posture.
+    """Facts about a posture.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class PlatformFacts:
 
     @property
     def lines(self) -> list[tuple[str, str]]:
-        """What is known, and its value, for people."""
+        """Facts as pairs of label and text."""
         report = self.report
         first, second = (f"{value:.3f}" for value in report.distances)
         lines = [

@@ -1,4 +1,4 @@
-"""What else a parallel robot can be in: its assembly modes, and the branches of its limbs."""
+"""Alternatives of a parallel robot: its assembly modes, and the branches of its limbs."""
 
 from __future__ import annotations
 

@@ -78,12 +78,12 @@ class SeenPlatform(Moved):
 
     @property
     def study(self) -> PoseStudy:
-        """What is known of the pose that the platform has or is dragged to."""
+        """Study of the pose that the platform has or is dragged to."""
         return self._study
 
     @property
     def tip(self) -> Array:
-        """Where the platform is: ``T_base_platform`` (m), shape (4, 4)."""
+        """Pose of the platform: ``T_base_platform`` (m), shape (4, 4)."""
         return self.mechanism.pose(self._q)
 
     @property

@@ -37,7 +37,7 @@ class Stance:
 
 
 class MoverView(RunningView, Protocol):
-    """What a robot that runs over the ground tells a page."""
+    """Page for a running mobile robot."""
 
     def show_place(self, positions: Mapping[str, float], place: Array) -> None:
         """Draw the robot with its joints there (rad or m), at x, y (m) and heading (rad)."""
@@ -50,7 +50,7 @@ class MoverView(RunningView, Protocol):
 
 
 class LiveMover(Protocol):
-    """What a page asks of a robot; methods return at once, and answers go to the view."""
+    """Running mobile robot as a page uses it; methods return at once, results go to the view."""
 
     def begin(self, view: MoverView) -> None:
         """Tell this page, from now on."""

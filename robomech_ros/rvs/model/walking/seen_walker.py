@@ -84,7 +84,7 @@ class SeenWalker(SeenTree):
 
     @property
     def period(self) -> float:
-        """Of the walk (s)."""
+        """Period of the walk (s)."""
         return self._walker.period
 
     @property
@@ -225,7 +225,7 @@ class SeenWalker(SeenTree):
 
     @property
     def trail(self) -> Array:
-        """Where it was, shape (m, 3) (m)."""
+        """Past positions, shape (m, 3) (m)."""
         return self._trail.points
 
     def forget(self) -> None:

@@ -1,1 +1,1 @@
-"""What a page has for a robot that runs: news of it, and buttons that are held."""
+"""Page parts for a running robot: messages from it, and hold-to-run buttons."""

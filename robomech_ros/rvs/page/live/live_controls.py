@@ -1,4 +1,4 @@
-"""What the browser that commands has for a robot that runs: plan, execute, jog."""
+"""Controls of the commanding browser for a running robot: plan, execute, jog."""
 
 from __future__ import annotations
 

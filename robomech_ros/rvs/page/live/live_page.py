@@ -43,7 +43,7 @@ class News:
 
 
 class LivePage:
-    """What pages of all robots that run have.
+    """Common part of the pages of all running robots.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the browser that commands has for a robot that runs over the ground: hold to move."""
+"""Controls of the commanding browser for a running mobile robot: hold to move."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from robomech_ros.rvs.page.folder import Folder
 
 
 class TrunkControls:
-    """What a folder has for the trunk.
+    """Controls of the trunk in a folder.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""What is seen of robots that move over the ground, and has them move on."""
+"""Page parts for robots that move over the ground."""

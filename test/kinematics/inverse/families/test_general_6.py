@@ -130,7 +130,7 @@ def test_size_does_not_matter():
 
 
 def test_a_pose_that_cannot_be_taken():
-    """Of three slides and three skew axes not every direction can be had, but every place."""
+    """Three slides and three skew axes reach every position, but not in every orientation."""
     chain = arm("PRPRPR")
     far = forward_kinematics(chain, np.array([5.0, 0.3, -7.0, 0.5, 6.0, -0.4]))
     assert len(inverse_kinematics(chain, far, respect_limits=False)) == 2

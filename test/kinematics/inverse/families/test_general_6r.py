@@ -204,7 +204,7 @@ def test_an_arm_that_hardly_moves_in_all_directions_claims_nothing():
 
 @pytest.mark.parametrize("name", [*ROBOTS, "random-0"])
 def test_hardly_a_pose_needs_a_second_sampling(name):
-    """What keeps the slowest poses fast: the first form is the one with the least effort."""
+    """The first form is the one with the least effort; this keeps the slowest poses fast."""
     chain = general_arm(name)
     data = match(chain)
     spent = []

@@ -94,7 +94,7 @@ def test_no_posture_of_densely_traced_branches_is_nearer_in_a_thousand_poses(nam
 @pytest.mark.parametrize("name", ARMS)
 @pytest.mark.parametrize("reach", [0.1, 0.5])
 def test_issue_12_the_posture_that_made_the_pose_is_no_nearer(name, reach):
-    """Of 2000 seeds within 0.5 rad of a posture, 14 of the Panda had a farther answer."""
+    """In 14 of 2000 seeds within 0.5 rad of a posture, the Panda's answer was farther away."""
     chain = make(name)
     for posture, seed in problems(chain, 100, 22, reach):
         T = forward_kinematics(chain, posture)

@@ -183,7 +183,7 @@ FIVE_AND_FEWER = [*FIVE, *SKEW_FIVE, "RRRR", "RRPR", "scara", "planar3r", "spher
 @pytest.mark.parametrize("digits", [6, 8])
 @pytest.mark.parametrize("name", FIVE_AND_FEWER)
 def test_rounded_poses_have_the_solutions_of_exact_ones(name, digits, apart):
-    """Of the vx300 none of 60 was solved."""
+    """The vx300 solved none of 60 rounded poses."""
     chain = make(name)
     targets = forward_kinematics(chain, random_postures(chain, 40, 31))
     rounded = np.round(targets, digits)

@@ -94,7 +94,7 @@ def test_branches_of_a_universal_robot_differ(three_parallel_arm):
 
 
 def test_elbow_up_is_up(three_parallel_arm):
-    """Where the arm stretches out level, the elbow of an elbow-up posture is above the line."""
+    """In a level line of the stretched arm, the elbow of an elbow-up posture is above the line."""
     chain = three_parallel_arm("ur5e")
     elbow = chain.with_tip("forearm_link")
     T = forward_kinematics(chain, [0.3, -0.6, 1.2, -1.9, -1.3, 0.4])

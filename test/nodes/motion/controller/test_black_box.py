@@ -1,4 +1,4 @@
-"""What the tests of ros2_control's joint_trajectory_controller ask of it, by their names there."""
+"""Requirements of ros2_control's tests of its joint_trajectory_controller, under their names."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What the simulated robot does when all is well, and when plans change."""
+"""Motion of the simulated robot without faults, and when plans change."""
 
 import itertools
 import math

@@ -118,7 +118,7 @@ def test_a_publisher_that_was_killed_tells_what_became_of_the_motion(graph, proc
 
 @pytest.mark.slow
 def test_a_motion_from_home_while_the_controller_starts_again_there(graph, process):
-    """What the process before has said of the joints does not count: it was elsewhere."""
+    """Joint states of the previous process do not count: it was elsewhere."""
     arm = Suite(graph, with_controller=False, controller_timeout=TIMEOUT)
     controller = process(JointTrajectoryControllerNode, robot_description=ROBOT)
     assert arm.execute(arm.trajectory(0.0, MOVE, duration=1.0)).error_code == 0

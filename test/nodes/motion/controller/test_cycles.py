@@ -119,7 +119,7 @@ def test_a_cycle_can_stop_its_own_cycles(node):
 
 
 def test_the_robot_moves_on_while_a_callback_takes_long(arm):
-    """What blocks the executor, such as reading a long trajectory, does not stop the robot."""
+    """A blocked executor, such as by reading a long trajectory, does not stop the robot."""
     node = next(n for n in arm.graph._nodes if n.get_name() == "joint_trajectory_controller")
     arm.send(arm.trajectory((20.0, 5 * MOVE)))
     arm.until_moving()

@@ -57,7 +57,7 @@ class Hand(Driver):
 
     @property
     def position(self):
-        """Of the arm."""
+        """Return the positions of the arm's joints."""
         return np.array(self.states[-1].position)[:7]
 
     def fingers(self, state=None):

@@ -1,4 +1,4 @@
-"""Where all joints of a robot with several groups begin, and which are its gripper."""
+"""Start posture of all joints of a robot with several groups, and its gripper joints."""
 
 import pytest
 from rclpy.qos import QoSProfile

@@ -24,7 +24,7 @@ def until(condition):
 
 @pytest.fixture
 def life(graph):
-    """What a client knows of the controller whose action it uses."""
+    """Return the liveliness of the controller as its action client sees it."""
     return SignsOfLife(graph.client, ACTION, 0.5)
 
 

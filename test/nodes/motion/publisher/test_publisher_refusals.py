@@ -1,4 +1,4 @@
-"""What cannot be executed is said, with code and text, and the publisher goes on."""
+"""Rejected trajectories are reported with code and text, and the publisher goes on."""
 
 import time
 
@@ -45,7 +45,7 @@ def facts(status):
 
 
 def unchanged(trajectory):
-    """What is wrong is in the numbers."""
+    """Return the trajectory as it is; the numbers are wrong."""
 
 
 CASES = {

@@ -121,7 +121,7 @@ def test_a_signal_on_the_way_brakes_the_robot(drive, graph, process, number):
 
 @pytest.mark.slow
 def test_commands_from_a_time_when_the_servo_was_held_up_move_nothing(drive, graph, process):
-    """Who sent them may have let go since."""
+    """The sender of such commands may have let go since."""
     child = []
 
     def start(node, **parameters):

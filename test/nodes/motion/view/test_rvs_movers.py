@@ -38,7 +38,7 @@ def page_of(graph, browse, robot):
 
 
 def place(browser):
-    """Where the robot is drawn: x, y (m) and heading (rad)."""
+    """Return the drawn position of the robot: x, y (m) and heading (rad)."""
     at = browser.page._arm.positions
     return np.array([at[name] for name in WAYS.values()])
 
