@@ -2,10 +2,11 @@
 
 Robots may be of any kind.  Every request must be answered, never with 900, no node may log a defect
 of its own, and what succeeds must have finite numbers where the interface allows no others; so must
-all that is published.  What is missing a minute after the last answer counts as unanswered.  The
-robot must obey its limits of position and velocity all the time, whatever faults its simulated
-joints get; loops stay closed; and it must execute a plan when all is over.  One on wheels or legs
-must not move by spoilt commands before, and must follow a twist when it is over.
+all that is published.  A request is unanswered a minute after the last answer; only the time in
+which this process looks for answers counts.  The robot must obey its limits of position and
+velocity all the time, whatever faults its simulated joints get, and may jump only home, while
+a reset is asked for.  Loops stay closed.  The robot must execute a plan when all is over.  One on
+wheels or legs must not move by spoilt commands before, and must follow a twist when it is over.
 """
 
 from __future__ import annotations
@@ -88,13 +89,14 @@ def attack_suite(suite: RunningSuite, robot: KnownRobot, count: int, seed: int) 
     rclpy.init(args=[])
     node = Node("attacker")
     suite.wait_until_ready(node)
-    # It has a thread of its own: answers must not keep it from states.
-    watcher = Node("watcher")
-    watch, spinner = Watch(watcher, robot), Spinner([watcher])
-    spinner.start()
     maker = MessageMaker(rng, robot)
     attack = Attack(node, list(suite.nodes), maker, rng, suite.alive, WITH_FAULTS)
-    outputs = OutputWatch(node, suite.nodes)
+    # Those who watch have a thread of their own: messages and answers must not delay one another.
+    watcher = Node("watcher")
+    watch = Watch(watcher, robot, attack.resets)
+    outputs = OutputWatch(watcher, suite.nodes, node.get_name())
+    spinner = Spinner([watcher])
+    spinner.start()
     faults, goes = attack.outcome.faults, {"walker", "mobile_base"} & set(suite.nodes)
     began = time.monotonic()
     commands = commands_of(attack.topics)
@@ -112,7 +114,10 @@ def attack_suite(suite: RunningSuite, robot: KnownRobot, count: int, seed: int) 
     faults += outputs.faults + [one for one in (watch.fault, why) if one]
     report(attack.outcome, time.monotonic() - began)
     print(f"{outputs.seen} published messages looked at, of {len(outputs.latest)} topics")
-    print(f"{watch.seen} joint states, at up to {watch.velocity:.3g} of the velocity limits")
+    print(
+        f"{watch.seen} joint states, {watch.wrong} of them wrong, at up to {watch.velocity:.6g} "
+        "of the velocity limits"
+    )
     node.destroy_node()
     rclpy.try_shutdown()
     return bool(attack.outcome.faults or attack.outcome.unanswered)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -12,17 +11,17 @@ from typing import Any
 import numpy as np
 from findings import code_of, fault_of
 from messages import MessageMaker
+from probes import LONGEST, Probes, ProgressExecutor
 from raw_writer import RawWriter
 from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rclpy.action import get_action_server_names_and_types_by_node
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 from rclpy.task import Future
-from robot_watch import STRANGER
+from robot_watch import STRANGER, Resets
 
 from robomech_ros.nodes.commands.message_yaml import interface_class
 from robomech_ros.nodes.middleware.deep_queues import ask, ask_action
@@ -38,6 +37,8 @@ _STATES = "/joint_states"
 _SHARED = ("/parameter_events", "/rosout", "/clock", _STATES)
 # Where bytes of joint states begin behind which they may be flipped: time and frame stay.
 _MARKED = 32
+# Services of this name put the robot home.
+_RESET = "/reset"
 # Those who want latched messages hear no others; all others hear these, too.
 _LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ODDS = {"request": 0.8, "message": 0.12, "bytes": 0.05, "goal": 0.03}
@@ -92,6 +93,12 @@ class Attack:
         Says whether the nodes still run.
     odds : mapping, optional
         How often what is sent.
+
+    Attributes
+    ----------
+    outcome : Outcome
+    resets : Resets
+        When the attack may have put the robot home.
     """
 
     def __init__(
@@ -103,13 +110,13 @@ class Attack:
         alive: Callable[[], bool],
         odds: Mapping[str, float] = ODDS,
     ) -> None:
-        self.outcome, self._odds = Outcome(), dict(odds)
+        self.outcome, self.resets, self._odds = Outcome(), Resets(), dict(odds)
         self._node, self._maker, self._rng, self._alive = node, maker, rng, alive
-        self._executor = SingleThreadedExecutor(context=node.context)
+        self._executor = ProgressExecutor(node.context)
         self._executor.add_node(node)
         # Each with whose it is, and what takes it.
         self._waiting: dict[Future, tuple[str, Callable[[Any], None]]] = {}
-        self._heard = time.monotonic()
+        self._probes = Probes(node, names)
         self._find(names)
         self._parameters = None
         if _SIMULATED in names:
@@ -144,7 +151,9 @@ class Attack:
         ways = dict(zip(WITH_FAULTS, self._ways(), strict=True))
         for way in self._rng.choice(list(self._odds), count, p=list(self._odds.values())):
             ways[str(way)]()
-            self._spin(WINDOW)
+            self._executor.spin_once(0.0)
+            while len(self._waiting) > WINDOW:
+                self._listen()
             if not self._alive():
                 self.outcome.faults.append("a node has ended")
                 return
@@ -160,14 +169,14 @@ class Attack:
 
     def settle(self) -> None:
         """End all motions, and wait until nothing is unanswered."""
-        self._heard = time.monotonic()
+        self._probes.restart()
         while self._waiting:
             for service, _, kind, client in self._services:
                 if service.endswith(("/cancel", "/hold", "/resume")):
                     client.call_async(kind.Request())
-            until = time.monotonic() + 1.0
-            while self._waiting and time.monotonic() < until:
-                self._spin(0)
+            until = self._executor.progress + 1.0
+            while self._waiting and self._executor.progress < until:
+                self._listen()
 
     def call(self, service: str, kind: Any, request: Any) -> Any:
         """Call one service and give its answer; None where none comes."""
@@ -179,41 +188,41 @@ class Attack:
 
     def wait_for(self, future: Future) -> None:
         """Go on until an answer is there, or for as long as one may take."""
-        self._executor.spin_until_future_complete(future, PATIENCE)
+        self._probes.restart()
+        while not (future.done() or self._probes.over(PATIENCE)):
+            self._wait()
 
     def spin_once(self, seconds: float) -> None:
         """Wait for one event, for so long at the most."""
         self._executor.spin_once(seconds)
 
-    def _spin(self, most: int) -> None:
-        # With another timeout the executor begins anew, with topics: on a busy machine these come
-        # so fast that it would never get to the answers.
-        if most:
-            self._executor.spin_once(0.0)
-        while (count := len(self._waiting)) > most:
-            self._executor.spin_once(0.01)
-            # What is here already is not late, however long this process was held up.
-            if len(self._waiting) == count:
-                self._drop_late()
-            if most == 0:
-                return
+    def _wait(self) -> None:
+        # Always for the same time: with another one the executor begins its pass anew.
+        before = self._executor.progress
+        self._executor.spin_once(LONGEST)
+        if self._executor.progress > before:
+            self._probes.count(self._executor.progress - before)
 
-    def _drop_late(self) -> None:
-        if time.monotonic() - self._heard > PATIENCE:
-            for service, _ in self._waiting.values():
-                self.outcome.unanswered[service] += 1
+    def _listen(self) -> None:
+        """Wait for an answer, and give up all that are missing when none comes."""
+        self._wait()
+        if self._probes.over(PATIENCE):
+            silent = ", ".join(self._probes.silent(PATIENCE)) or "no node"
+            self.outcome.faults.append(f"answers are missing; {silent} ignored a probe, too")
+            self.outcome.unanswered.update(service for service, _ in self._waiting.values())
             self._waiting.clear()
+            self._probes.restart()
 
     def _await(self, future: Future, name: str, take: Callable[[Any], None]) -> None:
         if len(self._waiting) <= 1:
-            self._heard = time.monotonic()
+            self._probes.restart()
         self._waiting[future] = name, take
         future.add_done_callback(self._came)
 
     def _came(self, future: Future) -> None:
         if future in self._waiting:
             _, take = self._waiting.pop(future)
-            self._heard = time.monotonic()
+            self._probes.restart()
             take(future.result())
 
     def _note(self, name: str, kind: str, answer: Any) -> None:
@@ -227,9 +236,21 @@ class Attack:
         return entries[int(self._rng.integers(len(entries)))]
 
     def _request(self) -> None:
-        service, name, kind, client = self._pick(self._services)
-        answer = client.call_async(self._maker.make(kind.Request))
-        self._await(answer, service, partial(self._note, service, name))
+        entry = self._pick(self._services)
+        self._ask(entry, self._begin_reset(entry[0]))
+
+    def _begin_reset(self, service: str) -> Callable[[], None]:
+        """Begin a reset, if a service is one; the function that is returned ends it."""
+        return self.resets.begin() if service.endswith(_RESET) else lambda: None
+
+    def _ask(self, entry: Any, end_reset: Callable[[], None]) -> None:
+        service, name, kind, client = entry
+
+        def take(answer: Any) -> None:
+            end_reset()
+            self._note(service, name, answer)
+
+        self._await(client.call_async(self._maker.make(kind.Request)), service, take)
 
     def _goal(self) -> None:
         if not self._actions:
@@ -277,10 +298,11 @@ class Attack:
 
     def _bytes(self) -> None:
         """Send a message cut, with flipped bits, or random bytes."""
-        others = [*self._topics, *[self._states] * self._heeded]
+        others, asked = [*self._topics, *[self._states] * self._heeded], None
         if not others or self._rng.random() < 0.5:
             k = int(self._rng.integers(len(self._services)))
-            write, kind = self._raw[k].write, self._services[k][2].Request
+            asked = self._services[k]
+            write, kind = self._raw[k].write, asked[2].Request
         else:
             kind, publisher = self._pick(others)
             write = partial(_published, publisher)
@@ -296,7 +318,11 @@ class Attack:
                 data[min(place, len(data) - 1)] ^= int(self._rng.integers(1, 256))
         else:
             data[4:] = self._rng.bytes(int(self._rng.integers(200)))
+        end_reset = self._begin_reset(asked[0] if asked else "")
         self.outcome.raw += write(bytes(data))
+        if asked and asked[0].endswith(_RESET):
+            # Bytes get no answer, and this request comes behind them.
+            self._ask(asked, end_reset)
 
 
 def _published(publisher: Any, data: bytes) -> bool:

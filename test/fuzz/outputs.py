@@ -43,6 +43,8 @@ class OutputWatch:
         Who looks.
     names : sequence of str
         The nodes that are looked at.
+    attacker : str
+        The node whose topics are passed over.
 
     Attributes
     ----------
@@ -54,13 +56,13 @@ class OutputWatch:
         By topic the message that came last.
     """
 
-    def __init__(self, node: Node, names: Sequence[str]) -> None:
+    def __init__(self, node: Node, names: Sequence[str], attacker: str) -> None:
         self.faults: list[str] = []
         self.seen, self.latest = 0, dict[str, Any]()
         self._bad = set[str]()
         own = node.get_namespace()
         # What the attacker itself sends is not theirs.
-        sent = dict(node.get_publisher_names_and_types_by_node(node.get_name(), own))
+        sent = dict(node.get_publisher_names_and_types_by_node(attacker, own))
         for name in names:
             for topic, kinds in node.get_publisher_names_and_types_by_node(name, own):
                 if topic in self.latest or topic in sent or topic in _SHARED or "/_" in topic:

@@ -15,12 +15,14 @@ from std_srvs.srv import SetBool, Trigger
 
 from robomech_interfaces.srv import Execute, PlanJoint, SetSpeed
 
-__all__ = ["STRANGER", "StateWatch", "Watch", "why_it_does_not_move"]
+__all__ = ["STRANGER", "Resets", "StateWatch", "Watch", "why_it_does_not_move"]
 
 # Rounding of numbers, and positions (rad or m) that are the same.
 ROUNDING, _SAME = 1e-6, 1e-8
 # Stamps may lag behind the clock of motions by this part, and the shortest time between two (s).
 _DRIFT, _SHORTEST = 2e-3, 1e-9
+# How far stamps of states may be off the time of this process (s).
+_STAMPS_OFF = 2e-3
 # States that may wait to be looked at while this process is held up.
 _DEPTH = 1000
 # The frame of joint states that are not the robot's.
@@ -29,26 +31,56 @@ STRANGER = "stranger"
 Call = Callable[[str, Any, Any], Any]
 
 
+class Resets:
+    """When somebody may have put the robot home: from each request to its answer, in ROS time."""
+
+    def __init__(self) -> None:
+        self._spans: list[list[float]] = []
+
+    def begin(self) -> Callable[[], None]:
+        """Note that a reset is asked for; the function that is returned notes its answer."""
+        span = [time.time(), np.inf]
+        self._spans.append(span)
+
+        def end() -> None:
+            span[1] = time.time()
+
+        return end
+
+    def earliest(self, first: float, last: float) -> float:
+        """Return when the first reset between two stamps may have been (s); infinite for none."""
+        return min(
+            (
+                max(first, began - _STAMPS_OFF)
+                for began, ended in self._spans
+                if began - _STAMPS_OFF <= last and ended + _STAMPS_OFF >= first
+            ),
+            default=np.inf,
+        )
+
+
 class StateWatch:
     """Compares each state of a robot with its limits, and with the state before.
 
     Parameters
     ----------
     joints : PublishedJoints
+    resets : Resets, optional
+        When the robot may have jumped home; by default never.
 
     Attributes
     ----------
     fault : str
         What was wrong first; empty if nothing was.
-    seen : int
-        How many states there were.
+    seen, wrong : int
+        How many states there were, and in how many something was wrong.
     velocity : float
         The greatest share of a velocity limit so far, by velocities and by positions.
     """
 
-    def __init__(self, joints: PublishedJoints) -> None:
-        self.fault, self.seen, self.velocity = "", 0, 0.0
-        self._joints = joints
+    def __init__(self, joints: PublishedJoints, resets: Resets | None = None) -> None:
+        self.fault, self.seen, self.wrong, self.velocity = "", 0, 0, 0.0
+        self._joints, self._resets = joints, resets or Resets()
         self._last: tuple[float, Array] | None = None
 
     def look(self, names: Sequence[str], time: float, position: Array, velocity: Array) -> None:
@@ -61,13 +93,15 @@ class StateWatch:
         q, rates = np.asarray(position)[order], np.asarray(velocity)[order]
         shares = np.abs(rates) / joints.velocity, self._since_last(time, q)
         self.velocity = max(self.velocity, *(float(np.max(share)) for share in shares))
-        found = [
+        faults = (
             self._outside(q),
             self._open(q),
             self._too_fast("velocity", shares[0], ROUNDING),
             self._too_fast("change of position by its stamps", shares[1], _DRIFT),
-        ]
-        self.fault = self.fault or next((f"joint_states: {one}" for one in found if one), "")
+        )
+        self.wrong += any(faults)
+        if any(faults) and not self.fault:
+            self.fault = f"joint_states at {time:.6f}: {next(filter(None, faults))}"
         self._last = time, q
 
     def _outside(self, q: Array) -> str:
@@ -88,12 +122,17 @@ class StateWatch:
 
     def _since_last(self, time: float, q: Array) -> Array:
         """Return the speeds since the state before, or since a reset to home, over their limits."""
-        if self._last is None or time < self._last[0]:
+        if self._last is None:
             return np.zeros(len(q))
-        span = max(time - self._last[0], _SHORTEST)
-        ways = np.abs(np.array((q - self._last[1], q - self._joints.home)))
-        shares = np.maximum(ways - _SAME, 0.0) / (span * self._joints.velocity)
-        return np.asarray(shares[np.argmin(shares.max(axis=1))])
+        shares = [self._speed(q - self._last[1], time - self._last[0])]
+        reset = self._resets.earliest(self._last[0], time)
+        if np.isfinite(reset):
+            shares.append(self._speed(q - self._joints.home, time - reset))
+        return min(shares, key=np.max)
+
+    def _speed(self, way: Array, span: float) -> Array:
+        way = np.maximum(np.abs(way) - _SAME, 0.0)
+        return np.asarray(way / (max(span, _SHORTEST) * self._joints.velocity))
 
     def _too_fast(self, what: str, shares: Array, rounding: float) -> str:
         if (shares <= 1.0 + rounding).all():
@@ -108,8 +147,8 @@ class Watch(StateWatch):
     Given points may ask for more than the limits of acceleration, as in ros2_control.
     """
 
-    def __init__(self, node: Node, robot: KnownRobot) -> None:
-        super().__init__(robot.published)
+    def __init__(self, node: Node, robot: KnownRobot, resets: Resets | None = None) -> None:
+        super().__init__(robot.published, resets)
         node.create_subscription(JointState, "joint_states", self._take, _DEPTH)
 
     def _take(self, message: JointState) -> None:

@@ -29,7 +29,7 @@ from clients import CLIENTS, Clients, client_processes  # noqa: E402
 from flood import WAYS, Flood  # noqa: E402
 from flooding import Asker, Flooding, flood_all, flooder, topics  # noqa: E402
 from known_robot import known_arm  # noqa: E402
-from robot_watch import Watch, why_it_does_not_move  # noqa: E402
+from robot_watch import Resets, Watch, why_it_does_not_move  # noqa: E402
 from running_suite import NODES, RunningSuite, running_suite  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 from valid import ValidMaker  # noqa: E402
@@ -71,12 +71,15 @@ def load(suite: RunningSuite, arguments: argparse.Namespace) -> list[str]:
     suite.wait_until_ready(node)
     chain = load_robot(arguments.robot)
     known = known_arm(chain)
-    watch, asker, spinner = Watch(node, known), Asker(node), Spinner([node])
+    resets = Resets()
+    watch, asker, spinner = Watch(node, known, resets), Asker(node), Spinner([node])
     spinner.start()
     faults: list[str] = []
     with client_processes(arguments.robot) as clients:
         called = [*services(node), *actions(node)]
+        end_resets = resets.begin()
         faults += call_all(chosen(called, arguments), clients, asker, arguments.count)
+        end_resets()
     with flooder(arguments.robot) as pipe:
         maker = ValidMaker(chain, np.random.default_rng(0))
         flooding = Flooding(suite, pipe, asker, maker)

@@ -1,6 +1,7 @@
 """The watch of `make fuzz` sees every state that a robot cannot be in."""
 
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[2] / "fuzz"))
 
 from known_robot import known_robot
-from robot_watch import StateWatch
+from robot_watch import Resets, StateWatch
 
 PERIOD = 0.01
 ROBOTS = ["puma560", "hexapod", "delta", "phantomx", "swerve", "three_fingered"]
@@ -20,13 +21,13 @@ def joints(request):
     return known_robot(request.param).published
 
 
-def looked(joints, *rows, rates=None, span=PERIOD):
+def looked(joints, *rows, rates=None, span=PERIOD, began=1e9, resets=None):
     """Let a watch look at positions, so long (s) apart, of joints in another order."""
-    watch, order = StateWatch(joints), np.arange(len(joints.names))[::-1]
+    watch, order = StateWatch(joints, resets), np.arange(len(joints.names))[::-1]
     names = [joints.names[k] for k in order]
     velocity = np.zeros(len(names)) if rates is None else rates
     for k, row in enumerate(rows):
-        watch.look(names, 1e9 + k * span, row[order], velocity[order])
+        watch.look(names, began + k * span, row[order], velocity[order])
     assert watch.seen == len(rows)
     return watch
 
@@ -38,11 +39,79 @@ def moved(joints, k, way):
     return q
 
 
-def test_home_and_a_reset_are_no_faults(joints):
-    elsewhere = np.clip(joints.home + 1.0, joints.lower, joints.upper)
-    assert not looked(joints, joints.home, joints.home).fault
-    if joints.gaps is None:
-        assert not looked(joints, elsewhere, joints.home).fault
+def elsewhere(joints, way=1.0):
+    """Give another posture, whose loops may be open."""
+    return np.clip(joints.home + way, joints.lower, joints.upper)
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """Set the time of resets."""
+    return lambda now: monkeypatch.setattr(time, "time", lambda: now)
+
+
+def jumped(joints, clock, *resets, to=None):
+    """Let a robot jump, home by default, and tell if it was too fast; resets are begin and end.
+
+    The states are from 10.0 s and 10.01 s; a reset without an answer ends at None.
+    """
+    known = Resets()
+    for began, ended in resets:
+        clock(began)
+        end = known.begin()
+        if ended is not None:
+            clock(ended)
+            end()
+    rows = elsewhere(joints), joints.home if to is None else to
+    watch = looked(joints, *rows, span=0.01, began=10.0, resets=known)
+    return watch.velocity > 1.01
+
+
+def test_home_is_no_fault(joints):
+    watch = looked(joints, joints.home, joints.home)
+    assert not watch.fault and watch.wrong == 0
+
+
+@pytest.mark.parametrize(
+    "reset",
+    [(10.004, 10.006), (9.0, 11.0), (9.0, 10.005), (10.005, 11.0), (9.0, None), (10.005, None)],
+)
+def test_a_reset_may_be_asked_for_or_answered_between_two_states(joints, clock, reset):
+    assert not jumped(joints, clock, (1.0, 2.0), reset, (20.0, None))
+
+
+@pytest.mark.parametrize(
+    "resets", [(), [(9.0, 9.99)], [(10.02, None)], [(1.0, 9.99), (10.02, 11.0)]]
+)
+def test_a_jump_home_without_a_reset_is_seen(joints, clock, resets):
+    """Every jump home counted as a reset."""
+    if np.isfinite(joints.velocity).any():
+        assert jumped(joints, clock, *resets)
+
+
+def test_a_reset_goes_home_and_nowhere_else(joints, clock):
+    if np.isfinite(joints.velocity).any():
+        assert jumped(joints, clock, (10.005, 10.006), to=elsewhere(joints, -1.0))
+
+
+def test_a_robot_leaves_home_no_faster_after_a_reset(joints, clock):
+    for k in np.flatnonzero(np.isfinite(joints.velocity)):
+        for share, fast in ((0.9, False), (1.2, True)):
+            # From 10.005 s on, less the 2 ms by which stamps may be off.
+            way = moved(joints, k, share * 0.007 * joints.velocity[k])
+            assert jumped(joints, clock, (10.005, 10.006), to=way) == fast
+
+
+def test_a_stamp_that_goes_back_is_no_reset(joints):
+    if np.isfinite(joints.velocity).any():
+        assert looked(joints, elsewhere(joints), joints.home, span=-PERIOD).velocity > 1e3
+    assert not looked(joints, joints.home, joints.home, span=-PERIOD).fault
+
+
+def test_every_state_that_is_wrong_counts(joints):
+    outside = joints.home.copy()
+    outside[0] = np.nan
+    assert looked(joints, joints.home, outside, outside).wrong == 2
 
 
 def test_joints_outside_their_limits_are_seen(joints):
