@@ -9,9 +9,9 @@ import numpy as np
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.typing import Array, BoolArray
 
-# Where a joint has no acceleration limit, it is taken to reach its largest speed in this time (s),
-# and this speed (rad/s, m/s) where it has no limit of speed either.
-TIME_TO_SPEED = 0.2
+# Assumed for joints without limits: seconds to full speed and to full acceleration, and the speed
+# (rad/s, m/s).
+TIME_TO_SPEED, TIME_TO_ACCELERATION = 0.25, 0.1
 USUAL_SPEED = 1.0
 
 

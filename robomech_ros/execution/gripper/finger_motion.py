@@ -7,7 +7,12 @@ from enum import Enum
 import numpy as np
 
 from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
-from robomech_ros.execution.joints import TIME_TO_SPEED, USUAL_SPEED, State
+from robomech_ros.execution.joints import (
+    TIME_TO_ACCELERATION,
+    TIME_TO_SPEED,
+    USUAL_SPEED,
+    State,
+)
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.profiles.moving_ends import state_to_state
 from robomech_ros.trajectory.waypoints import Waypoints, discretise
@@ -15,8 +20,6 @@ from robomech_ros.typing import Array, BoolArray
 
 # Where no speed is known, fingers take this long from one end of their range to the other, s.
 _TIME_TO_CLOSE = 1.0
-# Where no jerk is known, they take this long to their acceleration, s.
-_TIME_TO_ACCELERATION = 0.1
 # A motion has a waypoint at each step of its jerk, and no others, s; and so many at the most.
 _NO_OTHERS = 1e6
 _MOST = 1000
@@ -96,7 +99,7 @@ def complete_limits(limits: Limits) -> Limits:
     velocity = np.where(np.isfinite(limits.velocity), limits.velocity, usual)
     push = limits.acceleration
     acceleration = np.where(np.isfinite(push), push, velocity / TIME_TO_SPEED)
-    estimated = acceleration / _TIME_TO_ACCELERATION
+    estimated = acceleration / TIME_TO_ACCELERATION
     jerk = np.where(np.isfinite(limits.jerk), limits.jerk, estimated)
     return replace(limits, velocity=velocity, acceleration=acceleration, jerk=jerk)
 

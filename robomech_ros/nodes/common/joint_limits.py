@@ -20,6 +20,7 @@ from typing import Any
 import yaml
 
 from robomech_ros.errors import MissingLimitsError, RobomechError, RobotDescriptionError
+from robomech_ros.execution.joints import TIME_TO_ACCELERATION, TIME_TO_SPEED
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.regular_files import read_regular
 from robomech_ros.robots.description import RobotDescription
@@ -35,9 +36,6 @@ from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.robot_yaml import with_yaml_limits
 
 _SECTION = "joint_limits"
-# A joint comes to full speed, and to full acceleration, in this many seconds.
-_TO_SPEED = 0.25
-_TO_ACCELERATION = 0.1
 _WRAPPERS = ("ros__parameters", "robot_description_planning")
 # Namespace, node and the wrappers.
 _DEEPEST = 5
@@ -151,8 +149,8 @@ def with_assumed_rates(description: RobotDescription) -> tuple[RobotDescription,
     """
     limits: dict[str, dict[str, Any]] = {}
     for joint in description.joints:
-        acceleration = _or(joint.acceleration, joint.velocity / _TO_SPEED)
-        jerk = _or(joint.jerk, acceleration / _TO_ACCELERATION)
+        acceleration = _or(joint.acceleration, joint.velocity / TIME_TO_SPEED)
+        jerk = _or(joint.jerk, acceleration / TIME_TO_ACCELERATION)
         lacks = math.isnan(joint.acceleration) or math.isnan(joint.jerk)
         own = joint.moves and joint.mimic is None and joint.fault is None
         if own and lacks and math.isfinite(acceleration):
@@ -164,7 +162,7 @@ def with_assumed_rates(description: RobotDescription) -> tuple[RobotDescription,
     )
     notice = (
         "acceleration or jerk limits of some joints are missing (URDF has none); assumed: "
-        f"full speed in {_TO_SPEED:g} s, full acceleration in {_TO_ACCELERATION:g} s"
+        f"full speed in {TIME_TO_SPEED:g} s, full acceleration in {TIME_TO_ACCELERATION:g} s"
     )
     return dataclasses.replace(description, joints=joints), notice, _as_file(limits)
 

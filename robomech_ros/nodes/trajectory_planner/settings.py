@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
+from robomech_ros.execution.joints import TIME_TO_ACCELERATION, TIME_TO_SPEED
 from robomech_ros.nodes.common.joint_positions import StateSettings
 from robomech_ros.nodes.common.parameters import parameter
 
@@ -22,7 +23,8 @@ class PlannerSettings(StateSettings):
     assume_limits: bool = parameter(
         False,
         "Whether limits of acceleration and jerk that nobody gives are assumed: full speed in "
-        "0.25 s, full acceleration in 0.1 s; bringup sets it, in trajectory_planner.bringup.yaml",
+        f"{TIME_TO_SPEED:g} s, full acceleration in {TIME_TO_ACCELERATION:g} s; bringup sets it, "
+        "in trajectory_planner.bringup.yaml",
     )
     sample_period: float = parameter(
         0.01,

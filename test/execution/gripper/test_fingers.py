@@ -267,8 +267,8 @@ def test_a_stuck_finger_stalls():
 def test_limits_that_are_not_known_are_estimated():
     bare = complete_limits(Limits(["slide", "hinge"], lower=[0.0, None], upper=[0.04, None]))
     np.testing.assert_allclose(bare.velocity, [0.04, 1.0])
-    np.testing.assert_allclose(bare.acceleration, [0.2, 5.0])
-    np.testing.assert_allclose(bare.jerk, [2.0, 50.0])
+    np.testing.assert_allclose(bare.acceleration, [0.16, 4.0])
+    np.testing.assert_allclose(bare.jerk, [1.6, 40.0])
     known = complete_limits(LIMITS)
     for rate in ("velocity", "acceleration", "jerk"):
         np.testing.assert_array_equal(getattr(known, rate), getattr(LIMITS, rate))

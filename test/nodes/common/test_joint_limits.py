@@ -3,12 +3,15 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from robomech_ros.errors import RobotDescriptionError
+from robomech_ros.execution.joints import Joints
 from robomech_ros.nodes.common.joint_limits import read_joint_limits, with_assumed_rates
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.robots import load_description
+from robomech_ros.trajectory.limits import Limits
 
 URDF = """<robot name="bare">
   <link name="base"/><link name="arm"/><link name="tip"/>
@@ -151,6 +154,17 @@ def test_limits_that_are_assumed_and_the_file_to_copy(tmp_path):
     again, nothing, _ = with_assumed_rates(read_joint_limits(str(file)).on(bare))
     assert nothing == ""
     assert [(one.acceleration, one.jerk) for one in again.joints] == [(8.0, 80.0), (6.0, 60.0)]
+
+
+def test_the_planner_and_the_controller_assume_the_same_accelerations():
+    """The planner assumed full speed in 0.25 s, the servo and the controller in 0.2 s."""
+    bare = load_description(URDF.replace('continuous">', 'continuous">' + SPEED))
+    completed, _, _ = with_assumed_rates(bare)
+    speeds = [joint.velocity for joint in bare.joints]
+    executed = Joints.of(Limits([joint.name for joint in bare.joints], speeds))
+    np.testing.assert_array_equal(
+        executed.acceleration, [joint.acceleration for joint in completed.joints]
+    )
 
 
 def test_what_is_given_is_kept_and_nothing_is_assumed_without_a_velocity():
