@@ -176,7 +176,8 @@ def test_what_is_refused():
         )
     opened = path.coefficients.copy()
     opened[0, :, 1] += 1e-3
-    with pytest.raises(BadValueError, match=r"path.* has open loops: limb 3 ends .* closed loops"):
+    expected = r"path.* has open loops: limb [23] ends .* closed loops"
+    with pytest.raises(BadValueError, match=expected):
         torque_limited(
             PiecewisePolynomial(path.breaks, opened), speeds(robot), robot, effort=effort
         )

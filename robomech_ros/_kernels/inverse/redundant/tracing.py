@@ -52,6 +52,10 @@ TRACE_BENT = 0.3
 # Whether it closes is seen by those on the first CLOSING of it, at twice that and beyond.
 TRACES = 2048
 TRACE_NEAR = 0.02
+# What is nearer than TRACE_ON is surely on it.  Beside singular postures two branches may run side
+# by side, apart by more than APART times the least singular value.
+TRACE_ON = 2e-4
+APART = 4.0
 CLOSING = 0.5
 # A step is divided in so many parts that count as straight.  The curve may be nearer than these by
 # OFF, they may be beyond limits by OUTSIDE, and what is within AGAIN of the nearest posture known
@@ -142,9 +146,10 @@ def _nearest_in_parts(request, ends, least, found):
 
 
 @lean
-def _is_known(known, count, q):
-    """Tell whether a posture is on one of the steps that were made."""
+def _off_known(known, count, q):
+    """Return how far a posture is from the steps that were made: not more than counts."""
     p = scratch(7)
+    least = TRACE_NEAR
     for k in range(count):
         ends = known[k]
         length = _reach(ends)
@@ -153,7 +158,7 @@ def _is_known(known, count, q):
         for i in range(7):
             move = ends[2, i] - ends[0, i]
             off = q[i] - ends[0, i]
-            far = far or abs(off) > length + TRACE_NEAR
+            far = far or abs(off) > length + least
             along += off * move
             squares += move * move
         if far:
@@ -163,9 +168,10 @@ def _is_known(known, count, q):
         off = 0.0
         for i in range(7):
             off = max(off, abs(q[i] - p[i]))
-        if off < TRACE_NEAR:
-            return True
-    return False
+        least = min(least, off)
+        if least < TRACE_ON:
+            break
+    return least
 
 
 @lean
@@ -277,9 +283,9 @@ def _trace_from(packed, T, request, bench, start, known, count, distance, best, 
         push[i] = 1.0
     if step_onto(packed, T, 1.0, bench, ahead, begin) > TRACE_ERROR:
         return count, distance, queued
-    if _is_known(known, count, begin):
-        return count, distance, queued
     size_begin = weakest_direction(bench, push, weak_begin)
+    if _off_known(known, count, begin) < min(TRACE_NEAR, APART * size_begin):
+        return count, distance, queued
     if distance_from(start, seed, metric) <= distance:
         distance = _improve(packed, T, request, bench, begin, ahead, distance, best)
         if distance < small_distance(metric):
@@ -317,7 +323,9 @@ def _trace_from(packed, T, request, bench, start, known, count, distance, best, 
             for i in range(7):
                 bent[i] = 0.5 * (ends[3, i] - ends[1, i]) / length
             distance = _look_between(packed, T, request, bench, ends, distance, best)
-            closed = gone > 2.0 * CLOSING and _is_known(known[first:], closing, ends[2])
+            closed = (
+                gone > 2.0 * CLOSING and _off_known(known[first:], closing, ends[2]) < TRACE_NEAR
+            )
             gone += length
             count += 1
             if gone < CLOSING:
@@ -371,7 +379,7 @@ def trace_nearest(packed, T, joints, metric, bounded, starts, away, distance, be
             break
         if count + 2 > known.shape[0]:
             break
-        if not _is_known(known, count, start):
+        if _off_known(known, count, start) >= TRACE_ON:
             count, distance, queued = _trace_from(
                 packed, T, request, bench, start, known, count, distance, best, queue, queued
             )
