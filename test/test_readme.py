@@ -122,7 +122,7 @@ def test_every_page_of_the_documentation_is_linked_and_every_link_leads_somewher
     ],
 )
 def test_a_question_leads_to_a_page_with_the_answer(question, found):
-    (row,) = [line for line in section("Find your way").splitlines() if question in line]
+    (row,) = [line for line in section("Documentation").splitlines() if question in line]
     pages = [(ROOT / page).read_text("utf-8") for page in re.findall(r"\]\(([^)#]+)", row)]
     answers = [page for page in pages if found in page]
     assert answers
