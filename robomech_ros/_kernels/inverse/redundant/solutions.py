@@ -55,7 +55,7 @@ BESIDE_MOST = 0.6
 SCATTERED = 24
 # So many samples of a locked joint, at least, are within the distance of the nearest posture known.
 WITHIN = 3
-# and so many at least of a quick closed form.
+# Least number of samples if the six joints have a quick closed form.
 FAR_SAMPLES = 48
 
 NONE_EXISTS = -1
@@ -193,10 +193,10 @@ def _needs_scatter(data, metric, known):
 
 @lean
 def _scatter(data, packed, T, request, bench, distance, count, starts):
-    """Enter among the ``starts`` to which steps from a box around the seed lead.
+    """Enter postures among the ``starts`` that steps from a box around the seed lead to.
 
-    The nearest posture known is at a ``distance``, which is the half of the box's width.  Returns
-    how many starts there are, and the least distance of one inside the limits.
+    Half the width of the box is the ``distance`` of the nearest known posture.  Returns how many
+    starts there are, and the least distance of one inside the limits.
     """
     _, lower, upper, seed, metric, bounded = request
     q, _, _, _, _ = bench

@@ -52,8 +52,8 @@ TRACE_BENT = 0.3
 # Whether it closes is seen by those on the first CLOSING of it, at twice that and beyond.
 TRACES = 2048
 TRACE_NEAR = 0.02
-# What is nearer than TRACE_ON is surely on it.  Beside singular postures two branches may run side
-# by side, apart by more than APART times the least singular value.
+# A posture nearer than TRACE_ON is on it for sure.  Near singular postures two branches may run
+# side by side; their distance exceeds APART times the least singular value.
 TRACE_ON = 2e-4
 APART = 4.0
 CLOSING = 0.5
@@ -65,7 +65,7 @@ TRACE_OFF = 5e-3
 TRACE_OUTSIDE = 2e-3
 TRACE_AGAIN = 3e-3
 CHORD = 1.3
-# Starts beside crossings that wait at most.
+# Largest number of queued starts at crossings.
 QUEUED = 64
 # A posture counts as settled where lines lead no nearer than by this (rad or m).
 NEARER_BY = 1e-7
@@ -147,7 +147,7 @@ def _nearest_in_parts(request, ends, least, found):
 
 @lean
 def _off_known(known, count, q):
-    """Return how far a posture is from the steps that were made: not more than counts."""
+    """Return the distance of a posture from the traced steps (rad or m), at most TRACE_NEAR."""
     p = scratch(7)
     least = TRACE_NEAR
     for k in range(count):
