@@ -20,12 +20,13 @@ from robomech_ros.calibration.identifiability import (
     check_rotations,
 )
 from robomech_ros.calibration.initial_guess import (
+    MIN_VARIANCE,
     consistent_samples,
     invert_rows,
     pack_poses,
     squared_residuals,
 )
-from robomech_ros.calibration.maximum_likelihood import FEW, MIN_VARIANCE, Fit
+from robomech_ros.calibration.maximum_likelihood import FEW, Fit
 from robomech_ros.calibration.result import HandEyeNoise, HandEyeResult, sensor_covariance
 from robomech_ros.calibration.samples import checked_samples, distinct_samples
 from robomech_ros.errors import BadValueError, ContradictionError, WrongSizeError

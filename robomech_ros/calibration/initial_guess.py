@@ -26,7 +26,7 @@ _CONSISTENT = 4.0  # deviations
 _ROUNDING = 1e-6
 _ROUNDS = 12
 _MEDIAN = 2.366  # of the sum of three squared normal numbers
-_MIN_VARIANCE = 1e-26
+MIN_VARIANCE = 1e-26
 # Entries of the transposed matrix, row by row.
 TRANSPOSED = [0, 3, 6, 1, 4, 7, 2, 5, 8]
 
@@ -186,5 +186,5 @@ def medians(residuals: Array) -> tuple[float, float]:
 def median_variances(residuals: Array) -> tuple[float, float]:
     """Estimate the variances per coordinate from medians of squared residuals (2, n)."""
     scale = 1.0 / (_MEDIAN * max(1.0 - 2.0 / residuals.shape[1], 0.25))
-    turn, shift = (max(one * scale, _MIN_VARIANCE) for one in medians(residuals))
+    turn, shift = (max(one * scale, MIN_VARIANCE) for one in medians(residuals))
     return turn, shift

@@ -14,6 +14,7 @@ from robomech_ros.calibration.free_directions import (
     rms_distance,
 )
 from robomech_ros.calibration.initial_guess import (
+    MIN_VARIANCE,
     InitialGuess,
     closed_form_guess,
     median_variances,
@@ -32,7 +33,6 @@ _OUTLIER = 36.0
 # The same before the noise is known, by medians.
 _GROSS_OUTLIER = 100.0
 _MAX_ROUNDS = 10
-MIN_VARIANCE = 1e-26
 # Samples with smaller residuals (rad, and the same fraction of the distances) are no outliers:
 # this is rounding at the end, and the error of the initial guess for exact samples.
 EXACT, _ROUGH = 1e-8, 1e-6

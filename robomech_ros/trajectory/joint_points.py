@@ -80,7 +80,7 @@ def nearest_turns(points: npt.ArrayLike, continuous: npt.ArrayLike) -> tuple[Arr
     if free.shape != places[0].shape:
         raise WrongSizeError("continuous", free.shape, places[0].shape)
     if not free.any():
-        return places, np.zeros(places.shape, dtype=np.int64)
+        return places.copy(), np.zeros(places.shape, dtype=np.int64)
     steps = np.where(free, np.round(np.diff(places, axis=0) / math.tau), 0.0)
     turns = np.concatenate([np.zeros((1, len(free))), -np.cumsum(steps, axis=0)]) + 0.0
     return places + math.tau * turns, turns.astype(np.int64)

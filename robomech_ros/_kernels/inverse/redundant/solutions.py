@@ -32,7 +32,7 @@ from robomech_ros._kernels.inverse.redundant.tracing import (
     small_distance,
     trace_nearest,
 )
-from robomech_ros._kernels.inverse.six_joints import GENERAL, MAX_SOLUTIONS
+from robomech_ros._kernels.inverse.six_joints import GENERAL, ITERATIVE, MAX_SOLUTIONS
 from robomech_ros._kernels.tolerances import AT_LIMIT
 
 # How many times finer the redundancy parameter is sampled where no sample gives a solution inside
@@ -137,7 +137,7 @@ def _take_samples(data, T, request, nearest, steps, bench, distance, starts):
         # between both.
         if known:
             steps = max(steps, int(WITHIN * 2.0 * math.pi / distance) + 1)
-        if data[at.SIX] != GENERAL:
+        if seed.shape[0] == 7 and data[at.SIX] != GENERAL and data[at.SIX] != ITERATIVE:
             steps = max(steps, FAR_SAMPLES)
         beyond = 2.0 * math.pi / steps
     towards = stretched(data, T)
