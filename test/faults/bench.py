@@ -58,9 +58,7 @@ def bench(
         What can be under way, by the name of who asks for it.
     """
     with ExitStack() as stack:
-        # What processes that are killed leave remains here.
         folder = stack.enter_context(tempfile.TemporaryDirectory())
-        os.environ["XDG_RUNTIME_DIR"] = folder
         domain = stack.enter_context(free_domain())
         os.environ["ROS_DOMAIN_ID"] = str(domain)
         outsider = Outsider(domain)

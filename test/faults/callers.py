@@ -35,6 +35,7 @@ _STATUS = QoSProfile(
     liveliness=LivelinessPolicy.AUTOMATIC,
     liveliness_lease_duration=Duration(seconds=_LEASE),
 )
+_NO_ANSWER = "no answer"
 _NAMES = {
     GoalStatus.STATUS_UNKNOWN: "unknown goal",
     GoalStatus.STATUS_SUCCEEDED: "succeeded",
@@ -92,11 +93,6 @@ class _Diagnoses:
                 self.values = {entry.key: entry.value for entry in status.values}
                 self.count += 1
 
-    def left(self) -> str:
-        """Return what became of the motion of a publisher that was killed; empty until its end."""
-        report = self.values.get("before the restart", "")
-        return "" if "watched to its end" in report else report
-
 
 class ByExecute:
     """Calls the service execute of the publisher, which sends a goal of an action."""
@@ -105,12 +101,11 @@ class ByExecute:
 
     def __init__(self, node: Node) -> None:
         self._client = ask(node, Execute, "trajectory_publisher/execute")
-        self._diagnoses = _Diagnoses(node, "trajectory_publisher: execution")
-        self._text = self._before = ""
+        self._text = ""
 
     def begin(self, what: JointTrajectory) -> None:
         """Send a request."""
-        self._text, self._before = "", self._diagnoses.left()
+        self._text = ""
         self._client.call_async(Execute.Request(trajectory=what)).add_done_callback(self._take)
 
     def _take(self, future: Any) -> None:
@@ -118,16 +113,16 @@ class ByExecute:
         self._text = _named(answer.error_code, answer.error_msg)
 
     def heard(self) -> str:
-        """Return the answer, or what the next publisher says of the motion."""
-        left = self._diagnoses.left()
-        return self._text or (left if left != self._before else "")
+        """Return the answer, or that none can come."""
+        return self._text
 
     def over(self) -> str:
         """Return the same."""
         return self.heard()
 
     def restarted(self) -> None:
-        """Nothing: the next publisher tells by itself."""
+        """Give up waiting: the next publisher knows nothing of the call."""
+        self._text = self._text or _NO_ANSWER
 
     def end(self) -> None:
         """Nothing: one call is one motion."""
@@ -142,14 +137,14 @@ class ByTopic:
         self._publisher = node.create_publisher(JointTrajectory, "planned_trajectory", 10)
         self._diagnoses = _Diagnoses(node, "trajectory_publisher: execution")
         self._before: tuple[int, ...] = ()
-        self._left = ""
+        self._lost = ""
 
     def begin(self, what: JointTrajectory) -> None:
         """Publish a plan, once the publisher has told of all motions before it."""
         known = self._diagnoses.count
         while self._diagnoses.count == known:
             time.sleep(_PERIOD)
-        self._before, self._left = self._ended(), self._diagnoses.left()
+        self._before, self._lost = self._ended(), ""
         self._publisher.publish(what)
 
     def _ended(self) -> tuple[int, ...]:
@@ -160,19 +155,19 @@ class ByTopic:
         arrived, failed = (
             now - then for now, then in zip(self._ended(), self._before, strict=True)
         )
-        left = self._diagnoses.left()
         if failed > 0:
             return self._diagnoses.values["last failure"]
         if arrived > 0:
             return "arrived"
-        return left if left != self._left else ""
+        return self._lost
 
     def over(self) -> str:
         """Return the same."""
         return self.heard()
 
     def restarted(self) -> None:
-        """Nothing: the next publisher tells by itself."""
+        """Give up waiting: the next publisher knows nothing of the plan."""
+        self._lost = _NO_ANSWER
 
     def end(self) -> None:
         """Nothing: one plan is one motion."""

@@ -97,7 +97,7 @@ class Case:
                 heard += "|.* off its command.*"
             return f"^(({heard}); then: )?moves as commanded$"
         if self.node == PUBLISHER:
-            return "shuts down" if self.fault.asked else "killed; .* has reached its goal"
+            return "shuts down" if self.fault.asked else "^no answer$"
         return "answered, .*; then: all answered, 0 NONE$|^all answered, 0 NONE$"
 
     def _of_controller(self, success: str) -> str:

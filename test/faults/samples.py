@@ -22,8 +22,6 @@ __all__ = ["TOLERANCE", "Jump", "Limits", "Ratios", "Samples"]
 # How far differences may be beyond a limit: stamps follow the setting of the system's clock, by up
 # to 0.1 % of the time.
 TOLERANCE = 0.01
-# States that may not have got out before a process was killed, s.
-_LOST = 0.02
 _DEPTH = 5000
 # How often it is looked for new states, s.
 _LOOK = 0.01
@@ -139,7 +137,6 @@ class Samples:
     def ratios(
         self,
         first: int,
-        restarts: Sequence[tuple[int, int]],
         resets: Sequence[int],
         jump: Jump | None,
     ) -> Ratios:
@@ -149,9 +146,6 @@ class Samples:
         ----------
         first : int
             Which state is the first.
-        restarts : sequence of (int, int)
-            Which states are the first ones of a new process of the robot, and when the one before
-            was killed (ns): there it stands since then, or since 20 ms before.
         resets : sequence of int
             Which are the first ones of a robot that begins elsewhere.
         jump : Jump or None
@@ -165,12 +159,6 @@ class Samples:
             # The cycle of a jump is as long as any.
             passed[step] = max(passed[step] - jump.by, float(np.median(passed)))
         went, gained = np.abs(np.diff(position, axis=0)), np.abs(np.diff(velocity, axis=0))
-        for index, killed_at in restarts:
-            last = index - first - 1
-            if 0 <= last < len(passed):
-                # A listener that is late loses what was said at the very end.
-                passed[last] = max(_NANO * (killed_at - stamps[last]), 0.0) + _LOST
-                gained[last] = 0.0
         for index in resets:
             if 0 < index - first < len(rows):
                 went[index - first - 1] = gained[index - first - 1] = 0.0

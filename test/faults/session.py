@@ -26,6 +26,8 @@ _AGAIN = 1.0
 _TRIES = 5
 # So many states of a new process have reached everybody.
 _FEW = 50
+# After so long without a state all of an ended process have come, s.
+_SILENCE = 0.1
 
 
 @dataclass(frozen=True)
@@ -174,22 +176,21 @@ class Session:
         samples, caller = self.samples, work.caller
         self.until(lambda: samples.stands, "the robot stands")
         first = samples.count - 1
-        restarts: list[tuple[int, int]] = []
         resets: list[int] = []
         self._begin(work)
         with _Ear(caller) as ear:
             jump = self._happen(node, fault)
-            over_at = time.time_ns()
             if fault.ends:
-                # What became of the motion of a publisher that was killed its successor tells.
-                if not fault.at_once and (fault.asked or node != PUBLISHER):
+                # Nobody says what became of the motion of a killed publisher.
+                unheard = node == PUBLISHER and not fault.asked
+                if not fault.at_once and not unheard:
                     self.until(ear.heard, f"{caller.name} hears of it")
                 known = self._start_again(node, fault)
-                if node == CONTROLLER and fault.asked:
-                    # After a clean end the simulated robot begins at home.
+                if node == CONTROLLER:
+                    # The simulated robot begins at home.
                     resets.append(known)
-                elif node == CONTROLLER:
-                    restarts.append((known, over_at))
+                if unheard:
+                    caller.restarted()
                 # Of a servo that was soon there again nothing need be heard.
                 over = caller.over if caller.endless else ear.heard
                 self.until(lambda: ear.heard() or over(), f"{caller.name} hears of it")
@@ -201,7 +202,7 @@ class Session:
         came_of_it = work.next()
         self.until(lambda: samples.stands, "the robot stands")
         got = tuple(dict.fromkeys((first_words, last_words)))
-        ratios = samples.ratios(first, restarts, resets, jump)
+        ratios = samples.ratios(first, resets, jump)
         return Finding(node, fault.name, caller.name, got, after, ratios, came_of_it)
 
     def _begin(self, work: Work) -> None:
@@ -215,9 +216,12 @@ class Session:
 
     def _start_again(self, node: str, fault: Fault) -> int:
         """Start a node that has ended; returns which state is the first one of its process."""
+        if node == CONTROLLER:
+            # The last states of the ended process may still be on their way.
+            self.until(lambda: self.samples.silent > _SILENCE, "the last state of a process")
+        known = self.samples.count
         if not fault.at_once:
             self.processes.start(node)
-        known = self.samples.count
         self.until_ready(node)
         if node == CONTROLLER:
             self.until(lambda: self.samples.count > known + _FEW, "the robot is heard of")

@@ -93,12 +93,11 @@ def clean_environment(**more: str) -> dict[str, str]:
 
 
 @pytest.fixture
-def network(domain_id: int, tmp_path: Path) -> dict[str, str]:
-    """Return the variables that place a process in the test's own corner of network and machine."""
+def network(domain_id: int) -> dict[str, str]:
+    """Return the variables that place a process in the test's own corner of the network."""
     return {
         "ROS_DOMAIN_ID": str(domain_id),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-        "XDG_RUNTIME_DIR": str(tmp_path),
     }
 
 

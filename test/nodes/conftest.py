@@ -24,14 +24,10 @@ TIMEOUT = 30.0
 
 
 @pytest.fixture
-def domain_id(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[int]:
-    """A ROS domain that no other test, of this run or of another, uses at the same time.
-
-    What processes that are killed leave for the next of their name remains in this test.
-    """
+def domain_id(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
+    """A ROS domain that no other test, of this run or of another, uses at the same time."""
     with free_domain() as number:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-        monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
         yield number
 
 

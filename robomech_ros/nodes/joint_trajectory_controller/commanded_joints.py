@@ -182,19 +182,6 @@ class CommandedJoints:
         """Return what their drives exert (N m or N); None where no forces are simulated."""
         return self.simulated_joints.effort
 
-    def kept(self) -> Array:
-        """Return what a process that comes after a crash needs to `resume` (rad or m)."""
-        return self._real
-
-    @property
-    def bounds(self) -> tuple[Array, Array]:
-        """Lower and upper limits (rad or m) of what is kept."""
-        return self._check.limits.lower, self._check.limits.upper
-
-    def resume(self, kept: Array) -> None:
-        """Stand where the joints of a process that was killed stood."""
-        self._put(kept, "")
-
     def stamp(self) -> tuple[int, int]:
         """Return the ROS time (s and ns) of the follower's states, which may be some time ago."""
         return divmod(max(self._clock.stamp(self.follower.now), 0), _NANO)

@@ -30,7 +30,6 @@ from robomech_ros.nodes.joint_trajectory_controller.fault_settings import faults
 from robomech_ros.nodes.joint_trajectory_controller.goal_server import GoalServer
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper, gripper_of
 from robomech_ros.nodes.joint_trajectory_controller.gripper.interfaces import serve_gripper
-from robomech_ros.nodes.joint_trajectory_controller.kept_place import KeptPlace
 from robomech_ros.nodes.joint_trajectory_controller.robot import (
     SimulatedRobot,
     legged_robot,
@@ -55,7 +54,6 @@ class JointTrajectoryControllerNode(Node):
         self._robot: SimulatedRobot | None = None
         self._gripper: Gripper | None = None
         self._cycles: Cycles | None = None
-        self._place: KeptPlace | None = None
         super().__init__("joint_trajectory_controller", **options)
         self._table = NodeParameters(
             self, ControllerSettings, self._change, self._check, later=CONSTRAINTS
@@ -85,20 +83,13 @@ class JointTrajectoryControllerNode(Node):
             self._servers += serve_gripper(self, gripper, settings, of_gripper.publish)
         commanded = [robot] if gripper is None else [robot, gripper]
         self._shutdown = Shutdown(self, commanded)
-        self._place = KeptPlace(self, robot.name, commanded, settings)
         self._control_cycle = ControlCycle(
-            self, commanded, model, settings, control, self._servers, self._end_of_cycle
+            self, commanded, model, settings, control, self._servers, self._shutdown.look
         )
         TrajectoryTopic(self, robot, report.publish)
         Commands(self, commanded, self._control_cycle.publish_joint_states)
         self._cycles = Cycles(self, clock, settings.publish_rate, self._control_cycle.run)
         self._log_start(robot)
-
-    def _end_of_cycle(self) -> None:
-        """Do what is due once the robot has moved on; its lock is held."""
-        assert self._place is not None
-        self._place.keep()
-        self._shutdown.look()
 
     def _log_start(self, robot: SimulatedRobot) -> None:
         settings = self._settings
@@ -166,8 +157,6 @@ class JointTrajectoryControllerNode(Node):
         """Destroy the node and, what rclpy leaves out, its cycles and action servers."""
         if self._cycles is not None:
             self._cycles.stop()
-        if self._place is not None:
-            self._place.forget()
         for server in self._servers:
             server.destroy()
         super().destroy_node()

@@ -77,12 +77,6 @@ class ParallelRobot(SimulatedRobot):
         shown[self.mechanism.drive_index] = efforts
         return shown
 
-    def resume(self, kept: Array) -> None:
-        """Stand where all joints (n,) of a process that was killed stood."""
-        closed = self.mechanism.close(kept[self.mechanism.drive_index], kept)
-        if closed.status is Code.NONE:
-            super().resume(closed.q)
-
     def _checked_limits(self) -> tuple[Limits, Margin]:
         return Limits.of(self.mechanism), self.mechanism.limit_margin
 

@@ -34,14 +34,6 @@ class ControllerSettings(GripperSettings):
         "robot its drives, or all joints. Empty = the robot's home, else the middle of their "
         "limits, 0 for joints without",
     )
-    resume_within: float = parameter(
-        60.0,
-        "How old the place of the joints may be that a process of this robot has left which was "
-        "killed: they begin there, unless initial_positions is given; 0 = never",
-        0.0,
-        1e6,
-        "s",
-    )
     start_tolerance: float = parameter(
         0.01,
         "How far the first point of a trajectory, at time 0, may be from the present position of "

@@ -2,12 +2,9 @@
 
 from robomech_ros.execution.client.dispatcher import Dispatcher
 from robomech_ros.nodes.common.status_report import NodeCondition
-from robomech_ros.nodes.trajectory_publisher.motion_left import MotionLeft
 
 
-def execution_condition(
-    dispatcher: Dispatcher, refusal: str, program: str, left: MotionLeft
-) -> NodeCondition:
+def execution_condition(dispatcher: Dispatcher, refusal: str, program: str) -> NodeCondition:
     """Describe what is executed.
 
     Parameters
@@ -18,18 +15,14 @@ def execution_condition(
         Why the last plan was refused; empty if it was not.
     program : str
         What the program is doing.
-    left : MotionLeft
-        What became of the motion before a crash.
 
     Returns
     -------
     NodeCondition
-        A warning while trajectories wait for the controller, after a failure or a refusal, and
-        after a crash on the way until a motion has arrived.
+        A warning while trajectories wait for the controller, and after a failure or a refusal.
     """
     tally, stalled = dispatcher.tally, dispatcher.queue.stalled
-    before = left.report if left.open and not tally.arrived else ""
-    trouble = stalled or refusal or tally.last_failure or before
+    trouble = stalled or refusal or tally.last_failure
     summary = "executing" if dispatcher.current is not None else "idle"
     summary = "paused" if dispatcher.paused else summary
     values = {
@@ -41,6 +34,5 @@ def execution_condition(
         "last failure": tally.last_failure,
         "last refusal": refusal,
         "program": program,
-        "before the restart": left.report,
     }
     return NodeCondition(f"{summary}; {trouble}" if trouble else summary, bool(trouble), values)

@@ -9,7 +9,6 @@ from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.middleware.sparing_log import SparingLog
 from robomech_ros.nodes.process.simulated_clock import missing_time
 from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
-from robomech_ros.nodes.trajectory_publisher.motion_left import MotionLeft
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings, dispatch_settings
 from robomech_ros.outcomes import Code, name_of
 
@@ -34,8 +33,6 @@ class DispatchLoop:
         The time.
     dispatcher : Dispatcher
         What executes deliveries.
-    left : MotionLeft
-        What became of a motion that a publisher which was killed has left.
     """
 
     def __init__(
@@ -45,7 +42,6 @@ class DispatchLoop:
         self.clock = clock
         given = dispatch_settings(settings)
         self.dispatcher = Dispatcher(link, given, self._log_end, self._log_stall)
-        self.left = MotionLeft(node, clock, link, self.dispatcher, given)
         self._timer = node.create_timer(1.0 / settings.watch_rate, self._look, clock=clock.clock)
         self._timer.cancel()
         # By the machine's time: the simulated one may never begin.
@@ -64,7 +60,6 @@ class DispatchLoop:
             It is not accepted.
         """
         self.dispatcher.offer(delivery, self.clock.now())
-        self.left.note()
         self.watch()
 
     def conclude(self, delivery: Delivery, code: int, text: str) -> None:
@@ -80,7 +75,6 @@ class DispatchLoop:
 
     def _look(self) -> None:
         self.dispatcher.step(self.clock.now())
-        self.left.note()
         if not self.dispatcher.busy:
             self._timer.cancel()
 
@@ -96,7 +90,6 @@ class DispatchLoop:
         self.watch()
 
     def _log_end(self, delivery: Delivery) -> None:
-        self.left.note()
         report = delivery.report
         assert report is not None
         if report.code:

@@ -91,7 +91,7 @@ class TrajectoryPublisherNode(Node):
 
     def _condition(self) -> NodeCondition:
         refusal, program = self._plans.refusal, self._runner.condition
-        return execution_condition(self._loop.dispatcher, refusal, program, self._loop.left)
+        return execution_condition(self._loop.dispatcher, refusal, program)
 
     def stop(self) -> None:
         """Answer those who wait; a motion that was sent goes on."""
@@ -106,8 +106,6 @@ class TrajectoryPublisherNode(Node):
         """Destroy the node and, what rclpy leaves out, its action client."""
         if hasattr(self, "_link"):
             self._link.destroy()
-        if hasattr(self, "_loop"):
-            self._loop.left.close()
         if hasattr(self, "_programs"):
             self._programs.destroy()
         super().destroy_node()

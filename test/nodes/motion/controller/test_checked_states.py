@@ -119,15 +119,15 @@ def test_a_robot_holds_before_a_jump_of_its_curve(name, far):
 @pytest.mark.parametrize("name", ["puma560", "phantomx", "hexapod", "delta"])
 def test_noise_of_sensors_moves_no_robot(name, noise):
     robot = make(name)
-    home = robot.kept().copy()
+    home = robot._real.copy()
     faults(robot, noise=noise)
     rows = run(robot, 200)
     assert_possible(robot, rows)
-    np.testing.assert_array_equal(robot.kept(), home)
+    np.testing.assert_array_equal(robot._real, home)
     assert np.abs(rows - home).max() > 0.5 * noise if noise < 0.1 else True
     # What the sensors show is a jump of its own after a reset, and goes back when they are mended.
     robot.reset("reset")
-    np.testing.assert_array_equal(robot.kept(), home)
+    np.testing.assert_array_equal(robot._real, home)
     faults(robot)
     rows = run(robot, 500)
     assert_possible(robot, rows)
@@ -163,12 +163,12 @@ def test_joints_that_are_late_catch_up_no_faster_than_they_can(name, wrong):
 @pytest.mark.parametrize("name", ["puma560", "hexapod"])
 def test_a_robot_that_was_put_beyond_a_limit_holds_and_moves_inside(name):
     robot = make(name)
-    beyond = robot.kept().copy()
+    beyond = robot._real.copy()
     joint = robot.shown_names.index(robot.joint_names[0])
-    beyond[joint] = robot.bounds[1][joint] + 0.05
+    beyond[joint] = robot._check.limits.upper[joint] + 0.05
     if name == "hexapod":
-        beyond = robot.mechanism.close(beyond[robot.mechanism.drive_index], robot.kept()).q
-    robot.resume(beyond)
+        beyond = robot.mechanism.close(beyond[robot.mechanism.drive_index], robot._real).q
+    robot._put(beyond, "")
     np.testing.assert_allclose(robot.shown().position, beyond, atol=1e-9)
     rows = run(robot, 20)
     np.testing.assert_allclose(rows[-1], beyond, atol=1e-9)
