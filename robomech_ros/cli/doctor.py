@@ -6,13 +6,13 @@ import os
 import shutil
 import socket
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import NamedTuple
 
-from robomech_ros.shared_memory import Leftover, leftovers, ports_of_domain, remove_leftovers
+from robomech_ros.shared_memory import dead_ports, ports_of_domain
 
 OLDEST_PYTHON = (3, 10)
 MULTICAST_GROUP = "239.255.0.1"
@@ -46,18 +46,10 @@ class Finding(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument(
-        "--clean",
-        action="store_true",
-        help="remove what killed processes have left of Fast DDS in shared memory; what a process "
-        "uses stays",
-    )
 
 
 def run(args: argparse.Namespace) -> int:
     """Print the findings; returns 0 if nothing that is needed is missing, else 1."""
-    if args.clean:
-        print(f"removed {_named(remove_leftovers()) or 'nothing'} from shared memory")
     marks = {True: "ok", False: "MISSING", None: "-"}
     good = True
     for finding in findings():
@@ -221,24 +213,12 @@ def _multicast() -> Finding:
 
 def _shared_memory() -> Finding:
     what = "shared memory"
-    if left := leftovers():
-        found = f"killed processes left {_named(left)}"
-        if left[0].port is not None:
-            found += ": who gets such a port may lose messages"
-        return Finding(what, None, found, "robomech doctor --clean")
-    return Finding(what, True, "nothing left of killed processes")
-
-
-def _named(left: Sequence[Leftover]) -> str:
-    """Name ports, and count segments; empty for nothing."""
-    ports = [str(one.port) for one in left if one.port is not None]
-    segments = len(left) - len(ports)
-    parts = []
-    if ports:
-        parts.append(f"port{'s' * (len(ports) > 1)} {', '.join(ports)} of Fast DDS")
-    if segments:
-        parts.append(f"{segments} segment{'s' * (segments > 1)}")
-    return f"{' and '.join(parts)} ({sum(one.size for one in left) / 1e6:.1f} MB)" if left else ""
+    if left := dead_ports():
+        ports = ", ".join(map(str, left))
+        found = f"killed processes left ports of Fast DDS, on which messages may be lost: {ports}"
+        mend = "fastdds shm clean; without that tool, end all nodes and rm /dev/shm/*fastdds*"
+        return Finding(what, None, found, mend)
+    return Finding(what, True, "no ports left of killed processes")
 
 
 def _domain() -> Finding:

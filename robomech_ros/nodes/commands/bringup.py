@@ -125,7 +125,7 @@ def run(args: argparse.Namespace) -> int:
         stay_on_this_machine()
     print(f"robomech bringup: {reach(os.environ)}", file=sys.stderr, flush=True)
     if left := ports_left(os.environ):
-        text = f"{left}; `robomech doctor --clean` removes what nobody uses"
+        text = f"{left}; `fastdds shm clean` of Fast DDS removes them"
         print(f"robomech bringup: {text}", file=sys.stderr, flush=True)
     options = launch_options(args)
     return _run_here(options) if args.in_one_process else _supervise(options.commands())

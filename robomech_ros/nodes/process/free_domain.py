@@ -3,10 +3,10 @@
 import os
 import socket
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.shared_memory import ports_of_domain, remove_leftovers
+from robomech_ros.shared_memory import FOLDER, dead_ports, ports_of_domain
 
 # High enough to be nobody's choice by hand, low enough to be a valid domain everywhere.
 _DOMAINS = range(70, 100)
@@ -24,8 +24,8 @@ def free_domain() -> Iterator[int]:
     """Reserve a ROS domain, among all users of this machine.
 
     What is reserved is the name of a socket without a file: nobody can plant a link in its place,
-    and the operating system frees it however the process ends.  What killed processes have left of
-    the domain in shared memory is removed.
+    and the operating system frees it however the process ends.  Ports of Fast DDS that killed
+    processes left in the domain are removed.
 
     Raises
     ------
@@ -39,7 +39,10 @@ def free_domain() -> Iterator[int]:
                 reservation.bind(f"\0robomech-domain-{number}")
             except OSError:
                 continue
-            remove_leftovers(ports_of_domain(number))
+            for port in dead_ports(ports_of_domain(number)):
+                for file in FOLDER.glob(f"*fastdds_port{port}*"):
+                    with suppress(OSError):
+                        file.unlink()
             yield number
             return
     raise NoFreeDomainError

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Mapping
 
-from robomech_ros.shared_memory import PORTS_OF_ALL_DOMAINS, leftovers, ports_of_domain
+from robomech_ros.shared_memory import PORTS_OF_ALL_DOMAINS, dead_ports, ports_of_domain
 
 _RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 _WHO = {
@@ -31,14 +31,11 @@ def reach(environment: Mapping[str, str]) -> str:
 
 
 def ports_left(environment: Mapping[str, str]) -> str:
-    """Say which ports that the nodes may get killed processes have left; empty for none.
-
-    They are not removed here: a process of another container may still send to them unseen.
-    """
+    """Say which ports that the nodes may get killed processes have left; empty for none."""
     domain = environment.get("ROS_DOMAIN_ID", "") or "0"
     own = ports_of_domain(int(domain)) if domain.isdecimal() and len(domain) < 10 else range(0)
-    left = [*leftovers(PORTS_OF_ALL_DOMAINS), *leftovers(own)]
+    left = [str(port) for port in dead_ports([*PORTS_OF_ALL_DOMAINS, *own])]
     if not left:
         return ""
-    ports = ", ".join(str(one.port) for one in left)
+    ports = ", ".join(left)
     return f"killed processes left ports of Fast DDS, on which messages may be lost: {ports}"

@@ -79,7 +79,8 @@ def test_ports_in_shared_memory_that_killed_processes_left_are_removed(
     two_domains, monkeypatch, tmp_path
 ):
     """Answers to clients in such a domain were lost until somebody cleaned up by hand."""
-    monkeypatch.setattr(shared_memory, "_FOLDER", tmp_path)
+    for using in (shared_memory, module):
+        monkeypatch.setattr(using, "FOLDER", tmp_path)
     port = 7400 + 250 * two_domains[0]
     of_both, elsewhere = f"fastdds_port{port + 11}", f"fastdds_port{port + 250 * 2}"
     for name in (of_both, elsewhere):
@@ -96,8 +97,7 @@ def test_the_port_of_a_living_process_stays(two_domains):
             node = Node("living", context=context, start_parameter_services=False)
             own = shared_memory.ports_of_domain(number)
             ports = {path for k in own for path in Path("/dev/shm").glob(f"fastdds_port{k}")}
-            assert not shared_memory.remove_leftovers(own)
-            assert all(path.exists() for path in ports)
+            assert ports and not shared_memory.dead_ports(own)
             node.destroy_node()
         finally:
             context.try_shutdown()

@@ -34,7 +34,7 @@ def test_staying_on_this_machine(monkeypatch):
 
 
 def test_ports_in_the_way_of_a_domain_are_named_and_stay(monkeypatch, tmp_path):
-    monkeypatch.setattr(shared_memory, "_FOLDER", tmp_path)
+    monkeypatch.setattr(shared_memory, "FOLDER", tmp_path)
     for name in ("port7001", "port7411", "port57911", "0123456789abcdef"):
         (tmp_path / f"fastdds_{name}").touch()
     said = "killed processes left ports of Fast DDS, on which messages may be lost: 7001"
