@@ -29,7 +29,6 @@ from rclpy.utilities import remove_ros_args
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.parameters import table_rows
-from robomech_ros.nodes.middleware.parameter_requests import guard_parameter_services
 from robomech_ros.nodes.process.clean_pages import release_clean_pages
 from robomech_ros.nodes.process.memory import bound_memory, give_back_regularly
 from robomech_ros.nodes.process.namesakes import watch_for_namesakes
@@ -67,7 +66,6 @@ class Spinner:
         self._executor = SingleThreadedExecutor(context=context)
         for node in self._nodes:
             self._executor.add_node(node)
-            guard_parameter_services(node)
         self._stopping = False
         self._thread = threading.Thread(target=self._spin, name="spin", daemon=True)
         self._on_end: Callable[[], Any] = lambda: None
