@@ -74,7 +74,8 @@ def passing_timer(
 ) -> Timer:
     """Create a timer that will be destroyed.
 
-    Its callback group goes with it: that of the node would keep a trace of every timer there was.
+    Its callback group goes with it: that of the node would keep a trace of every timer there was
+    (https://github.com/ros2/rclpy/issues/1356, open in November 2026; look again in May 2027).
     """
     return node.create_timer(seconds, callback, ReentrantCallbackGroup(), clock)
 

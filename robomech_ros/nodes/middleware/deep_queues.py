@@ -1,7 +1,8 @@
 """Services and actions whose queues hold a burst of calls, and that answer each of them.
 
 The default queue of a ROS service holds ten requests; those that come while it is full vanish,
-and their clients wait for ever. The same holds for a client's queue of answers.
+and their clients wait for ever. The same holds for a client's queue of answers:
+https://github.com/ros2/rmw/issues/372, open in November 2026. Look again in May 2027.
 """
 
 import inspect
@@ -102,6 +103,7 @@ class _GoalSender(ActionClient):
         known = set(self._futures)
         answer = super().send_goal_async(*arguments, **options)
         # rclpy 9.1 makes two futures for each goal, one of which is never done and kept for ever.
+        # Mended by https://github.com/ros2/rclpy/pull/1532: remove this with the last rclpy before.
         for future in set(self._futures) - known - {answer}:
             self.remove_future(future)
         return answer

@@ -1,7 +1,8 @@
 """Requests that are sent again while no answer comes, where sending them twice does no harm.
 
 A client can know a server before the server knows the client.  What it answers to a first request
-is lost then, without a trace on either side.
+is lost then, without a trace on either side: https://github.com/ros2/rmw_fastrtps/issues/842, open
+in November 2026.  Look again in May 2027.
 """
 
 import time
