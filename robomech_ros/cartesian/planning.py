@@ -178,14 +178,14 @@ def plan_followed(
     fine = _as_sampling(sampling)
     if followed.joints is None:
         return None
-    robot, latest = followed.robot, list[PathMotion]()
+    robot = followed.robot
     timed = list(robot.timed)
     tracking = replace(followed.tracking, path=followed.joints.only(timed))
     start = followed.joints.derivatives(0.0)[0]
     allowed = (robot.limits if limits is None else Limits.of(limits)).only(timed)
 
     def planner(tightened: Limits) -> PathMotion:
-        motion = along_joint_path(
+        return along_joint_path(
             followed.path,
             tracking,
             limits=tightened,
@@ -194,14 +194,12 @@ def plan_followed(
             speed_limits=speed_limits,
             arm=robot.arm,
         )
-        latest[:] = [motion]
-        return motion
 
     plan = sampled_to_fit(
         lambda period: sampled_motion(
             planner, start[timed], allowed, period=period, max_points=fine.max_points
         ),
-        lambda: latest[0].duration,
+        lambda: planner(allowed).duration,
         usual_period=fine.period,
         max_points=fine.max_points,
         max_duration=fine.max_duration,
