@@ -216,12 +216,37 @@ class CommandLimiter:
         given = bounded("commands", commands, 3)
         if given.ndim != 2:
             raise WrongSizeError("commands", given.shape, "(n, 3)")
-        targets, saturated = self.allowed(given)
+        return self._stream(motion, *self.allowed(given))
+
+    def approach(
+        self, motion: BaseMotion, target: Array, saturated: tuple[str, ...] = ()
+    ) -> BaseMotion:
+        """Move on by one period towards a twist that :meth:`allowed` has given.
+
+        Parameters
+        ----------
+        motion : BaseMotion
+            Where the base is; it stays as it is.
+        target : ndarray, shape (3,)
+            ``[omega, v_x, v_y]`` (rad/s, m/s); not checked again.
+        saturated : tuple of str
+            What :meth:`allowed` says with it.
+
+        Returns
+        -------
+        BaseMotion
+        """
+        return self._stream(motion, target[None], saturated)[2]
+
+    def _stream(
+        self, motion: BaseMotion, targets: Array, saturated: tuple[str, ...]
+    ) -> tuple[Array, Array, BaseMotion]:
+        """Move on by a period for each of the targets (n, 3)."""
         pivots = self._pivots.copy()
         pivots[:, kernels.ANGLE] = motion.steering
         pivots[:, kernels.COSINE : kernels.SINE + 1] = motion.directions
         state = np.array([motion.twist, motion.acceleration, motion.ahead])
-        twists, angles = np.empty((len(given), 3)), np.empty((len(given), len(pivots)))
+        twists, angles = np.empty((len(targets), 3)), np.empty((len(targets), len(pivots)))
         kernels.limited_stream(targets, self._axes, self._forward, pivots, state, twists, angles)
         steering = pivots[:, kernels.ANGLE].copy()
         directions = pivots[:, kernels.COSINE : kernels.SINE + 1].copy()

@@ -87,7 +87,8 @@ class MobileBase:
         self.steering_rates = np.zeros(len(robot.base.steered))
         self.timed_out = True
         self.time = 0.0
-        self._command, self._since, self._used = np.zeros(3), -math.inf, True
+        self._target = self._standing = self.limiter.allowed(np.zeros(3))
+        self._since, self._used = -math.inf, True
         # The first reading: odometry begins where the encoders happen to be.
         self._read = self.simulated.positions.copy()
         self._twists: deque[Array] = deque(maxlen=options.window)
@@ -117,8 +118,7 @@ class MobileBase:
         wanted = np.array(command, dtype=np.float64)
         if self.robot.base.axle is not None:
             wanted[2] = 0.0
-        self.limiter.allowed(wanted)
-        self._command, self._used = wanted, False
+        self._target, self._used = self.limiter.allowed(wanted), False
         self._since = self.time - max(age, 0.0)
 
     def update(self) -> None:
@@ -127,9 +127,8 @@ class MobileBase:
         self.timed_out = not self._counts()
         before = self.motion.steering
         self._used = True
-        self.motion = self.limiter.step(
-            self.motion, np.zeros(3) if self.timed_out else self._command
-        )
+        target = self._standing if self.timed_out else self._target
+        self.motion = self.limiter.approach(self.motion, *target)
         self.time += options.period
         self.steering_rates = (self.motion.steering - before) / options.period
         self.wheel_rates = base.wheel_rates(self.motion.twist, self.motion.steering)
