@@ -28,6 +28,11 @@ def normal(name: str) -> str:
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
+def named(requirement: str) -> str:
+    """Return the name of a requirement without its versions."""
+    return normal(re.match(r"[\w.-]+", requirement)[0])
+
+
 def required(names: set[str], found: dict[str, Distribution]) -> list[Distribution]:
     """Return the installed distributions of these names and all that they require."""
     done: set[str] = set()
@@ -38,7 +43,7 @@ def required(names: set[str], found: dict[str, Distribution]) -> list[Distributi
         done.add(name)
         for line in found[name].requires or ():
             if "extra ==" not in line:
-                names.add(normal(re.match(r"[\w.-]+", line)[0]))
+                names.add(named(line))
     return [found[name] for name in sorted(done)]
 
 
@@ -52,7 +57,7 @@ def main(requirements: str, sources: str) -> None:
     """Compile in as many processes as there are cores."""
     found = {normal(each.metadata["Name"]): each for each in distributions()}
     lines = Path(requirements).read_text(encoding="utf-8").splitlines()
-    names = {normal(line) for line in lines if not line.startswith("#")}
+    names = {named(line) for line in lines if line and not line.startswith("#")}
     names |= {name for name in found if name.startswith("ros-")}
     files = [
         str(each.locate_file(file))
