@@ -105,6 +105,20 @@ def test_ten_thousand_random_streams_stay_within_all_limits(name):
     run_streams(limiter_of(name), 10 * STREAMS, 2)
 
 
+@pytest.mark.parametrize("name", list_rolling())
+def test_a_command_that_is_allowed_once_moves_the_base_as_one_in_every_period(name):
+    limiter = limiter_of(name)
+    one = other = limiter.at_rest()
+    for command in ([0.3, 0.2, 0.1], [9.0, 9.0, -9.0], [0.0, 0.0, 0.0]):
+        allowed = limiter.allowed(command)
+        for _ in range(30):
+            one = limiter.step(one, command)
+            other = limiter.approach(other, *allowed)
+            np.testing.assert_array_equal(other.twist, one.twist)
+            np.testing.assert_array_equal(other.steering, one.steering)
+            assert other.saturated == one.saturated
+
+
 @pytest.mark.parametrize("base", [two_wheeled(0.1, 0.4), mecanum(0.1, 0.6, 0.4)])
 def test_uneven_limits_hold_where_a_velocity_changes_its_sign(base):
     limiter = CommandLimiter(base, UNEVEN, PERIOD)
