@@ -19,24 +19,22 @@ class CalibrationSettings(RobotSettings):
 
     calibration_type: str = parameter(
         "eye_in_hand",
-        "Where the sensor is: eye_in_hand, it moves with the hand and the target stands still; or "
-        "eye_on_base, it stands still and the target moves with the hand",
+        "Sensor mount: eye_in_hand = the sensor moves with the hand and the target is fixed; "
+        "eye_on_base = the sensor is fixed and the target moves with the hand",
         choices=tuple(MOUNT_OF_TYPE),
         read_only=False,
     )
     robot_base_frame: str = parameter(
-        "", "Frame in which the robot's hand is measured. Empty = the base of the chain"
+        "", "Frame in which poses of the hand are measured. Empty = base of the chain"
     )
-    robot_effector_frame: str = parameter(
-        "", "Frame of the robot's hand. Empty = the tip of the chain"
-    )
+    robot_effector_frame: str = parameter("", "Frame of the robot's hand. Empty = tip of the chain")
     tracking_base_frame: str = parameter(
         "",
-        "Frame of the sensor, which is calibrated. Empty = that of the poses on tracking_topic; "
-        "without such a topic nothing can be sampled",
+        "Frame of the sensor to calibrate. Empty = frame of the poses on tracking_topic; without "
+        "that topic no sample can be taken",
     )
     tracking_marker_frame: str = parameter(
-        "", "Frame of the target, as tf has it from the sensor; not needed with tracking_topic"
+        "", "Frame of the target on tf; not needed with tracking_topic"
     )
     robot_topic: str = parameter(
         "",
@@ -49,36 +47,34 @@ class CalibrationSettings(RobotSettings):
     )
     sample_timeout: float = parameter(
         3.0,
-        "How long take_sample waits until the robot stands and the sensor has seen the target "
-        "after the request, while others are served",
+        "Longest wait of take_sample for a stationary robot and a new detection; other requests "
+        "are served meanwhile",
         0.0,
         LONGEST_WAIT,
         "s",
         read_only=False,
     )
     still_time: float = parameter(
-        0.3, "How long the robot has to stand before a sample", 0.0, 5.0, "s", read_only=False
+        0.3, "Time that the robot must be at rest before a sample", 0.0, 5.0, "s", read_only=False
     )
     still_distance: float = parameter(
-        5e-4, "How far the hand may move in that time", 0.0, 1.0, "m", read_only=False
+        5e-4, "Largest translation of the hand in that time", 0.0, 1.0, "m", read_only=False
     )
     still_angle: float = parameter(
-        2e-3, "How far the hand may turn in that time", 0.0, 3.2, "rad", read_only=False
+        2e-3, "Largest rotation of the hand in that time", 0.0, 3.2, "rad", read_only=False
     )
     largest_count: int = parameter(
         500, "Largest number of samples", 3, 2000, "samples", read_only=False
     )
-    name: str = parameter(
-        "calibration", "Name of the files that save writes, for requests without one"
-    )
+    name: str = parameter("calibration", "File name of save, for requests without one")
     folder: str = parameter(
         "~/.ros/robomech_ros/calibrations",
-        "Folder that save writes into, made where it is missing; no request can name another. "
+        "Folder of saved calibrations, created if missing; no request can change it. "
         "easy_handeye2 reads ~/.ros2/easy_handeye2/calibrations. Empty = nothing is saved",
     )
     saved: str = parameter(
         "",
-        "Name of a calibration in folder that /tf_static is told from the start on. Empty = none",
+        "Calibration in folder to publish on /tf_static at startup. Empty = none",
     )
 
 

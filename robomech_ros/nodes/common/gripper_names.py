@@ -16,24 +16,23 @@ class GripperNames(RobotSettings):
 
     gripper_controller: str = parameter(
         "gripper_controller",
-        "Name below which the gripper has gripper_cmd (GripperCommand), joint_trajectory and "
-        "follow_joint_trajectory, where the robot has a gripper",
+        "Name before /gripper_cmd (GripperCommand), /joint_trajectory and "
+        "/follow_joint_trajectory of the gripper, if the robot has one",
     )
     gripper_joints: str = parameter(
         "",
-        "Joints of the gripper, names with commas between. Empty = those of the end effector that "
-        "the SRDF of the parameters has at the end of the chain, else all that move behind the "
-        "last joint of the chain and mimic no other",
+        "Gripper joints, separated by commas. Empty = those of the end effector at the end of the "
+        "chain in the SRDF parameter, else all joints behind the chain that mimic no other",
     )
     gripper_joint: str = parameter(
         "",
-        "Of these the joint that gripper_cmd moves. Empty = the only one, or both where they are "
-        "two slides",
+        "Gripper joint that gripper_cmd moves. Empty = the only one, or both if they are two "
+        "prismatic joints",
     )
     gripper_finger_links: str = parameter(
         "",
-        "Two links between which the width of the gripper is measured, with a comma between. "
-        "Empty = the last links behind its joints, where they are two",
+        "Two links, separated by a comma, between which the gripper width is measured. Empty = "
+        "the last links behind the gripper joints, if there are two",
     )
 
 

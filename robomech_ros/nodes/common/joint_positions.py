@@ -29,8 +29,8 @@ class StateSettings(FrameSettings):
 
     state_timeout: float = parameter(
         1.0,
-        "How long a request that needs the present state waits for the first joint state, or for a "
-        "frame that it names, while others are served. 0 = not at all",
+        "Longest wait of a request for the first joint state or for a frame, if it needs one; "
+        "other requests are served meanwhile. 0 = no wait",
         0.0,
         60.0,
         "s",

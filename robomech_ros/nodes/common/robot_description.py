@@ -43,34 +43,34 @@ class RobotSettings:
 
     robot_description: str = parameter(
         "",
-        "The robot: the name of one in config/robots, the path of a URDF or YAML file, or URDF "
-        "text. Empty = wait for the latched topic robot_description",
+        "Robot: name in config/robots, path of a URDF or YAML file, or URDF text. Empty = wait "
+        "for the latched topic robot_description",
     )
-    base_link: str = parameter("", "First link of the chain. Empty = the root of the description")
+    base_link: str = parameter("", "First link of the chain. Empty = root of the description")
     tip_link: str = parameter(
         "",
-        "Last link of the chain. Empty = the tip of the parameter group, else the one leaf that "
-        "joints move, else tool0 or flange, else the tip of the one arm of the SRDF",
+        "Last link of the chain. Empty = tip of the parameter group, else the only leaf that "
+        "joints move, else tool0 or flange, else the tip of the SRDF's only arm",
     )
     robot_description_semantic: str = parameter(
         "",
-        "Groups of joints and named states of the robot: the path or the text of an SRDF. Empty = "
-        "from the latched topic robot_description_semantic, as soon as somebody publishes it",
+        "Groups of joints and named states: path or text of an SRDF. Empty = the latched topic "
+        "robot_description_semantic, once it is published",
     )
     groups: tuple[str, ...] = parameter(
         (),
-        "Groups of joints that requests may name, beside those of the SRDF, each as name:tip_link "
-        "or name:base_link:tip_link",
+        "Additional groups of joints for requests, besides those of the SRDF, each as "
+        "name:tip_link or name:base_link:tip_link",
     )
     group: str = parameter(
         "",
-        "The group whose chain the node works with; base_link and tip_link go before its ends. "
-        "Empty = the chain from base_link to tip_link",
+        "Group whose chain the node uses; base_link and tip_link override its ends. Empty = the "
+        "chain from base_link to tip_link",
     )
     frame_prefix: str = parameter(
         "",
-        "What the names of this robot's frames begin with in headers and on /tf, such as left/; "
-        "links keep their names. As robot_state_publisher has it",
+        "Prefix of this robot's tf frames in headers and on /tf, such as left/. Links keep their "
+        "names, as in robot_state_publisher",
     )
 
 
@@ -80,7 +80,7 @@ class FrameSettings(RobotSettings):
 
     frame_age: float = parameter(
         10.0,
-        "How old the latest news of a frame on /tf may be, for requests without a stamp",
+        "Largest age of a /tf transform for requests without a time stamp",
         0.01,
         1e9,
         "s",

@@ -12,8 +12,7 @@ class DynamicsSettings(StateSettings):
 
     gravity: tuple[float, ...] = parameter(
         (0.0, 0.0, -9.81),
-        "Acceleration of gravity in the base link of the chain, pointing where things fall; for "
-        "requests without one",
+        "Gravity vector (down) in the base link of the chain, for requests without one",
         -1000.0,
         1000.0,
         "m/s^2",
@@ -29,7 +28,7 @@ class DynamicsSettings(StateSettings):
     )
     summary_period: float = parameter(
         0.002,
-        "Largest step of SummarizeTorques in time; longer where there would be more than 100,000 "
+        "Largest time step of SummarizeTorques; increased if there would be more than 100,000 "
         "steps",
         1e-4,
         1.0,
@@ -37,7 +36,7 @@ class DynamicsSettings(StateSettings):
         read_only=False,
     )
     max_duration: float = parameter(
-        3600.0, "Longest trajectory that SummarizeTorques takes", 0.001, 1e6, "s", read_only=False
+        3600.0, "Longest trajectory for SummarizeTorques", 0.001, 1e6, "s", read_only=False
     )
 
 

@@ -11,22 +11,21 @@ class GraspingSettings:
 
     robot_description: str = parameter(
         "",
-        "The hand: its name in config/robots/hands, or the path or the text of its YAML. Empty = "
-        "none: contacts alone are analysed",
+        "Hand: name in config/robots/hands, or path or text of its YAML. Empty = none: only "
+        "contacts are analysed",
     )
-    frame_prefix: str = parameter(
-        "", "What the names of the hand's frames begin with in headers, such as left/"
-    )
+    frame_prefix: str = parameter("", "Prefix of the hand's frames in headers, such as left/")
     most_points: int = parameter(
         2000,
-        "Wrenches after which the bounds of a quality are given as they are",
+        "Largest number of wrenches used for the quality bounds; then these are returned as they "
+        "are",
         10,
         5000,
         read_only=False,
     )
     longest_wait: float = parameter(
         30.0,
-        "How long analyze_grasp waits for requests that came before; then it refuses, with 205",
+        "Longest wait of analyze_grasp for earlier requests; then it fails with code 205",
         1e-9,
         1e6,
         "s",

@@ -12,39 +12,40 @@ class GripperSettings(GripperNames):
 
     parallel_gripper_controller: str = parameter(
         "parallel_gripper_controller",
-        "Name below which it has gripper_cmd as a ParallelGripperCommand; another than "
-        "gripper_controller",
+        "Name before /gripper_cmd (ParallelGripperCommand); must differ from gripper_controller",
     )
     gripper_goal_tolerance: float = parameter(
-        0.01, "How far a finger joint may be from its goal that has reached it, rad or m", 0.0, 10.0
+        0.01,
+        "Largest distance from its goal at which a finger joint has reached it, rad or m",
+        0.0,
+        10.0,
     )
     gripper_allow_stalling: bool = parameter(
         False,
-        "Whether gripper_cmd succeeds where something between the fingers stops them",
+        "gripper_cmd succeeds if an object between the fingers stops them",
         read_only=False,
     )
     gripper_stall_velocity_threshold: float = parameter(
-        0.001, "Speed up to which a finger joint stands, rad/s or m/s", 0.0, 10.0
+        0.001, "Largest speed of a finger joint at rest, rad/s or m/s", 0.0, 10.0
     )
     gripper_stall_timeout: float = parameter(
-        1.0, "How long fingers stand before they have stalled", 0.0, 60.0, "s"
+        1.0, "Time at rest after which the fingers count as stalled", 0.0, 60.0, "s"
     )
     gripper_max_effort: float = parameter(
         0.0,
-        "The most that a finger joint exerts, N m or N; 0 = its effort limit",
+        "Largest effort of a finger joint, N m or N; 0 = its effort limit",
         0.0,
         1e6,
     )
     gripper_max_velocity: float = parameter(
         0.0,
-        "How fast gripper_cmd moves a finger joint, rad/s or m/s; 0 = as fast as its limit allows",
+        "Speed of a finger joint during gripper_cmd, rad/s or m/s; 0 = as its limit allows",
         0.0,
         1e3,
     )
     gripper_object_width: float = parameter(
         0.0,
-        "Simulated object between the fingers: its width, where it stops fingers that close; "
-        "0 = nothing",
+        "Width of a simulated object that stops closing fingers; 0 = no object",
         0.0,
         10.0,
         "m",

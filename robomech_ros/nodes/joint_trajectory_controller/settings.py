@@ -20,51 +20,51 @@ class ControllerSettings(GripperSettings):
     """Parameters of the node."""
 
     publish_rate: float = parameter(
-        100.0, "How often the robot moves and joint_states is published", 1.0, 1000.0, "Hz"
+        100.0, "Rate of the simulated motion and of joint_states", 1.0, 1000.0, "Hz"
     )
     action_monitor_rate: float = parameter(
-        20.0, "How often an action gets feedback; at most publish_rate", 0.1, 1000.0, "Hz"
+        20.0, "Rate of action feedback; at most publish_rate", 0.1, 1000.0, "Hz"
     )
     state_publish_rate: float = parameter(
-        50.0, "How often controller_state is published; at most publish_rate", 0.1, 1000.0, "Hz"
+        50.0, "Rate of controller_state; at most publish_rate", 0.1, 1000.0, "Hz"
     )
     initial_positions: tuple[float, ...] = parameter(
         (),
-        "Where the joints are at start and after a reset, base to tip, rad or m; of a parallel "
-        "robot its drives, or all joints. Empty = the robot's home, else the middle of their "
-        "limits, 0 for joints without",
+        "Joint positions at startup and after a reset, base to tip, rad or m; for a parallel "
+        "robot its drives, or all joints. Empty = the robot's home, else the middle of the "
+        "limits, 0 for joints without limits",
     )
     start_tolerance: float = parameter(
         0.01,
-        "How far the first point of a trajectory, at time 0, may be from the present position of "
+        "Largest distance of a trajectory's first point, at time 0, from the current position of "
         "a joint at rest, rad or m",
         0.0,
         10.0,
     )
     path_tolerance: float = parameter(
         0.0,
-        "How far a joint may be from its path while moving, rad or m; 0 = any distance",
+        "Largest deviation of a joint from its path while moving, rad or m; 0 = any distance",
         0.0,
         10.0,
         read_only=False,
     )
     goal_tolerance: float = parameter(
         0.01,
-        "How far a joint may be from the last point at the end, rad or m; 0 = any distance",
+        "Largest deviation of a joint from the last point at the end, rad or m; 0 = any distance",
         0.0,
         10.0,
         read_only=False,
     )
     stopped_velocity_tolerance: float = parameter(
         0.01,
-        "How fast a joint may be at the end, rad/s or m/s; 0 = any speed",
+        "Largest joint speed at the end, rad/s or m/s; 0 = any speed",
         0.0,
         10.0,
         read_only=False,
     )
     goal_time: float = parameter(
         1.0,
-        "How long after its end a trajectory may still reach its goal; 0 = any time",
+        "Time after its end in which a trajectory may still reach its goal; 0 = any time",
         0.0,
         3600.0,
         "s",
@@ -72,83 +72,85 @@ class ControllerSettings(GripperSettings):
     )
     cmd_timeout: float = parameter(
         0.0,
-        "How long after its end a trajectory may last at all; then the robot holds. 0 = any time",
+        "Longest time after its end that a trajectory may last; then the robot holds. 0 = any time",
         0.0,
         3600.0,
         "s",
     )
     allow_partial_joints_goal: bool = parameter(
-        False, "Whether a trajectory may name only some of the joints; the others hold"
+        False, "Accept trajectories that name only some of the joints; the others hold"
     )
     allow_trajectory_replacement: bool = parameter(
         True,
-        "Whether the present motion continues until the stamp of a new trajectory; otherwise the "
-        "new one takes over on arrival, and the robot moves to its first point until then",
+        "Continue the current motion until the time stamp of a new trajectory. False: the new one "
+        "replaces it on arrival, and the robot moves to its first point until then",
     )
     interpolation_method: str = parameter(
         SPLINES,
-        "How the joints get from point to point: splines = linearly, by cubics or quintics, as "
-        "the fields of the points allow; none = commanded one point at a time",
+        "Interpolation between points: splines = linear, cubic or quintic, depending on the "
+        "fields of the points; none = one point at a time",
         choices=(SPLINES, NO_INTERPOLATION),
     )
     allow_nonzero_velocity_at_trajectory_end: bool = parameter(
         False,
-        "Whether a trajectory may end moving; the robot then brakes beyond its last point",
+        "Accept trajectories that end in motion; the robot then brakes beyond the last point",
     )
     max_acceleration_ratio: float = parameter(
         5.0,
-        "How many times its acceleration limit a joint may accelerate on the curve through points "
-        "with velocities, which is refused beyond that; 0 = any. From 1 on the log says so",
+        "Largest ratio of acceleration to its limit on the curve through points with velocities; "
+        "trajectories beyond it are rejected. 0 = any. Ratios from 1 on are logged",
         0.0,
         1e6,
     )
     max_points: int = parameter(
-        10_000, "Most points of a trajectory; longer ones are refused", 1, 1_000_000, "points"
+        10_000,
+        "Largest number of points of a trajectory; longer ones are rejected",
+        1,
+        1_000_000,
+        "points",
     )
     max_duration: float = parameter(
         3600.0,
-        "Longest trajectory, and longest wait until one begins; longer ones are refused",
+        "Longest trajectory, and longest wait for its start; longer ones are rejected",
         0.001,
         1e6,
         "s",
     )
     simulation: str = parameter(
         KINEMATIC,
-        "How the robot is simulated: kinematic = the joints follow exactly, or with tracking_lag; "
-        "dynamic = drives move them, with mass, friction and effort limits",
+        "Simulation model: kinematic = the joints follow exactly, or with tracking_lag; dynamic = "
+        "drives move them, with mass, friction and effort limits",
         choices=(KINEMATIC, DYNAMIC),
     )
     dynamic_control: str = parameter(
         "computed-torque",
-        "Dynamic: the controller of the drives: computed-torque, or pd-gravity = PD with gravity "
-        "compensation",
+        "Dynamic: drive controller: computed-torque, or pd-gravity = PD with gravity compensation",
         choices=("computed-torque", "pd-gravity"),
     )
     dynamic_bandwidth: float = parameter(
-        50.0, "Dynamic: natural frequency with which errors decay", 1.0, 200.0, "rad/s"
+        50.0, "Dynamic: natural frequency of the error decay", 1.0, 200.0, "rad/s"
     )
     dynamic_damping: float = parameter(
-        1.0, "Dynamic: damping ratio with which errors decay; 1 = critical", 0.1, 2.0
+        1.0, "Dynamic: damping ratio of the error decay; 1 = critical", 0.1, 2.0
     )
     dynamic_observer: float = parameter(
         2000.0,
-        "Dynamic: rate of the observer that compensates efforts which the model does not explain, "
-        "such as those of a payload; 0 = off",
+        "Dynamic: rate of the observer that compensates unmodelled efforts, such as those of a "
+        "payload; 0 = off",
         0.0,
         10_000.0,
         "rad/s",
     )
     gravity: tuple[float, ...] = parameter(
         (0.0, 0.0, -9.81),
-        "Dynamic: acceleration of gravity in the base link of the chain, pointing where things "
-        "fall",
+        "Dynamic: gravity vector (down) in the base link of the chain",
         -1000.0,
         1000.0,
         "m/s^2",
     )
     payload_mass: float = parameter(
         0.0,
-        "Dynamic: mass at the tip, unknown to the controller of the drives",
+        "Dynamic: mass at the tip that the drive controller does not know",
         0.0,
         1000.0,
         "kg",
@@ -156,7 +158,7 @@ class ControllerSettings(GripperSettings):
     )
     payload_com: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
-        "Dynamic: where that mass is, as a point in the frame of the tip",
+        "Dynamic: position of that mass in the frame of the tip",
         -10.0,
         10.0,
         "m",
@@ -164,34 +166,32 @@ class ControllerSettings(GripperSettings):
     )
     tracking_lag: float = parameter(
         0.0,
-        "Kinematic: time constant with which the joints follow their commands; 0 = exactly",
+        "Kinematic: time constant of the joints behind their commands; 0 = none",
         0.0,
         100.0,
         "s",
     )
     publish_frames: str = parameter(
         AUTO,
-        "Whether /tf and /tf_static are published, where tf2_msgs is installed; auto = those "
-        "frames of the robot that nobody else publishes",
+        "Publication of /tf and /tf_static, if tf2_msgs is installed; auto = frames of the robot "
+        "without another publisher",
         choices=(AUTO, ALWAYS, NEVER),
     )
-    frame_rate: float = parameter(
-        20.0, "How often /tf is published; at most publish_rate", 0.1, 1000.0, "Hz"
-    )
+    frame_rate: float = parameter(20.0, "Rate of /tf; at most publish_rate", 0.1, 1000.0, "Hz")
     publish_description: bool = parameter(
         True,
-        "Whether the robot of the parameter robot_description is published as a URDF on the "
-        "latched topic robot_description, and the SRDF of robot_description_semantic on the topic "
-        "of that name, each unless somebody else publishes one",
+        "Publish the robot of the parameter robot_description as a URDF on the latched topic "
+        "robot_description, and the SRDF of robot_description_semantic on the topic of that name. "
+        "Each is published only without another publisher",
     )
     fault_stuck_joints: str = parameter(
         "",
-        "Simulated fault: joints that do not move, names with commas between. Empty = none",
+        "Simulated fault: joints that do not move, separated by commas. Empty = none",
         read_only=False,
     )
     fault_delay: float = parameter(
         0.0,
-        "Simulated fault: how long commands take to reach the joints",
+        "Simulated fault: delay of the commands to the joints",
         0.0,
         10.0,
         "s",
@@ -199,15 +199,14 @@ class ControllerSettings(GripperSettings):
     )
     fault_dropped_commands: float = parameter(
         0.0,
-        "Simulated fault: fraction of the commands that get lost; joints then keep the previous "
-        "one",
+        "Simulated fault: fraction of lost commands; joints then keep the previous one",
         0.0,
         1.0,
         read_only=False,
     )
     fault_offset: tuple[float, ...] = parameter(
         (),
-        "Simulated fault: offset that the joint sensors add, base to tip, rad or m. Empty = none",
+        "Simulated fault: offset of the joint sensors, base to tip, rad or m. Empty = none",
         -10.0,
         10.0,
         read_only=False,

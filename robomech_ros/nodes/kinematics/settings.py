@@ -21,8 +21,8 @@ class KinematicsSettings(StateSettings):
     )
     batch_timeout: float = parameter(
         60.0,
-        "How long one request of SolveIKBatch or QueryWorkspace may take, while others are "
-        "served; the remaining poses then get the code TIMED_OUT",
+        "Time limit of one SolveIKBatch or QueryWorkspace request; the remaining poses then get "
+        "the code TIMED_OUT. Other requests are served meanwhile",
         0.001,
         3600.0,
         "s",
@@ -30,7 +30,7 @@ class KinematicsSettings(StateSettings):
     )
     publish_markers: bool = parameter(
         True,
-        "Whether ~/markers shows the posture last analysed, and the boundary of the workspace, "
-        "which is computed when somebody first listens or calls query_workspace",
+        "Show the last analysed posture and the workspace boundary on ~/markers. The boundary is "
+        "computed at the first subscription or call of query_workspace",
         read_only=False,
     )

@@ -37,7 +37,7 @@ def _rows_of(axis: str, turns: str, unit: str) -> dict[str, Any]:
     """Make the parameters with the limits of an axis, and what its other direction is called."""
     bounds = {
         "max_velocity": f"Largest velocity ({unit}/s)",
-        "min_velocity": f"Least velocity, at most 0 ({unit}/s)",
+        "min_velocity": f"Smallest velocity, at most 0 ({unit}/s)",
         "max_acceleration": f"Acceleration ({unit}/s^2)",
         "max_deceleration": f"Deceleration, below 0 ({unit}/s^2)",
         "max_acceleration_reverse": f"Acceleration {turns}, below 0 ({unit}/s^2)",
@@ -47,7 +47,7 @@ def _rows_of(axis: str, turns: str, unit: str) -> dict[str, Any]:
     }
     rows = {
         f"has_{kind}_limits": parameter(
-            True, f"False: limits of {kind} of {axis} do not count; older ros2_controllers have it"
+            True, f"False: ignore {kind} limits of {axis}; exists in older ros2_controllers"
         )
         for kind in ("velocity", "acceleration", "jerk")
         if axis != "linear.y"
@@ -79,55 +79,67 @@ class MobileBaseSettings(_LimitsOfAxes):
     drive: str = parameter("", "Kind of drive; empty = that of the robot", choices=_DRIVES)
     simulation: str = parameter(
         KINEMATIC,
-        "How the base moves: kinematic = as commanded, dynamic = by the torques of its motors",
+        "Motion of the base: kinematic = as commanded, dynamic = by the torques of its motors",
         choices=(KINEMATIC, DYNAMIC),
     )
     update_rate: float = parameter(
-        100.0, "How often the limits are applied and wheels commanded", 1.0, 1000.0, "Hz"
+        100.0, "Rate at which limits are applied and wheels are commanded", 1.0, 1000.0, "Hz"
     )
-    publish_rate: float = parameter(
-        50.0, "How often odometry and joint states are published", 0.1, 1000.0, "Hz"
-    )
+    publish_rate: float = parameter(50.0, "Rate of odometry and joint states", 0.1, 1000.0, "Hz")
     cmd_vel_timeout: float = parameter(
         0.5,
-        "diff, omni, swerve: how long a command counts; then the base brakes. 0: diff and swerve "
-        "follow for ever, omni always brakes",
+        "diff, omni, swerve: command timeout; the base then brakes. 0: no timeout for diff and "
+        "swerve, omni always brakes",
         0.0,
         3600.0,
         "s",
     )
     reference_timeout: float = parameter(
         _OFF,
-        "mecanum, bicycle, tricycle, ackermann: the same; 0 = a command counts for one update, "
-        "NaN = 0 for mecanum, else 1",
+        "mecanum, bicycle, tricycle, ackermann: command timeout. 0 = a command lasts for one "
+        "update, NaN = 0 for mecanum, else 1",
         0.0,
         3600.0,
         "s",
     )
     left_wheel_names: tuple[str, ...] = parameter((), "diff: joints of the left wheels")
     right_wheel_names: tuple[str, ...] = parameter((), "diff: joints of the right wheels")
-    wheel_separation: float = parameter(0.0, "diff: from left to right", 0.0, 1e3, "m")
-    wheel_radius: float = parameter(0.0, "diff, omni: of the wheels", 0.0, 1e3, "m")
-    wheel_separation_multiplier: float = parameter(1.0, "diff: corrects the separation", 0.0, 1e3)
-    left_wheel_radius_multiplier: float = parameter(1.0, "diff: corrects the radius", 0.0, 1e3)
-    right_wheel_radius_multiplier: float = parameter(1.0, "diff: corrects the radius", 0.0, 1e3)
-    wheel_names: tuple[str, ...] = parameter((), "omni: joints, counter-clockwise, evenly spaced")
-    wheel_offset: float = parameter(0.0, "omni: from x to the first wheel", -10.0, 10.0, "rad")
-    robot_radius: float = parameter(0.0, "omni: from the centre to the wheels", 0.0, 1e3, "m")
-    front_left_wheel_command_joint_name: str = parameter("", "mecanum: joint")
-    front_right_wheel_command_joint_name: str = parameter("", "mecanum: joint")
-    rear_right_wheel_command_joint_name: str = parameter("", "mecanum: joint")
-    rear_left_wheel_command_joint_name: str = parameter("", "mecanum: joint")
+    wheel_separation: float = parameter(
+        0.0, "diff: distance between left and right wheels", 0.0, 1e3, "m"
+    )
+    wheel_radius: float = parameter(0.0, "diff, omni: wheel radius", 0.0, 1e3, "m")
+    wheel_separation_multiplier: float = parameter(
+        1.0, "diff: correction factor of the separation", 0.0, 1e3
+    )
+    left_wheel_radius_multiplier: float = parameter(
+        1.0, "diff: correction factor of the left radius", 0.0, 1e3
+    )
+    right_wheel_radius_multiplier: float = parameter(
+        1.0, "diff: correction factor of the right radius", 0.0, 1e3
+    )
+    wheel_names: tuple[str, ...] = parameter(
+        (), "omni: wheel joints, counter-clockwise, evenly spaced"
+    )
+    wheel_offset: float = parameter(
+        0.0, "omni: angle from x to the first wheel", -10.0, 10.0, "rad"
+    )
+    robot_radius: float = parameter(
+        0.0, "omni: distance from the centre to the wheels", 0.0, 1e3, "m"
+    )
+    front_left_wheel_command_joint_name: str = parameter("", "mecanum: front left wheel joint")
+    front_right_wheel_command_joint_name: str = parameter("", "mecanum: front right wheel joint")
+    rear_right_wheel_command_joint_name: str = parameter("", "mecanum: rear right wheel joint")
+    rear_left_wheel_command_joint_name: str = parameter("", "mecanum: rear left wheel joint")
     kinematics__base_frame_offset__x: float = parameter(
-        0.0, "mecanum: centre of the wheels in the base", -1e3, 1e3, "m"
+        0.0, "mecanum: x of the centre of the wheels in the base", -1e3, 1e3, "m"
     )
     kinematics__base_frame_offset__y: float = parameter(
-        0.0, "mecanum: centre of the wheels in the base", -1e3, 1e3, "m"
+        0.0, "mecanum: y of the centre of the wheels in the base", -1e3, 1e3, "m"
     )
     kinematics__base_frame_offset__theta: float = parameter(
         0.0, "mecanum: heading of the wheels in the base", -10.0, 10.0, "rad"
     )
-    kinematics__wheels_radius: float = parameter(0.0, "mecanum: of the wheels", 0.0, 1e3, "m")
+    kinematics__wheels_radius: float = parameter(0.0, "mecanum: wheel radius", 0.0, 1e3, "m")
     kinematics__sum_of_robot_center_projection_on_X_Y_axis: float = parameter(
         0.0,
         "mecanum: x plus y of the front left wheel, from the centre of the wheels",
@@ -136,39 +148,45 @@ class MobileBaseSettings(_LimitsOfAxes):
         "m",
     )
     traction_joints_names: tuple[str, ...] = parameter(
-        (), "bicycle, tricycle, ackermann: driven rear wheels, the right one first"
+        (), "bicycle, tricycle, ackermann: joints of the driven rear wheels, right one first"
     )
     steering_joints_names: tuple[str, ...] = parameter(
-        (), "bicycle, tricycle, ackermann: front wheels, the right one first"
+        (), "bicycle, tricycle, ackermann: joints of the front wheels, right one first"
     )
-    wheelbase: float = parameter(0.0, "bicycle, tricycle, ackermann: axle to axle", 0.0, 1e3, "m")
+    wheelbase: float = parameter(
+        0.0, "bicycle, tricycle, ackermann: distance between the axles", 0.0, 1e3, "m"
+    )
     traction_track_width: float = parameter(
-        0.0, "tricycle, ackermann: between rear wheels", 0.0, 1e3, "m"
+        0.0, "tricycle, ackermann: distance between the rear wheels", 0.0, 1e3, "m"
     )
     steering_track_width: float = parameter(
-        0.0, "ackermann: between front wheels; 0 = as between rear wheels", 0.0, 1e3, "m"
+        0.0, "ackermann: distance between the front wheels; 0 = as at the rear", 0.0, 1e3, "m"
     )
     traction_wheels_radius: float = parameter(
-        0.0, "bicycle, tricycle, ackermann: of the wheels", 0.0, 1e3, "m"
+        0.0, "bicycle, tricycle, ackermann: wheel radius", 0.0, 1e3, "m"
     )
     traction_wheel_radius: float = parameter(
-        0.0, "bicycle: the same, by the name that it has there", 0.0, 1e3, "m"
+        0.0, "bicycle: the same, under its name for that drive", 0.0, 1e3, "m"
     )
     wheel_track: float = parameter(0.0, "tricycle: old name of traction_track_width", 0.0, 1e3, "m")
     max_wheel_rate: float = parameter(
         _OFF,
-        "Of each driven wheel, keeping the curvature; NaN = that of the robot",
+        "Rate limit of each driven wheel; the curvature is kept. NaN = that of the robot",
         0.0,
         1e6,
         "rad/s",
     )
     max_steering_rate: float = parameter(
-        _OFF, "Of each steered wheel; NaN = that of the robot", 0.0, 1e6, "rad/s"
+        _OFF, "Rate limit of each steered wheel; NaN = that of the robot", 0.0, 1e6, "rad/s"
     )
-    open_loop: bool = parameter(False, "Odometry of the limited commands, not of the wheels")
-    position_feedback: bool = parameter(True, "Odometry of positions of wheels, not of velocities")
+    open_loop: bool = parameter(
+        False, "Compute odometry from the limited commands instead of the wheels"
+    )
+    position_feedback: bool = parameter(
+        True, "Compute odometry from wheel positions instead of velocities"
+    )
     velocity_rolling_window_size: int = parameter(
-        10, "Twists whose mean is published, except of omni, mecanum and swerve", 1, 10000
+        10, "Number of twists whose mean is published; not for omni, mecanum and swerve", 1, 10000
     )
     publish_limited_velocity: bool = parameter(False, "Publish ~/cmd_vel_out")
     odom_frame_id: str = parameter("odom", "Frame of odometry")
@@ -176,38 +194,41 @@ class MobileBaseSettings(_LimitsOfAxes):
     enable_odom_tf: bool = parameter(True, "Publish the frame of the base on tf")
     publish_frames: str = parameter(
         AUTO,
-        "Whether frames of wheels are published on /tf, where tf2_msgs is installed; auto = those "
-        "that nobody else publishes, and none where enable_odom_tf is false",
+        "Publication of wheel frames on /tf, if tf2_msgs is installed; auto = frames without "
+        "another publisher, and none if enable_odom_tf is false",
         choices=(AUTO, ALWAYS, NEVER),
     )
     frame_rate: float = parameter(
         20.0,
-        "How often frames of wheels are published; at most publish_rate",
+        "Rate of the wheel frames; at most publish_rate",
         0.1,
         1000.0,
         "Hz",
     )
     publish_description: bool = parameter(
         True,
-        "Whether the robot is published as a URDF on the latched topic robot_description, unless "
-        "somebody else publishes one",
+        "Publish the robot as a URDF on the latched topic robot_description, unless another node "
+        "publishes one",
     )
-    tf_frame_prefix_enable: bool = parameter(True, "Whether frames have a prefix")
-    tf_frame_prefix: str = parameter("", "Of all frames; empty or '~' = the namespace")
+    tf_frame_prefix_enable: bool = parameter(True, "Add a prefix to all frames")
+    tf_frame_prefix: str = parameter("", "Prefix of all frames; empty or '~' = the namespace")
     pose_covariance_diagonal: tuple[float, ...] = parameter(
-        (), "x, y, z, roll, pitch, yaw; empty = grows with distance and slip", 0.0, 1e9
+        (),
+        "Pose variances of x, y, z, roll, pitch, yaw; empty = they grow with distance and slip",
+        0.0,
+        1e9,
     )
     twist_covariance_diagonal: tuple[float, ...] = parameter(
-        (), "The same of the twist; empty = that of the wheels", 0.0, 1e9
+        (), "Twist variances in the same order; empty = those of the wheels", 0.0, 1e9
     )
     diagonal_covariance__pose: tuple[float, ...] = parameter(
-        (), "omni: as pose_covariance_diagonal", 0.0, 1e9
+        (), "omni: same as pose_covariance_diagonal", 0.0, 1e9
     )
     diagonal_covariance__twist: tuple[float, ...] = parameter(
-        (), "omni: as twist_covariance_diagonal", 0.0, 1e9
+        (), "omni: same as twist_covariance_diagonal", 0.0, 1e9
     )
     initial_wheel_position: float = parameter(
-        0.0, "At which the simulated wheels begin", -1e6, 1e6, "rad"
+        0.0, "Initial position of the simulated wheels", -1e6, 1e6, "rad"
     )
 
 

@@ -11,56 +11,56 @@ from robomech_ros.rvs.serving.address import GREATEST_PORT, HOST, PORT
 class RvsSettings(GripperNames):
     """Parameters of the node."""
 
-    port: int = parameter(PORT, "Port of the page; 0 = a free one", 0, GREATEST_PORT)
+    port: int = parameter(PORT, "Port of the page; 0 = a free port", 0, GREATEST_PORT)
     host: str = parameter(
         HOST,
-        "Address of this machine that the page listens on; by default only this machine reaches "
-        "it. Whoever has the printed address of the page may command the robot",
+        "Address on which the page listens; by default only this machine can connect. Everyone "
+        "with the printed address of the page can command the robot",
     )
     rate: float = parameter(
         30.0,
-        "How often the robot is drawn at most, while somebody looks",
+        "Largest display rate of the robot while a browser is connected",
         1.0,
         60.0,
         "Hz",
     )
     state_timeout: float = parameter(
-        1.0, "Age from which on joint states are called old", 0.1, 60.0, "s"
+        1.0, "Age above which joint states are reported as old", 0.1, 60.0, "s"
     )
     planner: str = parameter("trajectory_planner", "Name of the trajectory planner")
     publisher: str = parameter("trajectory_publisher", "Name of the trajectory publisher")
     controller: str = parameter(
-        "joint_trajectory_controller", "Name of the controller, whose service hold stops the robot"
+        "joint_trajectory_controller", "Name of the controller; its service hold stops the robot"
     )
-    servo: str = parameter("servo", "Name of the servo, by which the robot is jogged")
+    servo: str = parameter("servo", "Name of the servo that jogs the robot")
     mobile_base: str = parameter(
-        "mobile_base", "Name of the node of a rolling robot, whose topics are shown and commanded"
+        "mobile_base", "Name of the node of a rolling robot; its topics are displayed and commanded"
     )
     walker: str = parameter(
-        "walker", "Name of the node of a walking machine, whose topics are shown and commanded"
+        "walker", "Name of the node of a walking machine; its topics are displayed and commanded"
     )
     marker_topics: tuple[str, ...] = parameter(
         ("kinematics/markers", "calibration/markers"),
-        "Topics of visualization_msgs/MarkerArray that the page shows where that is wanted",
+        "Topics of visualization_msgs/MarkerArray that the page can show",
     )
     jog_silence: float = parameter(
         0.4,
-        "How long a page that holds a jog button may say nothing before the robot is stopped; it "
-        "says so ten times a second",
+        "Time without a heartbeat before a jogged robot stops; the page sends ten a second while "
+        "a jog button is pressed",
         0.2,
         2.0,
         "s",
     )
     jog_joint_speed: float = parameter(
-        0.5, "Greatest jogging speed of joints that turn", 1e-3, 10.0, "rad/s"
+        0.5, "Largest jog speed of revolute joints", 1e-3, 10.0, "rad/s"
     )
     jog_linear_speed: float = parameter(
         0.1,
-        "Greatest jogging speed of the tip, of joints that slide, and over the ground",
+        "Largest jog speed of the tip, of prismatic joints, and over the ground",
         1e-3,
         10.0,
         "m/s",
     )
     jog_angular_speed: float = parameter(
-        0.5, "Greatest speed at which tip or robot are turned by jogging", 1e-3, 10.0, "rad/s"
+        0.5, "Largest angular jog speed of the tip or robot", 1e-3, 10.0, "rad/s"
     )

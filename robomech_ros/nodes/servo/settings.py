@@ -17,14 +17,14 @@ class ServoNodeSettings(FrameSettings):
 
     command_out_topic: str = parameter(
         "joint_trajectory_controller/joint_trajectory",
-        "Where the controller listens (trajectory_msgs/JointTrajectory)",
+        "Command topic of the controller (trajectory_msgs/JointTrajectory)",
     )
     publish_rate: float = parameter(
-        100.0, "How often the stream is continued during motion", 20.0, 1000.0, "Hz"
+        100.0, "Rate of trajectory messages during motion", 20.0, 1000.0, "Hz"
     )
     command_timeout: float = parameter(
         0.1,
-        "How long a command counts without a new one; then the robot brakes",
+        "Command timeout; the robot then brakes",
         0.01,
         1.0,
         "s",
@@ -32,8 +32,8 @@ class ServoNodeSettings(FrameSettings):
     )
     command_in_type: str = parameter(
         SPEED_UNITS,
-        "What commands mean: speed_units = rad/s and m/s, unitless = fractions, -1 to 1, of the "
-        "three scales below",
+        "Units of commands: speed_units = rad/s and m/s, unitless = fractions of the three scales "
+        "below, -1 to 1",
         choices=(SPEED_UNITS, UNITLESS),
         read_only=False,
     )
@@ -62,15 +62,15 @@ class ServoNodeSettings(FrameSettings):
     )
     free_directions: tuple[str, ...] = parameter(
         (),
-        "Components of the tip's pose that twists and pose targets leave to the joints: some of "
-        "x, y, z, rx, ry, rz along and about the axes of the tip, such as rz for a tool with an "
-        "axis, or rx, ry, rz for positions alone (MoveIt's drift dimensions). Empty = none",
+        "Components of the tip's pose that twists and pose targets leave free: some of x, y, z, "
+        "rx, ry, rz along and about the axes of the tip, such as rz for a tool with an axis, or "
+        "rx, ry, rz for positions alone (MoveIt's drift dimensions). Empty = none",
         read_only=False,
     )
     lower_singularity_threshold: float = parameter(
         30.0,
-        "Condition number, lengths over the characteristic length, above which motions towards a "
-        "singularity are slowed down",
+        "Condition number (lengths divided by the characteristic length) above which motions "
+        "towards a singularity are slowed down",
         1.0,
         1e5,
     )
@@ -79,15 +79,15 @@ class ServoNodeSettings(FrameSettings):
     )
     characteristic_length: float = parameter(
         0.0,
-        "Divides linear motions in condition numbers; 0 = that of the robot, computed at the "
-        "start in some seconds",
+        "Length that divides linear motions in condition numbers; 0 = that of the robot, computed "
+        "at startup in a few seconds",
         0.0,
         1e3,
         "m",
     )
     lead: int = parameter(
         2,
-        "How many periods ahead of its time a new point is sent: a message may be this late "
+        "Number of periods by which a point is sent ahead of its time. A message may be this late "
         "without disturbing the motion; commands take effect that much later",
         1,
         20,
@@ -95,31 +95,30 @@ class ServoNodeSettings(FrameSettings):
     )
     longest_lead: int = parameter(
         10,
-        "How far the lead rises while points are found to be late, as on a busy machine; it falls "
-        "again by a period a second when nothing was late for 10 s. Up to lead = not at all",
+        "Largest lead while points are late, as on a busy machine. It falls by one period a "
+        "second after 10 s without late points. Values up to lead = constant lead",
         1,
         50,
         "periods",
     )
     tracking_tolerance: float = parameter(
         0.1,
-        "How far a joint may be from its commands of the last tracking_delay, rad or m, before "
-        "the stream stops; 0 = any distance",
+        "Largest deviation of a joint from its commands of the last tracking_delay, rad or m, "
+        "before the stream stops; 0 = any distance",
         0.0,
         10.0,
     )
     tracking_delay: float = parameter(
         0.2,
-        "How far the joints may lag behind their commands; the stream also stops when joint "
-        "states stay away for longer than that and 0.5 s",
+        "Allowed lag of the joints behind their commands. The stream also stops if no joint "
+        "states arrive for this time plus 0.5 s",
         0.0,
         5.0,
         "s",
     )
     halt_messages: int = parameter(
         4,
-        "How many messages repeat the plan to stop when there is no command any more; then others "
-        "can move the robot",
+        "Number of stop messages after the last command; then other nodes can move the robot",
         1,
         1000,
         "messages",

@@ -17,19 +17,19 @@ class PlannerSettings(StateSettings):
 
     joint_limits: str = parameter(
         "",
-        "Path of a YAML file with limits missing from the robot's description: MoveIt's "
-        "joint_limits.yaml, or the form of a file beside a URDF. Empty = none",
+        "Path of a YAML file with limits missing from the robot description: MoveIt's "
+        "joint_limits.yaml, or the format of a file next to a URDF. Empty = none",
     )
     assume_limits: bool = parameter(
         False,
-        "Whether limits of acceleration and jerk that nobody gives are assumed: full speed in "
+        "Assume missing limits of acceleration and jerk: full speed in "
         f"{TIME_TO_SPEED:g} s, full acceleration in {TIME_TO_ACCELERATION:g} s; bringup sets it, "
         "in trajectory_planner.bringup.yaml",
     )
     sample_period: float = parameter(
         0.01,
         "Largest time between two points of a planned trajectory, for requests without one; "
-        "longer where a trajectory would have too many",
+        "lengthened to respect max_points",
         SHORTEST_PERIOD,
         10.0,
         "s",
@@ -37,15 +37,15 @@ class PlannerSettings(StateSettings):
     )
     limit_margin: float = parameter(
         0.0,
-        "How far planned motions stay below the limits of velocity, acceleration and jerk, as a "
-        "part of them; such as 0.01 for a controller whose own limiter complains of rounding",
+        "Fraction by which planned motions stay below the limits of velocity, acceleration and "
+        "jerk; such as 0.01 for a controller whose limiter reports rounding errors",
         0.0,
         0.5,
         read_only=False,
     )
     max_points: int = parameter(
         10_000,
-        "Most points of a planned trajectory; a request that needs more is refused",
+        "Largest number of points of a planned trajectory; a request that needs more is rejected",
         10,
         1_000_000,
         "points",
@@ -53,7 +53,7 @@ class PlannerSettings(StateSettings):
     )
     max_duration: float = parameter(
         3600.0,
-        "Longest trajectory; a request that needs more is refused",
+        "Longest trajectory; a request that needs more is rejected",
         0.001,
         1e6,
         "s",
@@ -61,8 +61,8 @@ class PlannerSettings(StateSettings):
     )
     max_waypoints: int = parameter(
         200,
-        "Most via points, or waypoints of a Cartesian path; each takes up to some 60 ms to plan, "
-        "while other such requests wait",
+        "Largest number of via points, or waypoints of a Cartesian path. Each takes up to about "
+        "60 ms to plan, while other such requests wait",
         1,
         100_000,
         "points",
@@ -70,8 +70,8 @@ class PlannerSettings(StateSettings):
     )
     max_step: float = parameter(
         0.01,
-        "Along a Cartesian path, for requests without one: distance of neighbouring poses between "
-        "which no joint may jump",
+        "Spacing of neighbouring poses for the jump check along a Cartesian path, for requests "
+        "without one",
         1e-4,
         1.0,
         "m",
@@ -95,22 +95,22 @@ class PlannerSettings(StateSettings):
     )
     condition_limit: float = parameter(
         200.0,
-        "Condition number of the Jacobian, lengths over the size of the arm, at which a posture "
-        "counts as singular, for requests without one",
+        "Condition number of the Jacobian (lengths divided by the size of the arm) at which a "
+        "posture counts as singular, for requests without one",
         1.0,
         1e6,
         read_only=False,
     )
     position_only_ik: bool = parameter(
         False,
-        "Whether compute_cartesian_path holds the position of the link only and leaves its "
-        "orientation free, as MoveIt does for a group whose solver has this parameter",
+        "compute_cartesian_path keeps only the position of the link and leaves its orientation "
+        "free, as MoveIt does for a group whose solver has this parameter",
         read_only=False,
     )
     stopped_velocity_tolerance: float = parameter(
         0.01,
-        "Largest speed of a joint, rad/s or m/s, that counts as rest where a plan starts from the "
-        "present state",
+        "Largest speed of a joint, rad/s or m/s, that counts as rest when a plan starts from the "
+        "current state",
         0.0,
         10.0,
         read_only=False,

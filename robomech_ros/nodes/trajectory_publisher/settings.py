@@ -22,7 +22,7 @@ class PublisherSettings(RobotSettings):
     )
     planner_topic: str = parameter(
         "trajectory_planner/planned_trajectory",
-        "Latched topic of the planner, taken beside planned_trajectory. Empty = none",
+        "Latched topic of the planner, besides planned_trajectory. Empty = none",
     )
     auto_execute: bool = parameter(
         False,
@@ -31,89 +31,97 @@ class PublisherSettings(RobotSettings):
     )
     program: str = parameter(
         "",
-        "YAML file with the program for ~/run_program: its path, or its name in program_folder; "
-        "only such a name may change at run time. Empty = none",
+        "YAML file of the program for ~/run_program: its path, or its name in program_folder. "
+        "Only such a name may be set at run time. Empty = none",
         read_only=False,
     )
     program_folder: str = parameter(
         "",
-        "Folder of all programs that may be run. Empty = only the one named at start",
+        "Folder of all programs that may run. Empty = only the one named at startup",
     )
     transport: str = parameter(
         Transport.TOPIC.value,
-        "How plans reach the controller: topic, action = execute_trajectory, or "
-        "follow_joint_trajectory of control_msgs, which any ros2_control controller serves; "
+        "Transport of plans to the controller: topic, action = execute_trajectory, or "
+        "follow_joint_trajectory of control_msgs, which any ros2_control controller serves. "
         "~/execute and programs always use an action, by default execute_trajectory",
         choices=tuple(transport.value for transport in Transport),
     )
     controller_path_tolerance: float = parameter(
         0.0,
-        "Tolerance around the path sent with every goal of an action, rad or m; 0 = the "
-        "controller's default, -1 = any distance",
+        "Path tolerance sent with every action goal, rad or m; 0 = the controller's default, -1 = "
+        "any distance",
         -1.0,
         10.0,
     )
     controller_goal_tolerance: float = parameter(
         0.0,
-        "Tolerance at the last point sent with every goal of an action, rad or m; 0 = the "
-        "controller's default, -1 = any distance",
+        "Tolerance at the last point, sent with every action goal, rad or m; 0 = the controller's "
+        "default, -1 = any distance",
         -1.0,
         10.0,
     )
     controller_goal_time: float = parameter(
         0.0,
-        "Time after the end of a trajectory to reach its goal, sent with every goal of an action; "
-        "0 = the controller's default",
+        "Time to reach the goal after the end of a trajectory, sent with every action goal; 0 = "
+        "the controller's default",
         0.0,
         3600.0,
         "s",
     )
     queue_size: int = parameter(
-        50, "How many trajectories may wait for the present one to end", 1, 10_000, "trajectories"
+        50,
+        "Largest number of trajectories that wait for the end of the current one",
+        1,
+        10_000,
+        "trajectories",
     )
     start_tolerance: float = parameter(
         0.01,
-        "How far the start of a trajectory may be from the present position, rad or m",
+        "Largest distance of a trajectory's start from the current position, rad or m",
         0.0,
         10.0,
     )
     goal_tolerance: float = parameter(
-        0.01, "How far from the last point the robot may arrive, rad or m", 1e-9, 10.0
+        0.01, "Largest distance of the robot from the last point at arrival, rad or m", 1e-9, 10.0
     )
     controller_timeout: float = parameter(
         3.0,
-        "How long the controller may be absent before it counts as gone",
+        "Absence of the controller after which it counts as disconnected",
         0.1,
         3600.0,
         "s",
     )
     controller_lease: float = parameter(
         1.0,
-        "How long the process of the simulated controller may show no sign of life before it "
-        "counts as dead, at once; controller_timeout is for others",
+        "Liveliness lease of the simulated controller; when it expires, the process counts as "
+        "dead at once. controller_timeout applies to other controllers",
         SHORTEST_LEASE,
         3600.0,
         "s",
     )
     arrival_timeout: float = parameter(
-        2.0, "How long after its end a motion may take to arrive", 0.1, 3600.0, "s"
+        2.0, "Longest time from the end of a motion to its arrival", 0.1, 3600.0, "s"
     )
     standstill_timeout: float = parameter(
         1.0,
-        "How long the robot may stand still away from the goal while a trajectory sent by topic "
-        "should move it; then it counts as stopped",
+        "Longest standstill away from the goal during a trajectory sent by topic; then the robot "
+        "counts as stopped",
         0.1,
         3600.0,
         "s",
     )
     watch_rate: float = parameter(
-        20.0, "How often the joint states are checked during a motion", 1.0, 1000.0, "Hz"
+        20.0, "Rate of joint state checks during a motion", 1.0, 1000.0, "Hz"
     )
     max_points: int = parameter(
-        10_000, "Most points of a trajectory; longer ones are refused", 1, 1_000_000, "points"
+        10_000,
+        "Largest number of points of a trajectory; longer ones are rejected",
+        1,
+        1_000_000,
+        "points",
     )
     max_duration: float = parameter(
-        3600.0, "Longest trajectory; longer ones are refused", 0.001, 1e6, "s"
+        3600.0, "Longest trajectory; longer ones are rejected", 0.001, 1e6, "s"
     )
 
 
