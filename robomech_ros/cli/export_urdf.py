@@ -11,7 +11,7 @@ from robomech_ros.robots import urdf_from_description
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("robot", help="name, path of a URDF or YAML file, or its text")
-    parser.add_argument("--output", type=Path, help="file to write; standard output by default")
+    parser.add_argument("--output", type=Path, help="output file; default: standard output")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -44,9 +44,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tip-link", default="", help="last link of the chain")
     xyz: dict[str, Any] = {"nargs": 3, "type": float, "metavar": ("X", "Y", "Z")}
     parser.add_argument(
-        "--lower", **xyz, help="corner of the box in the base, m (the cube that holds all reach)"
+        "--lower", **xyz, help="box corner in the base, m; default: the cube that holds all reach"
     )
-    parser.add_argument("--upper", **xyz, help="the opposite corner, m")
+    parser.add_argument("--upper", **xyz, help="opposite corner, m")
     points = parser.add_mutually_exclusive_group()
     points.add_argument("--spacing", type=number, help="distance between points, m")
     points.add_argument(
@@ -55,27 +55,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--orientations", type=integer, default=_ORIENTATIONS, metavar="N",
-        help=f"how many to try at each point, spread evenly ({_ORIENTATIONS})",
+        help=f"evenly distributed orientations per point ({_ORIENTATIONS})",
     )  # fmt: skip
     parser.add_argument(
-        "--about", **xyz, help="spread them over the turns about this axis of the base"
+        "--about", **xyz, help="distribute orientations over rotations about this axis of the base"
     )
     parser.add_argument(
         "--orientation", nargs=4, type=number, metavar=("QX", "QY", "QZ", "QW"),
-        help="of the tip in the base: the only one, or with --about the first one",
+        help="orientation of the tip in the base: the only one, or the first with --about",
     )  # fmt: skip
-    parser.add_argument("--ignore-limits", action="store_true", help="beyond joint limits, too")
+    parser.add_argument("--ignore-limits", action="store_true", help="also beyond joint limits")
     parser.add_argument(
-        "--part", default="pose", help="what is judged: pose, position or orientation (pose)"
+        "--part", default="pose", help="what to map: pose, position or orientation (pose)"
     )
     parser.add_argument(
         "--length", type=number,
-        help="what makes positions comparable to orientations, m (the characteristic length)",
+        help="length that scales orientation errors to metres (the characteristic length)",
     )  # fmt: skip
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--workers", type=integer, help="threads (one for each processor)")
+    where.add_argument("--workers", type=integer, help="number of threads (one per processor)")
     where.add_argument(
-        "--scheduler", help="address of a Dask scheduler, to compute it on many machines"
+        "--scheduler", help="address of a Dask scheduler, to compute on many machines"
     )
     parser.add_argument("--output", type=Path, default=Path("map.npz"), help="npz (map.npz)")
 

@@ -21,19 +21,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--base-link", default="", help="first link of the chain")
     parser.add_argument("--tip-link", default="", help="last link of the chain")
     parser.add_argument("--srdf", default="", help="SRDF with groups and named states")
-    parser.add_argument("--group", default="", help="the group of the SRDF that is drawn")
+    parser.add_argument("--group", default="", help="group of the SRDF to draw")
     pose = parser.add_mutually_exclusive_group(required=True)
     names = ("X", "Y", "Z", "QX", "QY", "QZ", "QW")
     pose.add_argument(
-        "--pose", nargs=7, type=number, metavar=names, help="of the tip in the base, m"
+        "--pose", nargs=7, type=number, metavar=names, help="pose of the tip in the base, m"
     )
     pose.add_argument(
-        "--joints", nargs="+", type=number, metavar="Q", help="the pose that these make, rad or m"
+        "--joints", nargs="+", type=number, metavar="Q", help="joint positions, rad or m"
     )
-    pose.add_argument("--posture", help="the pose that a named posture makes, such as home")
-    parser.add_argument("--ignore-limits", action="store_true", help="beyond joint limits, too")
-    parser.add_argument("--title", help="above the picture (the robot's name)")
-    eye = "of the eye as seen from the base, degrees"
+    pose.add_argument("--posture", help="named posture that defines the pose, such as home")
+    parser.add_argument("--ignore-limits", action="store_true", help="also beyond joint limits")
+    parser.add_argument("--title", help="figure title (default: robot name)")
+    eye = "camera direction as seen from the base, degrees"
     parser.add_argument("--azimuth", type=number, default=-60.0, help=f"{eye} (-60)")
     parser.add_argument("--elevation", type=number, default=25.0, help=f"{eye} (25)")
     parser.add_argument("--output", type=Path, default=Path("postures.png"), help="png, svg or pdf")

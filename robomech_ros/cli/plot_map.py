@@ -11,13 +11,13 @@ from robomech_ros.robots.documents.numbers_in_text import number
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("file", type=Path, help="what `robomech map` has written")
+    parser.add_argument("file", type=Path, help="file written by `robomech map`")
     parser.add_argument(
         "--quantity", default="dexterity", help=f"{', '.join(QUANTITIES)} (dexterity)"
     )
-    parser.add_argument("--axis", help="x, y or z, which the slice is perpendicular to (each)")
-    parser.add_argument("--at", type=number, help="where on that axis, m (the middle)")
-    parser.add_argument("--title", help="above the picture (robot and tip)")
+    parser.add_argument("--axis", help="normal of the slice: x, y or z (each)")
+    parser.add_argument("--at", type=number, help="position on that axis, m (the middle)")
+    parser.add_argument("--title", help="figure title (default: robot and tip)")
     parser.add_argument("--output", type=Path, default=Path("map.png"), help="png, svg or pdf")
 
 

@@ -17,11 +17,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", help="name, or path of a URDF or YAML file")
     parser.add_argument("--base-link", default="", help="first link of the chain")
     parser.add_argument("--tip-link", default="", help="last link of the chain")
-    parser.add_argument(
-        "--ignore-limits", action="store_true", help="joints turn all the way round"
-    )
-    parser.add_argument("--title", help="above the picture (the robot's name)")
-    parser.add_argument("--json", type=Path, help="file for the curves in numbers, too")
+    parser.add_argument("--ignore-limits", action="store_true", help="joints without limits")
+    parser.add_argument("--title", help="figure title (default: robot name)")
+    parser.add_argument("--json", type=Path, help="also write the curves as numbers to this file")
     parser.add_argument(
         "--output", type=Path, default=Path("workspace.png"), help="png, svg or pdf"
     )

@@ -22,7 +22,7 @@ _SHORT = 100
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--full", action="store_true", help="show the whole of each source")
+    parser.add_argument("--full", action="store_true", help="do not shorten the sources")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -25,9 +25,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--robot", required=True, help="name, or path of a URDF or YAML file")
     parser.add_argument("--base-link", default="", help="first link of the chain")
     parser.add_argument("--tip-link", default="", help="last link of the chain")
-    parser.add_argument("--what", default="mass_matrix", choices=EXPRESSIONS, help="mass_matrix")
     parser.add_argument(
-        "--numbers", action="store_true", help="the robot's numbers in the place of symbols"
+        "--what", default="mass_matrix", choices=EXPRESSIONS, help="expression (mass_matrix)"
+    )
+    parser.add_argument(
+        "--numbers", action="store_true", help="the robot's numbers instead of symbols"
     )
     parser.add_argument(
         "--gravity",
@@ -35,11 +37,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=number,
         default=(0.0, 0.0, -9.81),
         metavar=("X", "Y", "Z"),
-        help="in the base, m/s^2 (0 0 -9.81)",
+        help="gravity vector in the base, m/s^2 (0 0 -9.81)",
     )
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--latex", action="store_true", help="as LaTeX")
-    form.add_argument("--python", action="store_true", help="as a Python function of numpy")
+    form.add_argument("--python", action="store_true", help="as a Python function with numpy")
 
 
 def run(args: argparse.Namespace) -> int:

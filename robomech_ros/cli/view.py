@@ -29,15 +29,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--base-link", default="", help="first link of the chain")
     parser.add_argument("--tip-link", default="", help="last link of the chain")
     parser.add_argument("--srdf", default="", help="SRDF with groups and named states")
-    parser.add_argument("--group", default="", help="the group of the SRDF that moves")
-    parser.add_argument("--port", type=integer, default=PORT, help=f"0 takes a free one ({PORT})")
+    parser.add_argument("--group", default="", help="group of the SRDF to move")
+    parser.add_argument("--port", type=integer, default=PORT, help=f"0 = a free port ({PORT})")
     parser.add_argument(
         "--host",
         default=HOST,
-        help=f"address to listen on ({HOST}: this machine alone reaches it); whoever has the "
-        "printed address of the page may command",
+        help=f"address to listen on ({HOST}: this machine only); everyone with the printed address "
+        "of the page can command",
     )
-    parser.add_argument("--open", action="store_true", help="open the page in the browser, too")
+    parser.add_argument("--open", action="store_true", help="also open the page in the browser")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -27,7 +27,7 @@ _QUICK = 5.0
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--quiet", action="store_true", help="say nothing unless it fails")
+    parser.add_argument("--quiet", action="store_true", help="print only failures")
 
 
 def kernel_modules() -> tuple[str, ...]:

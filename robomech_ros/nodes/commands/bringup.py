@@ -39,11 +39,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--localhost",
         action="store_true",
-        help="let this machine alone discover the nodes; default: ROS_AUTOMATIC_DISCOVERY_RANGE, "
+        help="only this machine can discover the nodes; default: ROS_AUTOMATIC_DISCOVERY_RANGE, "
         "or the whole subnet",
     )
     parser.add_argument(
-        "--in-one-process", action="store_true", help="all nodes in one process and one executor"
+        "--in-one-process", action="store_true", help="run all nodes in one process and executor"
     )
     add_launch_arguments(parser)
 
@@ -61,54 +61,54 @@ def add_launch_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--srdf",
         default="",
-        help="SRDF with groups of joints and named states; its home is where the robot begins; "
-        "default: the topic robot_description_semantic",
+        help="SRDF with groups of joints and named states; the robot starts at its state home. "
+        "Default: the topic robot_description_semantic",
     )
-    parser.add_argument("--group", default="", help="the group whose chain is meant")
+    parser.add_argument("--group", default="", help="group whose chain is used")
     parser.add_argument("--namespace", default="", help="namespace of all nodes, such as /left")
     parser.add_argument(
         "--frame-prefix",
-        help="what the names of frames begin with in headers and on /tf; default: the namespace "
-        "and a slash, such as left/, none without a namespace",
+        help="prefix of frames in headers and on /tf; default: the namespace and a slash, such as "
+        "left/, or none without a namespace",
     )
     parser.add_argument("--rate", type=number, help="rate of joint_states in Hz (100)")
     parser.add_argument(
         "--joint-limits",
         default="",
-        help="YAML with limits that the robot's description lacks, such as MoveIt's "
+        help="YAML with limits missing from the robot description, such as MoveIt's "
         "joint_limits.yaml",
     )
     parser.add_argument(
         "--dynamic",
         action="store_true",
-        help="drives move the simulated robot, through mass, friction and effort limits",
+        help="simulate drives with mass, friction and effort limits",
     )
     parser.add_argument("--params-file", action="append", default=[], help="YAML with parameters")
     parser.add_argument(
         "--auto-execute",
         action="store_true",
-        help="move the robot by every plan as it is made; default: by trajectory_publisher/execute",
+        help="execute every new plan at once; default: only by trajectory_publisher/execute",
     )
     parser.add_argument("--no-servo", action="store_true", help="all nodes but the servo")
     parser.add_argument(
         "--calibration",
         action="store_true",
-        help="the node that finds where a camera is, too; its frames are parameters, see "
+        help="also start the hand-eye calibration node; set its frames by parameters, see "
         "`calibration_node --help`",
     )
     parser.add_argument(
-        "--view", action="store_true", help="show the robot in a browser, too; prints the address"
+        "--view", action="store_true", help="also show the robot in a browser; prints the address"
     )
-    parser.add_argument("--view-port", type=integer, help="of the page; 0 takes a free one (8080)")
+    parser.add_argument("--view-port", type=integer, help="page port; 0 takes a free one (8080)")
     parser.add_argument(
-        "--view-host", help="address that the page listens on (127.0.0.1: this machine alone)"
+        "--view-host", help="address on which the page listens (127.0.0.1: this machine only)"
     )
     parser.add_argument(
         "--ros-args",
         nargs=argparse.REMAINDER,
         default=[],
         metavar="...",
-        help="all that follows goes to every node, such as -r /tf:=tf -p use_sim_time:=true",
+        help="all following arguments go to every node, such as -r /tf:=tf -p use_sim_time:=true",
     )
     note_kinds(parser, {kind: (*names, *_OF_SERVO) for kind, names in REFUSED.items()})
 

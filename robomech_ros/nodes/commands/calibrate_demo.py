@@ -25,28 +25,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--type",
         default=_TYPES[0],
         choices=_TYPES,
-        help="whether the camera is on the hand, or stands and sees a target on it (eye_in_hand)",
+        help="camera mount: on the hand, or fixed with a target on the hand (eye_in_hand)",
     )
     parser.add_argument(
-        "--samples", type=integer, default=12, help="how many are taken, one of them wrong (12)"
+        "--samples", type=integer, default=12, help="number of samples, one of which is wrong (12)"
     )
     parser.add_argument(
         "--rotation-noise",
         type=number,
         default=2e-3,
-        help="deviation of each coordinate of the camera's rotations, in rad (0.002)",
+        help="standard deviation of each rotation coordinate of the camera, rad (0.002)",
     )
     parser.add_argument(
         "--position-noise",
         type=number,
         default=5e-4,
-        help="deviation of each coordinate of the camera's positions, in m (0.0005)",
+        help="standard deviation of each position coordinate of the camera, m (0.0005)",
     )
     parser.add_argument(
         "--output",
         type=Path,
         default=Path("demo_output"),
-        help="folder for the plot and the files of the calibration (demo_output)",
+        help="folder for the plot and the calibration files (demo_output)",
     )
 
 

@@ -21,16 +21,16 @@ _DIGITS, _ALL_DIGITS = 4, 17
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("service", help="name, such as kinematics/solve_ik")
-    parser.add_argument("request", nargs="?", default="", help="fields in YAML; default all zero")
-    parser.add_argument("--type", default="", help="interface type; default: ask the graph")
+    parser.add_argument("request", nargs="?", default="", help="fields in YAML; default: all zero")
+    parser.add_argument("--type", default="", help="interface type; default: from the graph")
     parser.add_argument(
         "--timeout",
         type=seconds_to_wait,
         default=10.0,
-        help="seconds to wait for service and answer (10)",
+        help="seconds to wait for the service and its response (10)",
     )
     parser.add_argument(
-        "--full", action="store_true", help="show empty lists and zero times of inner messages, too"
+        "--full", action="store_true", help="also show empty lists and zero times of inner messages"
     )
     parser.add_argument(
         "--digits",

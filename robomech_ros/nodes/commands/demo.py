@@ -28,20 +28,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--srdf",
         default="",
-        help="SRDF whose state home is where the robot begins, and ends",
+        help="SRDF whose state home is the start and the end of the motion",
     )
-    parser.add_argument("--group", default="", help="the group of the SRDF that moves")
+    parser.add_argument("--group", default="", help="group of the SRDF to move")
     parser.add_argument(
         "--dynamic",
         action="store_true",
-        help="drives move the robot, through mass, friction and effort limits",
+        help="simulate drives with mass, friction and effort limits",
     )
     parser.add_argument(
         "--payload",
         type=number,
         default=0.0,
-        help="with --dynamic: mass in kg that is picked and placed, and that the controller of the "
-        "drives does not know of (0)",
+        help="with --dynamic: mass in kg to pick and place, which the drive controller does not "
+        "know (0)",
     )
     parser.add_argument(
         "--output",

@@ -16,10 +16,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--controller",
         default="joint_trajectory_controller",
-        help="node whose parameters say which joints are the gripper (joint_trajectory_controller)",
+        help="node whose parameters define the gripper joints (joint_trajectory_controller)",
     )
     parser.add_argument(
-        "--timeout", type=seconds_to_wait, default=10.0, help="seconds to wait in all (10)"
+        "--timeout", type=seconds_to_wait, default=10.0, help="total seconds to wait (10)"
     )
 
 

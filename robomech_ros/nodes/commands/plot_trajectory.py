@@ -26,17 +26,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "file",
         nargs="?",
         type=Path,
-        help="YAML of a JointTrajectory, or of an answer that contains one; default: the topic",
+        help="YAML of a JointTrajectory, or of a response that contains one; default: the topic",
     )
     parser.add_argument("--topic", default=_TOPIC, help=f"latched topic to take it from ({_TOPIC})")
     parser.add_argument(
         "--timeout", type=seconds_to_wait, default=10.0, help="seconds to wait for the topic (10)"
     )
     parser.add_argument(
-        "--robot", default="", help="name, or path of a URDF or YAML file: its limits"
+        "--robot", default="", help="name, or path of a URDF or YAML file, whose limits are drawn"
     )
-    parser.add_argument("--joint-limits", default="", help="YAML file with limits that it lacks")
-    parser.add_argument("--title", default="", help="above the picture")
+    parser.add_argument("--joint-limits", default="", help="YAML file with missing limits")
+    parser.add_argument("--title", default="", help="figure title")
     parser.add_argument(
         "--output", type=Path, default=Path("trajectory.png"), help="png, svg or pdf"
     )

@@ -16,9 +16,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--enclave",
         default="/robomech",
-        help="the enclave of all nodes, as bringup gets it by --ros-args --enclave (/robomech)",
+        help="enclave of all nodes, as in bringup --ros-args --enclave (/robomech)",
     )
-    parser.add_argument("--output", default="", help="file for the policy; default: print it")
+    parser.add_argument("--output", default="", help="policy file; default: standard output")
     add_launch_arguments(parser)
 
 

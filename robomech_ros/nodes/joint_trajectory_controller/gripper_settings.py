@@ -16,7 +16,7 @@ class GripperSettings(GripperNames):
     )
     gripper_goal_tolerance: float = parameter(
         0.01,
-        "Largest distance from its goal at which a finger joint has reached it, rad or m",
+        "Largest distance from the goal of a finger joint that has reached it, rad or m",
         0.0,
         10.0,
     )

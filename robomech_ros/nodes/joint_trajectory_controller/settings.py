@@ -103,11 +103,7 @@ class ControllerSettings(GripperSettings):
         1e6,
     )
     max_points: int = parameter(
-        10_000,
-        "Largest number of points of a trajectory; longer ones are rejected",
-        1,
-        1_000_000,
-        "points",
+        10_000, "Largest number of points; longer trajectories are rejected", 1, 1_000_000, "points"
     )
     max_duration: float = parameter(
         3600.0,

@@ -104,28 +104,14 @@ class MobileBaseSettings(_LimitsOfAxes):
     )
     left_wheel_names: tuple[str, ...] = parameter((), "diff: joints of the left wheels")
     right_wheel_names: tuple[str, ...] = parameter((), "diff: joints of the right wheels")
-    wheel_separation: float = parameter(
-        0.0, "diff: distance between left and right wheels", 0.0, 1e3, "m"
-    )
+    wheel_separation: float = parameter(0.0, "diff: distance between the wheels", 0.0, 1e3, "m")
     wheel_radius: float = parameter(0.0, "diff, omni: wheel radius", 0.0, 1e3, "m")
-    wheel_separation_multiplier: float = parameter(
-        1.0, "diff: correction factor of the separation", 0.0, 1e3
-    )
-    left_wheel_radius_multiplier: float = parameter(
-        1.0, "diff: correction factor of the left radius", 0.0, 1e3
-    )
-    right_wheel_radius_multiplier: float = parameter(
-        1.0, "diff: correction factor of the right radius", 0.0, 1e3
-    )
-    wheel_names: tuple[str, ...] = parameter(
-        (), "omni: wheel joints, counter-clockwise, evenly spaced"
-    )
-    wheel_offset: float = parameter(
-        0.0, "omni: angle from x to the first wheel", -10.0, 10.0, "rad"
-    )
-    robot_radius: float = parameter(
-        0.0, "omni: distance from the centre to the wheels", 0.0, 1e3, "m"
-    )
+    wheel_separation_multiplier: float = parameter(1.0, "diff: factor of the separation", 0.0, 1e3)
+    left_wheel_radius_multiplier: float = parameter(1.0, "diff: left radius factor", 0.0, 1e3)
+    right_wheel_radius_multiplier: float = parameter(1.0, "diff: right radius factor", 0.0, 1e3)
+    wheel_names: tuple[str, ...] = parameter((), "omni: joints, counter-clockwise, evenly spaced")
+    wheel_offset: float = parameter(0.0, "omni: angle x to first wheel", -10.0, 10.0, "rad")
+    robot_radius: float = parameter(0.0, "omni: centre to wheel distance", 0.0, 1e3, "m")
     front_left_wheel_command_joint_name: str = parameter("", "mecanum: front left wheel joint")
     front_right_wheel_command_joint_name: str = parameter("", "mecanum: front right wheel joint")
     rear_right_wheel_command_joint_name: str = parameter("", "mecanum: rear right wheel joint")
@@ -153,9 +139,7 @@ class MobileBaseSettings(_LimitsOfAxes):
     steering_joints_names: tuple[str, ...] = parameter(
         (), "bicycle, tricycle, ackermann: joints of the front wheels, right one first"
     )
-    wheelbase: float = parameter(
-        0.0, "bicycle, tricycle, ackermann: distance between the axles", 0.0, 1e3, "m"
-    )
+    wheelbase: float = parameter(0.0, "bicycle, tricycle, ackermann: axle to axle", 0.0, 1e3, "m")
     traction_track_width: float = parameter(
         0.0, "tricycle, ackermann: distance between the rear wheels", 0.0, 1e3, "m"
     )
@@ -179,12 +163,8 @@ class MobileBaseSettings(_LimitsOfAxes):
     max_steering_rate: float = parameter(
         _OFF, "Rate limit of each steered wheel; NaN = that of the robot", 0.0, 1e6, "rad/s"
     )
-    open_loop: bool = parameter(
-        False, "Compute odometry from the limited commands instead of the wheels"
-    )
-    position_feedback: bool = parameter(
-        True, "Compute odometry from wheel positions instead of velocities"
-    )
+    open_loop: bool = parameter(False, "Odometry from limited commands, not wheels")
+    position_feedback: bool = parameter(True, "Odometry from wheel positions, not velocities")
     velocity_rolling_window_size: int = parameter(
         10, "Number of twists whose mean is published; not for omni, mecanum and swerve", 1, 10000
     )
@@ -213,10 +193,7 @@ class MobileBaseSettings(_LimitsOfAxes):
     tf_frame_prefix_enable: bool = parameter(True, "Add a prefix to all frames")
     tf_frame_prefix: str = parameter("", "Prefix of all frames; empty or '~' = the namespace")
     pose_covariance_diagonal: tuple[float, ...] = parameter(
-        (),
-        "Pose variances of x, y, z, roll, pitch, yaw; empty = they grow with distance and slip",
-        0.0,
-        1e9,
+        (), "Pose: x, y, z, roll, pitch, yaw; empty = grows with distance and slip", 0.0, 1e9
     )
     twist_covariance_diagonal: tuple[float, ...] = parameter(
         (), "Twist variances in the same order; empty = those of the wheels", 0.0, 1e9

@@ -70,7 +70,7 @@ class PublisherSettings(RobotSettings):
     )
     queue_size: int = parameter(
         50,
-        "Largest number of trajectories that wait for the end of the current one",
+        "Largest number of trajectories that wait for the current one",
         1,
         10_000,
         "trajectories",
@@ -114,11 +114,7 @@ class PublisherSettings(RobotSettings):
         20.0, "Rate of joint state checks during a motion", 1.0, 1000.0, "Hz"
     )
     max_points: int = parameter(
-        10_000,
-        "Largest number of points of a trajectory; longer ones are rejected",
-        1,
-        1_000_000,
-        "points",
+        10_000, "Largest number of points; longer trajectories are rejected", 1, 1_000_000, "points"
     )
     max_duration: float = parameter(
         3600.0, "Longest trajectory; longer ones are rejected", 0.001, 1e6, "s"

@@ -493,7 +493,7 @@ def shown_help(capfd, command):
 def test_help_says_what_options_are_for(capfd):
     text = " ".join(shown_help(capfd, "bringup").split())
     for said in (
-        "--group GROUP the group whose chain is meant (arms only)",
+        "--group GROUP group whose chain is used (arms only)",
         "--no-servo all nodes but the servo (arms only)",
         "such as MoveIt's joint_limits.yaml (arms only)",
         "friction and effort limits (not for hands, walking machines)",
