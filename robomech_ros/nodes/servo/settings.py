@@ -63,7 +63,7 @@ class ServoNodeSettings(FrameSettings):
     free_directions: tuple[str, ...] = parameter(
         (),
         "Components of the tip's pose that twists and pose targets leave free: some of x, y, z, "
-        "rx, ry, rz along and about the axes of the tip, such as rz for a tool with an axis, or "
+        "rx, ry, rz, along and about the axes of the tip. Examples: rz for a tool with an axis; "
         "rx, ry, rz for positions alone (MoveIt's drift dimensions). Empty = none",
         read_only=False,
     )
