@@ -5,7 +5,7 @@ Run it with:  python examples/continuous_path.py
 
 import numpy as np
 
-from robomech_ros.cartesian import follow_path, path_through, plan_along
+from robomech_ros.cartesian import follow_path, plan_along, waypoint_path
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import load_robot
 
@@ -16,7 +16,7 @@ start = forward_kinematics(chain, q)
 for distance in (0.1, 0.5):  # the second line goes beyond a joint limit
     goal = start.copy()
     goal[2, 3] -= distance
-    path = path_through(start, [goal])
+    path = waypoint_path(start, [goal])
     followed = follow_path(chain, path, q)
     print(f"{distance} m down: {100 * followed.fraction:.0f} % followed")
     if followed.stop:

@@ -16,12 +16,12 @@ import rclpy
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from robomech_ros.nodes.middleware.deep_queues import ask
+from robomech_ros.nodes.middleware.queue_depth import ask
+from robomech_ros.nodes.process.discovery_range import stay_on_this_machine
 from robomech_ros.nodes.process.free_domain import free_domain
-from robomech_ros.nodes.process.kind_nodes import KIND_NODES
 from robomech_ros.nodes.process.launch_options import LaunchOptions
-from robomech_ros.nodes.process.reach import stay_on_this_machine
-from robomech_ros.robots.kinds import kind_of
+from robomech_ros.nodes.process.nodes_by_kind import KIND_NODES
+from robomech_ros.robots.robot_kinds import kind_of
 
 __all__ = ["NODES", "RunningSuite", "running_suite"]
 

@@ -42,7 +42,7 @@ CASES = [
         "velocity of joint 'j' is -3 rad/s, over its limit -2 rad/s by 1 rad/s",
     ),
     (
-        errors.OpenLoopsError("q[2]", 3, 0.0123456, 0.2),
+        errors.LoopClosureError("q[2]", 3, 0.0123456, 0.2),
         "q[2] has open loops: limb 3 ends 0.0123 m and 0.2 rad from where limb 1 holds the "
         "platform, expected closed loops",
     ),

@@ -8,7 +8,7 @@ from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import singularity_report, workspace_boundary
 from robomech_ros.parallel import load_parallel
 from robomech_ros.printing import brief
-from robomech_ros.robots import list_robots, load_description, load_robot, semantics_of
+from robomech_ros.robots import list_robots, load_description, load_robot, load_semantics
 
 PUMA = load_robot("puma560")
 T = forward_kinematics(PUMA, PUMA.home())
@@ -26,7 +26,7 @@ PRINTED = {
     "no solution": lambda: inverse_kinematics(PUMA, FAR),
     "table": lambda: PUMA.dh,
     "description": lambda: load_description("panda"),
-    "groups": lambda: semantics_of(load_description("panda")),
+    "groups": lambda: load_semantics(load_description("panda")),
     "singularity": lambda: singularity_report(PUMA, PUMA.midrange()),
     "workspace": lambda: workspace_boundary(PUMA),
     "grasp": lambda: grasp_quality(FINGERS, length=1.0),

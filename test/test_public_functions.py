@@ -25,20 +25,18 @@ from robomech_ros.kinetostatics import (
     condition_number_gradient,
     conditioning_index,
     decoupled_jacobian,
-    even_rotations,
-    even_turns,
     global_conditioning_index,
     jacobian,
     jacobian_rate,
     joint_accelerations,
     joint_rates,
     joint_torques,
-    least_singular_value,
     least_singular_value_gradient,
     load_reach_map,
     manipulability,
     manipulability_ellipsoid,
     manipulability_gradient,
+    min_singular_value,
     nearest_singular_posture,
     planar_jacobian,
     planar_rows,
@@ -48,6 +46,8 @@ from robomech_ros.kinetostatics import (
     singularity_free,
     singularity_report,
     task_jacobian,
+    uniform_rotations,
+    uniform_turns,
     wrench_from_torques,
 )
 from robomech_ros.robots import chain_from_dh, load_description, load_robot
@@ -130,7 +130,7 @@ def calls():
     for function in (
         condition_number,
         condition_number_gradient,
-        least_singular_value,
+        min_singular_value,
         least_singular_value_gradient,
         manipulability,
         manipulability_gradient,
@@ -152,8 +152,8 @@ def calls():
     found |= with_options(best_conditioned_posture, chain=PLANAR, length=0.3)
     found |= with_options(manipulability_ellipsoid, rows=np.eye(3))
     found |= with_options(self_motion_curve, chain=PANDA, q=PANDA.home())
-    found |= with_options(even_rotations, count=2) | with_options(
-        even_turns, count=2, axis=[1, 0, 0]
+    found |= with_options(uniform_rotations, count=2) | with_options(
+        uniform_turns, count=2, axis=[1, 0, 0]
     )
     found |= with_options(global_conditioning_index, chain=PUMA, length=0.3, postures=256)
     found |= maps() | of_dynamics() | of_calibration()

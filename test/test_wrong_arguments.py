@@ -10,7 +10,7 @@ from robomech_ros.kinematics.inverse.first_solution import first_solution
 from robomech_ros.kinematics.oracles import solve_bivariate, solve_univariate
 from robomech_ros.kinetostatics import point_jacobian, singularity_report
 from robomech_ros.numerics import newton_gauss, newton_raphson
-from robomech_ros.robots import combined, dh_from_chain, load_robot
+from robomech_ros.robots import combine_bodies, dh_from_chain, load_robot
 from robomech_ros.trajectory import Limits, discretise, point_to_point, verify
 
 LIMITS = Limits(("x", "y"), velocity=1.0, acceleration=2.0, jerk=20.0)
@@ -27,7 +27,7 @@ def test_issue_12_dh_from_what_is_no_chain(chain):
 @pytest.mark.parametrize("bodies", [None, 3.0, "ab", [None], [1.0, 2.0]])
 def test_issue_12_combined_of_what_are_no_bodies(bodies):
     with pytest.raises(BadValueError, match="bodies"):
-        combined(bodies)
+        combine_bodies(bodies)
 
 
 @pytest.mark.parametrize("tolerance", [None, "wide", -1.0, float("nan"), [0.1]])

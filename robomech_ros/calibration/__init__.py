@@ -5,7 +5,7 @@ Poses are 4 x 4 matrices.  Each part is loaded on first use: the refinement is c
 
 from typing import TYPE_CHECKING
 
-from robomech_ros.lazy import lazy_exports
+from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.calibration.estimation import MOUNTS, hand_eye, robot_world

@@ -12,7 +12,7 @@ from robomech_ros.calibration.initial_guess import (
     rotation_products,
 )
 from robomech_ros.calibration.maximum_likelihood import Fit
-from robomech_ros.errors import ContradictionError
+from robomech_ros.errors import InconsistentDataError
 from robomech_ros.typing import Array
 
 # Larger residuals (rad, and the same fraction of the distances) are no noise of a sensor.
@@ -79,7 +79,7 @@ def check_convention(fit: Fit, other: Fit, mount: str, robust: bool) -> None:
 
     Raises
     ------
-    ContradictionError
+    InconsistentDataError
     """
     distance = rms_distance(fit.S)
     guessed = mean_log_residual(other.guess.residuals, distance)
@@ -91,7 +91,7 @@ def check_convention(fit: Fit, other: Fit, mount: str, robust: bool) -> None:
     if gain <= _BETTER / (len(fit.A) - 3):
         return
     right = "eye-to-hand" if mount == "eye-in-hand" else "eye-in-hand"
-    raise ContradictionError(
+    raise InconsistentDataError(
         "mount",
         mount,
         f"'{right}', with which the samples fit {float(np.exp(0.25 * min(gain, 100.0))):.3g} times "
@@ -120,7 +120,7 @@ def check_units(fit: Fit, other: Fit | None, consistent: Array) -> None:
 
     Raises
     ------
-    ContradictionError
+    InconsistentDataError
     """
     turn, shift = medians(fit.guess.residuals)
     suspicious = max(turn, shift / (rms_distance(fit.S) ** 2 or 1.0)) > _SUSPICIOUS**2
@@ -144,7 +144,7 @@ def check_units(fit: Fit, other: Fit | None, consistent: Array) -> None:
             ratio = np.sqrt(shift / max(scaled_shift, 1e-24 * shift))
             better = min(factor, 1.0) * float(ratio)
             also = "" if one is fit else " and with the other mount or one list inverted"
-            raise ContradictionError(
+            raise InconsistentDataError(
                 "unit of positions",
                 f"probably {robot_unit} in robot_poses and {sensor_unit} in sensor_poses",
                 f"m in both: with positions of sensor_poses times {factor:g}{also} the samples fit "

@@ -29,7 +29,7 @@ from robomech_ros.calibration.initial_guess import (
 from robomech_ros.calibration.maximum_likelihood import FEW, Fit
 from robomech_ros.calibration.result import HandEyeNoise, HandEyeResult, sensor_covariance
 from robomech_ros.calibration.samples import checked_samples, distinct_samples
-from robomech_ros.errors import BadValueError, ContradictionError, WrongSizeError
+from robomech_ros.errors import BadValueError, InconsistentDataError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag
 from robomech_ros.spatial.poses import as_pose, assembled, inverse_pose
 from robomech_ros.typing import Array
@@ -81,10 +81,10 @@ def hand_eye(
     ------
     BadValueError, WrongSizeError
         Fewer than three that differ.
-    UndeterminedError
+    UnderdeterminedError
         Pure translations, rotations about one line, or half turns that several poses of the sensor
         fit.
-    ContradictionError
+    InconsistentDataError
         The wrong mount, inverted poses, positions in two units (m and mm), or samples that
         contradict each other.
 
@@ -135,7 +135,7 @@ def hand_eye(
         check_convention(fit, other, kind, reject)
     must_agree = (reject and comparable) or len(fit.free.directions) == 3
     if must_agree and fit.noise[0] > UNRELATED**2:
-        raise ContradictionError(
+        raise InconsistentDataError(
             "rotation error of the samples (rad)",
             float(f"{np.sqrt(fit.noise[0]):.3g}"),
             f"at most {UNRELATED}: robot_poses and sensor_poses contradict each other; take both "

@@ -6,7 +6,7 @@ import numpy as np
 
 from robomech_ros.calibration.free_directions import rms_distance
 from robomech_ros.calibration.maximum_likelihood import EXACT, Fit
-from robomech_ros.errors import UndeterminedError
+from robomech_ros.errors import UnderdeterminedError
 
 # Rotation residuals (rad) of poses that are not related to each other.
 UNRELATED = 0.3
@@ -29,14 +29,14 @@ def check_rotations(fit: Fit, other: Fit | None, mount: str) -> None:
 
     Raises
     ------
-    UndeterminedError
+    UnderdeterminedError
     """
     if any(len(one.free.directions) < 3 for one in (fit, other) if one is not None):
         return
     A = fit.A[fit.use > 0.0, :9]
     most = float(np.sqrt(((A - A.mean(axis=0)) ** 2).sum(axis=1).mean() / 2.0))
     parent = "base" if mount == "eye-to-hand" else "hand"
-    raise UndeterminedError(
+    raise UnderdeterminedError(
         "rotation of robot_poses (rad, root mean square)",
         float(f"{most:.3g}"),
         "rotations about two axes that are not parallel, the same in sensor_poses: pure "
@@ -50,7 +50,7 @@ def check_common_line(fit: Fit) -> None:
 
     Raises
     ------
-    UndeterminedError
+    UnderdeterminedError
     """
     if not fit.free.is_axis:
         return
@@ -58,7 +58,7 @@ def check_common_line(fit: Fit) -> None:
     by_noise = _AXIS_DEVIATION**-2 + _MOTION_BY_NOISE * float(fit.use.sum())
     if off**2 > float(fit.noise[1]) * by_noise and off > EXACT * rms_distance(fit.S):
         return
-    raise UndeterminedError(
+    raise UnderdeterminedError(
         "layout of the robot's rotation axes",
         "one common line",
         "axes that are not parallel, or motions across that line: the sensor's rotation about the "
@@ -72,7 +72,7 @@ def check_half_turns(fit: Fit) -> None:
 
     Raises
     ------
-    UndeterminedError
+    UnderdeterminedError
     """
     if not fit.guess.others or fit.free.is_axis:
         return
@@ -83,7 +83,7 @@ def check_half_turns(fit: Fit) -> None:
         apart = float(at[:9] @ fit.at[:9])
         likely = float(fit.use @ fit.distances(at)) - best < _LIKELIHOOD_GAIN
         if apart < 1.0 + 2.0 * np.cos(_APART) and likely:
-            raise UndeterminedError(
+            raise UnderdeterminedError(
                 "layout of the robot's rotation axes",
                 "that of half turns at right angles to each other",
                 "one more rotation, by another angle or about another axis: several poses of the "

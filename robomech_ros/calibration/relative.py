@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import ContradictionError, WrongSizeError
+from robomech_ros.errors import InconsistentDataError, WrongSizeError
 from robomech_ros.spatial.poses import as_pose, assembled
 from robomech_ros.spatial.transformations.redundant_sensing import frames_between, single_match
 from robomech_ros.typing import Array
@@ -40,7 +40,7 @@ def relative_hand_eye(A: ArrayLike, B: ArrayLike) -> Array:
 
     Raises
     ------
-    ContradictionError, UndeterminedError
+    InconsistentDataError, UnderdeterminedError
         Other angles for both, or motions that no pose matches, such as inverted ones; no rotations,
         all about parallel axes, along which the position is then free, or half turns about axes at
         right angles whose positions do not tell either.
@@ -80,7 +80,7 @@ def relative_hand_eye(A: ArrayLike, B: ArrayLike) -> Array:
     best = single_match(frames, misfits, 6 * len(first) - 6)
     off, most = float(np.sqrt(missed[best].mean())), max(_CHAOS * float(np.sqrt(reach)), _NOISE)
     if off > most:
-        raise ContradictionError(
+        raise InconsistentDataError(
             "difference of the positions of both motions",
             f"{off:.3g} m (root mean square) in the frame that fits best",
             f"at most {most:.3g} m: motions in the same order, none of them inverted",

@@ -7,56 +7,56 @@ all joints. Each part is loaded on first use.
 
 from typing import TYPE_CHECKING
 
-from robomech_ros.lazy import lazy_exports
+from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.cartesian.arms import serial_arm
     from robomech_ros.cartesian.following import (
-        FollowedPath,
+        PathFollowingResult,
         StopReason,
         follow_path,
         waypoint_fraction,
     )
     from robomech_ros.cartesian.link_speeds import link_speed_limit
     from robomech_ros.cartesian.path_checks import (
-        PathBounds,
         PathCheck,
-        broken_condition,
+        PathStopLimits,
         relative_jump,
+        stop_on_condition,
     )
     from robomech_ros.cartesian.planning import CartesianPlan, plan_along, plan_followed
     from robomech_ros.cartesian.sampling import Sampling
-    from robomech_ros.cartesian.waypoint_paths import path_through
+    from robomech_ros.cartesian.waypoint_paths import waypoint_path
 
 __all__ = [
     "CartesianPlan",
-    "FollowedPath",
-    "PathBounds",
     "PathCheck",
+    "PathFollowingResult",
+    "PathStopLimits",
     "Sampling",
     "StopReason",
-    "broken_condition",
     "follow_path",
     "link_speed_limit",
-    "path_through",
     "plan_along",
     "plan_followed",
     "relative_jump",
     "serial_arm",
+    "stop_on_condition",
     "waypoint_fraction",
+    "waypoint_path",
 ]
 
 _MODULES = {
     "CartesianPlan": "planning",
-    "FollowedPath": "following",
-    "PathBounds": "path_checks",
+    "PathFollowingResult": "following",
+    "PathStopLimits": "path_checks",
     "PathCheck": "path_checks",
     "Sampling": "sampling",
     "StopReason": "following",
-    "broken_condition": "path_checks",
+    "stop_on_condition": "path_checks",
     "follow_path": "following",
     "link_speed_limit": "link_speeds",
-    "path_through": "waypoint_paths",
+    "waypoint_path": "waypoint_paths",
     "plan_along": "planning",
     "plan_followed": "planning",
     "relative_jump": "path_checks",

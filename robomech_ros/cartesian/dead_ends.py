@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from robomech_ros.cartesian.followers import Follower
+from robomech_ros.cartesian.path_models import PathModel
 from robomech_ros.trajectory import JointPath, Limits, PathCut, PathTracking, PathTrackingStatus
 from robomech_ros.trajectory.paths.path_cuts import PLACES
 from robomech_ros.typing import Array
@@ -15,14 +15,14 @@ _HALVINGS = 50
 _BY_ITSELF = (PathTrackingStatus.LOST, PathTrackingStatus.JUMP, PathTrackingStatus.SINGULAR)
 
 
-def dead_end(tracking: PathTracking, robot: Follower, limits: Limits) -> PathCut | None:
+def dead_end(tracking: PathTracking, robot: PathModel, limits: Limits) -> PathCut | None:
     """End a path that cannot go on beyond a singular posture before it is pointlessly slow.
 
     Parameters
     ----------
     tracking : PathTracking
         As far as the joints of the robot could follow the path.
-    robot : Follower
+    robot : PathModel
     limits : Limits
         Of the joint velocities.
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.cartesian.dead_ends import dead_end
-from robomech_ros.cartesian.followers import ChainFollower, Follower, as_follower
-from robomech_ros.cartesian.path_checks import PathBounds, PathCheck, jump_cut, singular_cut
+from robomech_ros.cartesian.path_checks import PathCheck, PathStopLimits, jump_cut, singular_cut
+from robomech_ros.cartesian.path_models import ChainPathModel, PathModel, as_path_model
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values
 from robomech_ros.robots import SerialChain
@@ -61,12 +61,12 @@ class StopReason:
 
 
 @dataclass(frozen=True, eq=False)
-class FollowedPath:
+class PathFollowingResult:
     """A pose path as far as the joints of a robot can follow it.
 
     Attributes
     ----------
-    robot : Follower
+    robot : PathModel
         Of n joints.
     path : PosePath
     start : ndarray, shape (n,)
@@ -77,7 +77,7 @@ class FollowedPath:
         None where the whole path is followed.
     """
 
-    robot: Follower
+    robot: PathModel
     path: PosePath
     start: Array
     tracking: PathTracking
@@ -95,19 +95,19 @@ class FollowedPath:
 
 
 def follow_path(
-    chain: SerialChain | Follower,
+    chain: SerialChain | PathModel,
     path: PosePath,
     start: ArrayLike,
     *,
     task_mask: Sequence[bool] | None = None,
-    bounds: PathBounds | None = None,
+    bounds: PathStopLimits | None = None,
     limits: JointLimits | Any = None,
-) -> FollowedPath:
+) -> PathFollowingResult:
     """Follow a pose path with the joints of a chain as far as they can.
 
     Parameters
     ----------
-    chain : SerialChain or Follower
+    chain : SerialChain or PathModel
         Of n joints; parallel robots have a follower of their own.
     path : PosePath
         Of its tip in its base.
@@ -117,14 +117,14 @@ def follow_path(
         Which of x, y, z, rx, ry, rz are held, along and about the axes of the path's pose, as for
         `inverse_kinematics`; default (and all False) the full pose.  What is free is chosen for the
         smallest motion of the joints, away from their limits.
-    bounds : PathBounds, optional
+    bounds : PathStopLimits, optional
         Condition number, jumps and checks of the caller that end the path.
     limits : JointLimits, optional
         Whose position limits end the path; default those of the chain.
 
     Returns
     -------
-    FollowedPath
+    PathFollowingResult
 
     Raises
     ------
@@ -146,18 +146,18 @@ def follow_path(
     --------
     A line of the wrist of a PUMA 560 that leaves its reach:
 
-    >>> from robomech_ros.cartesian import follow_path, path_through
+    >>> from robomech_ros.cartesian import follow_path, waypoint_path
     >>> from robomech_ros.kinematics import forward_kinematics
     >>> from robomech_ros.robots import load_robot
     >>> chain, q = load_robot("puma560"), [0.3, -0.4, 0.2, 0.5, 0.6, -0.7]
     >>> here = forward_kinematics(chain, q)
     >>> there = here.copy()
     >>> there[0, 3] += 2.0
-    >>> followed = follow_path(chain, path_through(here, [there]), q)
+    >>> followed = follow_path(chain, waypoint_path(here, [there]), q)
     >>> round(followed.fraction, 2), followed.stop.kind.name, followed.stop.index
     (0.16, 'SINGULAR', 0)
     """
-    robot = as_follower(chain, task_mask)
+    robot = as_path_model(chain, task_mask)
     values = _as_start(robot, start)
     allowed = robot.limits if limits is None else Limits.of(limits)
     most = _as_bounds(bounds)
@@ -166,7 +166,7 @@ def follow_path(
     end = dead_end(tracking, robot, allowed)
     tracking = _cut(tracking if end is None else tracking.cut(end), robot, most)
     if tracking.status is PathTrackingStatus.COMPLETE:
-        return FollowedPath(robot, path, values, tracking, None)
+        return PathFollowingResult(robot, path, values, tracking, None)
     joint = None if tracking.joint is None else robot.limits.joint_names[tracking.joint]
     index = 0
     if tracking.path is not None:
@@ -177,17 +177,17 @@ def follow_path(
         else f"before waypoints[{index}], {tracking.reason}"
     )
     stop = StopReason(index, joint, tracking.status, text)
-    return FollowedPath(robot, path, values, tracking, stop)
+    return PathFollowingResult(robot, path, values, tracking, stop)
 
 
-def waypoint_fraction(followed: FollowedPath, waypoints: ArrayLike) -> float:
+def waypoint_fraction(followed: PathFollowingResult, waypoints: ArrayLike) -> float:
     """Say which part of the waypoints a straight path reaches; the way to each counts the same.
 
     This is the fraction of MoveIt.
 
     Parameters
     ----------
-    followed : FollowedPath
+    followed : PathFollowingResult
         Of a path from the posture at its start along straight lines.
     waypoints : array_like, shape (m, 4, 4)
         The poses (m) that it goes through.
@@ -197,8 +197,8 @@ def waypoint_fraction(followed: FollowedPath, waypoints: ArrayLike) -> float:
     float
         0 to 1.
     """
-    if not isinstance(followed, FollowedPath):
-        raise BadValueError("followed", followed, "a FollowedPath")
+    if not isinstance(followed, PathFollowingResult):
+        raise BadValueError("followed", followed, "a PathFollowingResult")
     poses = _as_poses(waypoints)
     if followed.stop is None:
         return 1.0
@@ -213,10 +213,10 @@ def waypoint_fraction(followed: FollowedPath, waypoints: ArrayLike) -> float:
     return float((passed + np.clip(part, 0.0, 1.0)) / len(poses))
 
 
-def _as_start(robot: Follower, start: ArrayLike) -> Array:
+def _as_start(robot: PathModel, start: ArrayLike) -> Array:
     """Check joint values (n,)."""
     n = len(robot.limits.joint_names)
-    if isinstance(robot, ChainFollower):
+    if isinstance(robot, ChainPathModel):
         values = as_joint_values(robot.chain, start, "start")
     else:
         values = as_finite("start", start, (n,))
@@ -227,10 +227,10 @@ def _as_start(robot: Follower, start: ArrayLike) -> Array:
     return values
 
 
-def _as_bounds(bounds: PathBounds | None) -> PathBounds:
-    known = PathBounds() if bounds is None else bounds
-    if not isinstance(known, PathBounds):
-        raise BadValueError("bounds", bounds, "a PathBounds")
+def _as_bounds(bounds: PathStopLimits | None) -> PathStopLimits:
+    known = PathStopLimits() if bounds is None else bounds
+    if not isinstance(known, PathStopLimits):
+        raise BadValueError("bounds", bounds, "a PathStopLimits")
     return known
 
 
@@ -242,7 +242,7 @@ def _as_poses(waypoints: ArrayLike) -> Array:
     return np.asarray(waypoints, dtype=np.float64)
 
 
-def _cut(tracking: PathTracking, robot: Follower, bounds: PathBounds) -> PathTracking:
+def _cut(tracking: PathTracking, robot: PathModel, bounds: PathStopLimits) -> PathTracking:
     """End a tracking where it is singular, jumps, or breaks a check first."""
     own: tuple[tuple[PathCheck, float], ...] = (
         (lambda joints: singular_cut(robot, joints, bounds), 0.0),

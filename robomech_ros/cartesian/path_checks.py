@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robomech_ros.cartesian.arguments import above_zero
-from robomech_ros.cartesian.followers import Follower
+from robomech_ros.cartesian.argument_checks import above_zero
+from robomech_ros.cartesian.path_models import PathModel
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial.arrays import listed
 from robomech_ros.trajectory import JointPath, PathCut, PathTrackingStatus
-from robomech_ros.trajectory.paths.path_cuts import PLACES, last_good_place
+from robomech_ros.trajectory.paths.path_cuts import PLACES, last_valid_coordinate
 from robomech_ros.typing import Array, BoolArray
 
 # Finds where a joint path must end, and why; None where nowhere.
@@ -25,7 +25,7 @@ _FEWEST = 10
 
 
 @dataclass(frozen=True)
-class PathBounds:
+class PathStopLimits:
     """Bounds that end a path early.
 
     Attributes
@@ -38,7 +38,7 @@ class PathBounds:
     revolute_jump, prismatic_jump : float
         rad, m; infinite for any move.
     checks : sequence of PathCheck
-        Each finds where else a joint path must end, such as `broken_condition`.
+        Each finds where else a joint path must end, such as `stop_on_condition`.
 
     Raises
     ------
@@ -64,7 +64,7 @@ class PathBounds:
             raise BadValueError("step", self.step, "a finite distance (m)")
 
 
-def singular_cut(robot: Follower, joints: JointPath, bounds: PathBounds) -> PathCut | None:
+def singular_cut(robot: PathModel, joints: JointPath, bounds: PathStopLimits) -> PathCut | None:
     """Find where the condition number rises over its bound."""
     if not math.isfinite(bounds.condition):
         return None
@@ -74,7 +74,7 @@ def singular_cut(robot: Follower, joints: JointPath, bounds: PathBounds) -> Path
         above: BoolArray = singular[:, 0] > bounds.condition * singular[:, -1]
         return above
 
-    s = last_good_place(joints, over)
+    s = last_valid_coordinate(joints, over)
     if s is None:
         return None
     text = f"the condition number rises over {bounds.condition:.6g}: too near to a singularity"
@@ -83,7 +83,7 @@ def singular_cut(robot: Follower, joints: JointPath, bounds: PathBounds) -> Path
     return PathCut(s, PathTrackingStatus.SINGULAR, text)
 
 
-def jump_cut(robot: Follower, joints: JointPath, bounds: PathBounds) -> PathCut | None:
+def jump_cut(robot: PathModel, joints: JointPath, bounds: PathStopLimits) -> PathCut | None:
     """Find where a joint moves too far between neighbouring poses."""
     names, units = robot.limits.joint_names, robot.limits.units
     slides = np.array(units) == "m"
@@ -156,7 +156,7 @@ def relative_jump(chain: SerialChain, step: float, factor: float) -> PathCheck:
     return check
 
 
-def broken_condition(broken: Callable[[Array], str], step: float) -> PathCheck:
+def stop_on_condition(broken: Callable[[Array], str], step: float) -> PathCheck:
     """End a path where a condition on the joint values breaks.
 
     Parameters
@@ -182,7 +182,7 @@ def broken_condition(broken: Callable[[Array], str], step: float) -> PathCheck:
 
     def check(joints: JointPath) -> PathCut | None:
         count = max(math.ceil(joints.length / length), PLACES)
-        s = last_good_place(
+        s = last_valid_coordinate(
             joints, lambda rows: np.array([bool(broken(q)) for q in rows]), count=count
         )
         if s is None:

@@ -8,9 +8,9 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from robomech_ros.cartesian.followers import Follower
-from robomech_ros.cartesian.following import FollowedPath, StopReason, follow_path
-from robomech_ros.cartesian.path_checks import PathBounds
+from robomech_ros.cartesian.following import PathFollowingResult, StopReason, follow_path
+from robomech_ros.cartesian.path_checks import PathStopLimits
+from robomech_ros.cartesian.path_models import PathModel
 from robomech_ros.cartesian.sampling import Sampling, in_steps
 from robomech_ros.errors import BadValueError
 from robomech_ros.printing import Printed
@@ -37,13 +37,13 @@ class CartesianPlan(Printed):
 
     Attributes
     ----------
-    followed : FollowedPath
+    followed : PathFollowingResult
         The joint path, and where it ends.
     sampled : SampledPlan or None
         The motion, its samples and their verification; None where the path does not even begin.
     """
 
-    followed: FollowedPath
+    followed: PathFollowingResult
     sampled: SampledPlan | None
 
     @property
@@ -68,12 +68,12 @@ class CartesianPlan(Printed):
 
 
 def plan_along(
-    chain: SerialChain | Follower,
+    chain: SerialChain | PathModel,
     path: PosePath,
     start: ArrayLike,
     *,
     task_mask: Sequence[bool] | None = None,
-    bounds: PathBounds | None = None,
+    bounds: PathStopLimits | None = None,
     limits: JointLimits | Any = None,
     profile: str = "poly345",
     speeds: TipSpeeds | None = None,
@@ -85,15 +85,15 @@ def plan_along(
 
     Parameters
     ----------
-    chain : SerialChain or Follower
+    chain : SerialChain or PathModel
         Of n joints; parallel robots have a follower of their own.
     path : PosePath
-        Of its tip in its base, such as `path_through` makes it.
+        Of its tip in its base, such as `waypoint_path` makes it.
     start : array_like, shape (n,)
         Joint values (rad or m) at the start of the path, or near: they choose the branch.
     task_mask : sequence of six bool, optional
         Which of x, y, z, rx, ry, rz are held; see `follow_path`.
-    bounds : PathBounds, optional
+    bounds : PathStopLimits, optional
         Condition number, jumps and checks of the caller that end the path.
     limits : JointLimits, optional
         Within which to move; default those of the chain.
@@ -124,14 +124,14 @@ def plan_along(
 
     Examples
     --------
-    >>> from robomech_ros.cartesian import path_through, plan_along
+    >>> from robomech_ros.cartesian import waypoint_path, plan_along
     >>> from robomech_ros.kinematics import forward_kinematics
     >>> from robomech_ros.robots import load_robot
     >>> chain, q = load_robot("puma560"), [0.3, -0.4, 0.2, 0.5, 0.6, -0.7]
     >>> here = forward_kinematics(chain, q)
     >>> there = here.copy()
     >>> there[0, 3] += 0.1
-    >>> plan = plan_along(chain, path_through(here, [there]), q, profile="time_optimal")
+    >>> plan = plan_along(chain, waypoint_path(here, [there]), q, profile="time_optimal")
     >>> plan.fraction, plan.stop
     (1.0, None)
     >>> plan.trajectory.sample(plan.trajectory.duration).velocity.tolist()
@@ -145,7 +145,7 @@ def plan_along(
 
 
 def plan_followed(
-    followed: FollowedPath,
+    followed: PathFollowingResult,
     *,
     limits: JointLimits | Any = None,
     profile: str = "poly345",
@@ -157,7 +157,7 @@ def plan_followed(
 
     Parameters
     ----------
-    followed : FollowedPath
+    followed : PathFollowingResult
     limits, profile, speeds, sampling
         As for `plan_along`.
     speed_limits : sequence of SpeedLimit
@@ -173,8 +173,8 @@ def plan_followed(
     RobomechError
         As `plan_along` does.
     """
-    if not isinstance(followed, FollowedPath):
-        raise BadValueError("followed", followed, "a FollowedPath")
+    if not isinstance(followed, PathFollowingResult):
+        raise BadValueError("followed", followed, "a PathFollowingResult")
     fine = _as_sampling(sampling)
     if followed.joints is None:
         return None

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from robomech_ros.cartesian.arguments import above_zero, whole_number
+from robomech_ros.cartesian.argument_checks import above_zero, whole_number
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory import Limits, SampledPlan, discretise, verify
 from robomech_ros.typing import Array

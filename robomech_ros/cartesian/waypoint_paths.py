@@ -24,7 +24,7 @@ PathKind = Literal["straight", "spline", "arc"]
 _SAME = 1e-9
 
 
-def path_through(
+def waypoint_path(
     start: ArrayLike,
     waypoints: ArrayLike,
     kind: PathKind = "straight",
@@ -68,10 +68,10 @@ robomech_ros.trajectory.arc_path
     Examples
     --------
     >>> import numpy as np
-    >>> from robomech_ros.cartesian import path_through
+    >>> from robomech_ros.cartesian import waypoint_path
     >>> there = np.eye(4)
     >>> there[:3, 3] = 0.3, 0.0, 0.4
-    >>> path_through(np.eye(4), [there]).length
+    >>> waypoint_path(np.eye(4), [there]).length
     0.5
     """
     as_choice("kind", kind, get_args(PathKind))

@@ -12,7 +12,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import NamedTuple
 
-from robomech_ros.shared_memory import dead_ports, ports_of_domain
+from robomech_ros.fastdds_shared_memory import dead_ports, ports_of_domain
 
 OLDEST_PYTHON = (3, 10)
 MULTICAST_GROUP = "239.255.0.1"
@@ -160,7 +160,7 @@ def _kernels() -> Finding:
 
 def _robots() -> Finding:
     from robomech_ros.robots import list_robots, robot_folders
-    from robomech_ros.robots.kinds import KINDS, documents_of
+    from robomech_ros.robots.robot_kinds import KINDS, documents_of
 
     names = list_robots()
     folders = ", ".join(str(folder) for folder in robot_folders())

@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from robomech_ros.cli.described_kinds import describe
+from robomech_ros.cli.robot_tree import describe
 from robomech_ros.robots import urdf_from_description
 
 

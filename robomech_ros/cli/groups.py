@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from robomech_ros.robots import SemanticDescription, load_description, semantics_of
+from robomech_ros.robots import SemanticDescription, load_description, load_semantics
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print what the SRDF says of the robot; returns 0."""
-    known = semantics_of(load_description(args.robot), args.srdf)
+    known = load_semantics(load_description(args.robot), args.srdf)
     console = Console(highlight=False)
     console = Console(highlight=False, width=None if console.is_terminal else 160)
     console.print(_groups(known))

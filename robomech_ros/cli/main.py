@@ -84,7 +84,7 @@ def _run(argv: list[str], chosen: str) -> int:
 def _explained(error: Exception) -> str:
     """Return the text of an error; of a robot of another kind than a command takes, that kind."""
     from robomech_ros.errors import UnknownRobotError
-    from robomech_ros.robots.kinds import kind_of
+    from robomech_ros.robots.robot_kinds import kind_of
 
     if not isinstance(error, UnknownRobotError) or not (kind := kind_of(error.name)):
         return str(error)

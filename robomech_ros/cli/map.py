@@ -23,10 +23,10 @@ from robomech_ros.errors import BadValueError, MapFileError
 from robomech_ros.kinematics.posture_samples import reach_bound
 from robomech_ros.kinetostatics import (
     ReachMap,
-    even_rotations,
-    even_turns,
     load_reach_map,
     reach_map,
+    uniform_rotations,
+    uniform_turns,
 )
 from robomech_ros.robots import SerialChain, load_description
 from robomech_ros.robots.documents.numbers_in_text import integer, number
@@ -126,8 +126,8 @@ def _orientations(args: argparse.Namespace) -> Array:
     """Return the orientations (k, 3, 3) that are tried at each point."""
     one = None if args.orientation is None else matrix_from_quaternion(args.orientation)
     if args.about is not None:
-        return even_turns(args.orientations, args.about, one)
-    return even_rotations(args.orientations) if one is None else one[None]
+        return uniform_turns(args.orientations, args.about, one)
+    return uniform_rotations(args.orientations) if one is None else one[None]
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from pathlib import Path
 from robomech_ros.errors import BadValueError, SeedOutsideLimitsError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.plotting.postures import plot_postures
-from robomech_ros.robots import SerialChain, load_description, main_chain, semantics_of
+from robomech_ros.robots import SerialChain, load_description, load_semantics, main_chain
 from robomech_ros.robots.documents.numbers_in_text import number
 from robomech_ros.spatial import pose_from_position_quaternion
 
@@ -47,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
     if args.output.suffix not in (".png", ".svg", ".pdf"):
         raise BadValueError("--output", str(args.output), "a file that ends with png, svg or pdf")
     description = load_description(args.robot)
-    known = semantics_of(description, args.srdf)
+    known = load_semantics(description, args.srdf)
     chain = main_chain(description, known, args.base_link, args.tip_link, args.group)
     if args.posture is not None:
         T = forward_kinematics(chain, known.posture(chain, args.posture))

@@ -11,9 +11,9 @@ from rich.table import Table
 from robomech_ros.errors import RobomechError
 from robomech_ros.hands import load_hand
 from robomech_ros.kinematics.inverse.families.selection import family_of
-from robomech_ros.parallel import load_described
+from robomech_ros.parallel import load_tree_description
 from robomech_ros.robots import PRISMATIC, list_robots, load_description
-from robomech_ros.robots.kinds import names_of
+from robomech_ros.robots.robot_kinds import names_of
 from robomech_ros.rolling import rolling_robot
 from robomech_ros.walking import load_legged
 
@@ -55,7 +55,7 @@ def _arm(name: str) -> tuple[str, str, str]:
 
 def _parallel(name: str) -> tuple[str, str, str]:
     """Return limbs, family and source of a parallel robot; the drives are in brackets."""
-    robot = load_described(name)
+    robot = load_tree_description(name)
     mechanism = robot.mechanism
     assert mechanism is not None
     limb = mechanism.limbs[0]
@@ -96,5 +96,5 @@ def _letters(types: Iterable[int]) -> str:
     return "".join("P" if kind == PRISMATIC else "R" for kind in types)
 
 
-# What is told of robots that are no arms, by their kind in ``robomech_ros.robots.kinds.KINDS``.
+# Facts of robots that are not arms, by their kind in ``robomech_ros.robots.robot_kinds.KINDS``.
 _FACTS = {"parallel": _parallel, "rolling": _rolling, "hand": _hand, "walking": _walking}

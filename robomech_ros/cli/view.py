@@ -8,12 +8,12 @@ import webbrowser
 from typing import TYPE_CHECKING, Any
 
 from robomech_ros.cli.kind_options import refuse_options
-from robomech_ros.parallel import load_described, load_parallel
-from robomech_ros.robots import main_chain, semantics_of
+from robomech_ros.parallel import load_parallel, load_tree_description
+from robomech_ros.robots import load_semantics, main_chain
 from robomech_ros.robots.documents.numbers_in_text import integer
-from robomech_ros.robots.kinds import ARM, check_name, kind_of
+from robomech_ros.robots.robot_kinds import ARM, check_name, kind_of
+from robomech_ros.rvs.kind_registry import SEEN_KINDS
 from robomech_ros.rvs.opening import kind_page_of, page_of, platform_page_of
-from robomech_ros.rvs.seen_kinds import SEEN_KINDS
 from robomech_ros.rvs.serving.address import HOST, PORT
 from robomech_ros.stop_signals import leave_on_signals
 
@@ -59,10 +59,10 @@ def _page(args: argparse.Namespace) -> RobotPage:
     if kind in SEEN_KINDS:
         refuse_options(args, _OF_ARMS, args.robot, f"a robot of kind '{kind}'")
         return kind_page_of(kind, args.robot, **where)
-    described = load_described(args.robot)
+    described = load_tree_description(args.robot)
     if described.mechanism is not None:
         refuse_options(args, _OF_ARMS, args.robot, "a parallel robot")
         return platform_page_of(load_parallel(args.robot), **where)
-    known = semantics_of(described.description, args.srdf)
+    known = load_semantics(described.description, args.srdf)
     chain = main_chain(described.description, known, args.base_link, args.tip_link, args.group)
     return page_of(described.description, chain, **where)

@@ -5,7 +5,7 @@ Each part is loaded on first use, like those of the kinematics.
 
 from typing import TYPE_CHECKING
 
-from robomech_ros.lazy import lazy_exports
+from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.dynamics.chain_dynamics import ChainDynamics
@@ -103,7 +103,7 @@ if TYPE_CHECKING:
     )
     from robomech_ros.dynamics.pseudo_inertias import (
         bodies_from_parameters,
-        is_consistent,
+        is_physically_consistent,
         nearest_consistent,
         pseudo_inertia,
     )
@@ -159,7 +159,7 @@ __all__ = [
     "inverse_dynamics_by_lagrange",
     "inverse_dynamics_by_orthogonal_complement",
     "inverse_dynamics_derivatives",
-    "is_consistent",
+    "is_physically_consistent",
     "kinetic_energy",
     "mass_matrix",
     "mass_matrix_gradient",
@@ -227,7 +227,7 @@ _MODULES = {
     "inverse_dynamics_by_lagrange": "formulations.lagrange",
     "inverse_dynamics_by_orthogonal_complement": "formulations.dynamics_by_complement",
     "inverse_dynamics_derivatives": "derivatives",
-    "is_consistent": "pseudo_inertias",
+    "is_physically_consistent": "pseudo_inertias",
     "kinetic_energy": "energy",
     "mass_matrix": "matrices",
     "mass_matrix_gradient": "formulations.lagrange",

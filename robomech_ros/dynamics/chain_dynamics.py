@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.dynamics.forward import forward_dynamics_one
+from robomech_ros.dynamics.drive_control import CompiledServo, ServoLaw, chain_servo
 from robomech_ros.dynamics.energy import kinetic_energy, potential_energy
 from robomech_ros.dynamics.forward import forward_dynamics
 from robomech_ros.dynamics.friction import friction_model
@@ -17,7 +18,6 @@ from robomech_ros.dynamics.inverse import inverse_dynamics
 from robomech_ros.dynamics.matrices import coriolis_matrix, mass_matrix
 from robomech_ros.dynamics.model import GRAVITY, dynamic_model, surroundings
 from robomech_ros.dynamics.payload import with_payload
-from robomech_ros.dynamics.servo import CompiledServo, ServoLaw, chain_servo
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, check_chain, raise_not_finite
 from robomech_ros.kinematics.posture_samples import sample_postures

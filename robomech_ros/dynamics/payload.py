@@ -6,7 +6,7 @@ import dataclasses
 
 from robomech_ros.errors import BadValueError, MissingInertiaError
 from robomech_ros.kinematics.joint_values import check_chain
-from robomech_ros.robots.bodies import Body, combined
+from robomech_ros.robots.bodies import Body, combine_bodies
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import unpack_chain
 
@@ -41,6 +41,6 @@ def with_payload(chain: SerialChain, payload: Body) -> SerialChain:
         raise BadValueError("number of joints", 0, "at least one, to carry a payload")
     if chain.bodies[-1] is None:
         raise MissingInertiaError([chain.tip], chain.joint_names[-1:])
-    held = payload.seen_from(unpack_chain(chain.packed)[-1])
-    last = combined((chain.bodies[-1], held))
+    held = payload.expressed_in(unpack_chain(chain.packed)[-1])
+    last = combine_bodies((chain.bodies[-1], held))
     return dataclasses.replace(chain, bodies=(*chain.bodies[:-1], last))

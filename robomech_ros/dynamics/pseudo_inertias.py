@@ -67,7 +67,7 @@ def parameters_from_pseudo_inertia(J: ArrayLike) -> Array:
     return parameters
 
 
-def is_consistent(parameters: ArrayLike) -> BoolArray:
+def is_physically_consistent(parameters: ArrayLike) -> BoolArray:
     """Say which parameters (..., 10) a body of positive volume can have: shape (...).
 
     Raises

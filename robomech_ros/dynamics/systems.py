@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.chain_dynamics import ChainDynamics
-from robomech_ros.dynamics.servo import CompiledServo, ServoLaw
+from robomech_ros.dynamics.drive_control import CompiledServo, ServoLaw
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.chain import SerialChain

@@ -5,6 +5,7 @@ result.  Every message gives the value, what was expected and, where there is on
 what is available; the same facts are attributes of the exception.
 """
 
+from robomech_ros.errors.formatting import format_value
 from robomech_ros.errors.limits import (
     DurationTooShortError,
     LimitExceededError,
@@ -20,43 +21,42 @@ from robomech_ros.errors.names import (
     UnknownRobotError,
 )
 from robomech_ros.errors.robots import (
+    LoopClosureError,
     MissingInertiaError,
     MissingLimitsError,
-    OpenLoopsError,
     RobotDescriptionError,
     SingularPostureError,
 )
-from robomech_ros.errors.texts import shown
 from robomech_ros.errors.values import (
     BadQuaternionError,
     BadValueError,
-    ContradictionError,
+    InconsistentDataError,
     NonFiniteError,
     RobomechError,
-    UndeterminedError,
+    UnderdeterminedError,
     WrongSizeError,
 )
 
 __all__ = [
     "BadQuaternionError",
     "BadValueError",
-    "ContradictionError",
     "DurationTooShortError",
+    "InconsistentDataError",
     "LimitExceededError",
+    "LoopClosureError",
     "MapFileError",
     "MissingInertiaError",
     "MissingLimitsError",
     "NonFiniteError",
     "NotEnoughMemoryError",
-    "OpenLoopsError",
     "RobomechError",
     "RobotDescriptionError",
     "SeedOutsideLimitsError",
     "SingularPostureError",
-    "UndeterminedError",
+    "UnderdeterminedError",
     "UnknownJointError",
     "UnknownLinkError",
     "UnknownRobotError",
     "WrongSizeError",
-    "shown",
+    "format_value",
 ]

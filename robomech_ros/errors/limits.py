@@ -1,6 +1,6 @@
 """Errors of motions that the limits of joints do not allow."""
 
-from robomech_ros.errors.texts import of_unit
+from robomech_ros.errors.formatting import of_unit
 from robomech_ros.errors.values import RobomechError
 
 

@@ -1,6 +1,6 @@
 """Errors of files and of memory."""
 
-from robomech_ros.errors.texts import in_bytes
+from robomech_ros.errors.formatting import in_bytes
 from robomech_ros.errors.values import RobomechError
 
 

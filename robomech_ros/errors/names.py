@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
-from robomech_ros.errors.texts import LONGEST_LIST, LONGEST_VALUE, listed, shown
+from robomech_ros.errors.formatting import LONGEST_LIST, LONGEST_VALUE, format_value, listed
 from robomech_ros.errors.values import RobomechError
 
 _MOST_COMPARED = 500
@@ -32,7 +32,7 @@ class _UnknownNameError(RobomechError):
         self.available = tuple(available)
         hint = did_you_mean(name, self.available)
         known = listed(self.available, self.most)
-        super().__init__(f"unknown {self.kind} {shown(name)}{hint}; available: {known}")
+        super().__init__(f"unknown {self.kind} {format_value(name)}{hint}; available: {known}")
 
 
 class UnknownRobotError(_UnknownNameError):

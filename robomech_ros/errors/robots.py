@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from robomech_ros.errors.texts import listed
+from robomech_ros.errors.formatting import listed
 from robomech_ros.errors.values import BadValueError, RobomechError
 
 
@@ -61,7 +61,7 @@ class MissingInertiaError(RobomechError):
         )
 
 
-class OpenLoopsError(BadValueError):
+class LoopClosureError(BadValueError):
     """Joint values with which the limbs of a parallel robot do not hold one platform.
 
     ``limb``, from 1, is farthest off: by ``distance`` (m) and ``angle`` (rad) from limb 1.

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robomech_ros.errors.texts import shown
+from robomech_ros.errors.formatting import format_value
 
 
 class RobomechError(ValueError):
@@ -23,14 +23,14 @@ class BadValueError(RobomechError):
         self.what = what
         self.value = value
         self.expected = expected
-        super().__init__(f"{what} is {shown(value)}, expected {expected}")
+        super().__init__(f"{what} is {format_value(value)}, expected {expected}")
 
 
-class ContradictionError(BadValueError):
+class InconsistentDataError(BadValueError):
     """Samples that cannot all be right: nothing fits them, or what is said of them is wrong."""
 
 
-class UndeterminedError(BadValueError):
+class UnderdeterminedError(BadValueError):
     """Samples that leave a part of the answer free.
 
     Parameters
@@ -75,7 +75,7 @@ class NonFiniteError(RobomechError):
         self.what = what
         self.value = value
         self.index: tuple[int, ...] | None = None
-        text = f"{what} is {shown(value)}"
+        text = f"{what} is {format_value(value)}"
         if isinstance(value, np.ndarray) and value.ndim and value.dtype.kind == "f":
             bad = np.argwhere(~np.isfinite(value))
             if len(bad):
@@ -91,4 +91,4 @@ class BadQuaternionError(RobomechError):
     def __init__(self, value: object, reason: str) -> None:
         self.value = value
         self.reason = reason
-        super().__init__(f"quaternion {shown(value)}: {reason}")
+        super().__init__(f"quaternion {format_value(value)}: {reason}")

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from robomech_ros.errors import BadValueError, NonFiniteError, UnknownJointError, WrongSizeError
-from robomech_ros.execution.refusals import JointMismatchError, TrajectoryRefusedError
+from robomech_ros.execution.rejections import JointMismatchError, TrajectoryRefusedError
 from robomech_ros.trajectory.waypoints import Waypoints
 from robomech_ros.typing import Array
 

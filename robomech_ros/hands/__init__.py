@@ -5,14 +5,14 @@ Each part is loaded on first use: closure is compiled.
 
 from typing import TYPE_CHECKING
 
-from robomech_ros.lazy import lazy_exports
+from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.hands.closure import is_force_closed, is_form_closed
     from robomech_ros.hands.conic_solver import ConicSolverUnavailableError
-    from robomech_ros.hands.contact_maps import grasp_matrix, internal_forces
     from robomech_ros.hands.contacts import Contact
     from robomech_ros.hands.forces import ContactForces, ForceStatus, contact_forces
+    from robomech_ros.hands.grasp_map import grasp_matrix, internal_forces
     from robomech_ros.hands.hand import Hand, list_hands, load_hand
     from robomech_ros.hands.hand_motion import (
         GraspMobility,
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
         hand_jacobian,
         object_twist,
     )
-    from robomech_ros.hands.postures import grasp_postures, tip_postures, whole_postures
+    from robomech_ros.hands.postures import grasp_postures, hand_postures, tip_postures
     from robomech_ros.hands.quality import GraspQuality, grasp_quality
 
 __all__ = [
@@ -43,6 +43,7 @@ __all__ = [
     "grasp_postures",
     "grasp_quality",
     "hand_jacobian",
+    "hand_postures",
     "internal_forces",
     "is_force_closed",
     "is_form_closed",
@@ -50,7 +51,6 @@ __all__ = [
     "load_hand",
     "object_twist",
     "tip_postures",
-    "whole_postures",
 ]
 
 _MODULES = {
@@ -61,8 +61,8 @@ _MODULES = {
     "ContactForces": "forces",
     "ForceStatus": "forces",
     "contact_forces": "forces",
-    "grasp_matrix": "contact_maps",
-    "internal_forces": "contact_maps",
+    "grasp_matrix": "grasp_map",
+    "internal_forces": "grasp_map",
     "Hand": "hand",
     "list_hands": "hand",
     "load_hand": "hand",
@@ -75,7 +75,7 @@ _MODULES = {
     "object_twist": "hand_motion",
     "grasp_postures": "postures",
     "tip_postures": "postures",
-    "whole_postures": "postures",
+    "hand_postures": "postures",
     "GraspQuality": "quality",
     "grasp_quality": "quality",
 }

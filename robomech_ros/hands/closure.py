@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robomech_ros._kernels.hands.closing import CLOSED, closed
+from robomech_ros._kernels.hands.force_closure import CLOSED, closed
 from robomech_ros.hands.contacts import Contact, as_contacts, rows_of
 from robomech_ros.typing import Array
 

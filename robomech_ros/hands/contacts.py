@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros._kernels.hands.closing import wrench_cones
+from robomech_ros._kernels.hands.force_closure import wrench_cones
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_number

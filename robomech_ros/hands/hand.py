@@ -34,7 +34,7 @@ from robomech_ros.hands.contacts import Contact, as_contacts
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.documents.guarded_yaml import check_keys
 from robomech_ros.robots.documents.yaml_rows import read_text
-from robomech_ros.robots.kinds import checked_document, names_of, source_of
+from robomech_ros.robots.robot_kinds import checked_document, names_of, source_of
 from robomech_ros.robots.robot_yaml import description_from_yaml
 from robomech_ros.spatial.arrays import as_finite, listed
 from robomech_ros.typing import Array

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.hands.contact_maps import grasp_matrix, null_space
 from robomech_ros.hands.contacts import Contact, as_origin, centre
+from robomech_ros.hands.grasp_map import grasp_matrix, null_space
 from robomech_ros.hands.hand import Hand, fingers_of, hand_posture
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import bias_acceleration, jacobian, point_jacobian

@@ -131,7 +131,7 @@ def tip_postures(
     return tuple(found)
 
 
-def whole_postures(
+def hand_postures(
     hand: Hand,
     found: Sequence[InverseKinematicsResult],
     *,

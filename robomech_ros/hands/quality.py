@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros._kernels.hands.growing import CLOSE, grow
+from robomech_ros._kernels.hands.quality_bounds import CLOSE, grow
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.hands.closure import is_force_closed
@@ -60,7 +60,7 @@ def grasp_quality(
     length: float,
     origin: ArrayLike | None = None,
     tolerance: float = 1e-4,
-    most_points: int = 2000,
+    max_wrenches: int = 2000,
 ) -> GraspQuality:
     """Compute bounds of the quality of Ferrari and Canny, friction cones as they are, round.
 
@@ -79,7 +79,7 @@ def grasp_quality(
         contacts.
     tolerance : float, optional
         How close the bounds are to be.
-    most_points : int, optional
+    max_wrenches : int, optional
         Wrenches after which it ends with the bounds that it has; 200000 facets at one time end it,
         too.
 
@@ -110,13 +110,13 @@ def grasp_quality(
     size = _positive("length", length, LARGEST_LENGTH)
     close = _positive("tolerance", tolerance, 1.0)
     expected = f"a whole number from 1 to {_MOST_POINTS}"
-    if real_number("most_points", most_points, expected) not in range(1, _MOST_POINTS + 1):
-        raise BadValueError("most_points", most_points, expected)
+    if real_number("max_wrenches", max_wrenches, expected) not in range(1, _MOST_POINTS + 1):
+        raise BadValueError("max_wrenches", max_wrenches, expected)
     point = as_origin(origin, given)
     cones = cones_of(rows_of(given), point, size)
     if not is_force_closed(given):
         return GraspQuality(0.0, 0.0, np.zeros(cones.shape[2]), size, point, True)
-    lower, upper, weakest, certified = _bounds(cones, close, int(most_points))
+    lower, upper, weakest, certified = _bounds(cones, close, int(max_wrenches))
     return GraspQuality(lower, upper, weakest, size, point, certified)
 
 

@@ -6,7 +6,7 @@ needs only poses, does without most of them.
 
 from typing import TYPE_CHECKING
 
-from robomech_ros.lazy import lazy_exports
+from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.kinematics.forward import forward_kinematics, link_poses

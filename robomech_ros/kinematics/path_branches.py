@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.fewest_jumps import fewest_jumps
+from robomech_ros.kinematics.branch_selection import fewest_jumps
 from robomech_ros.kinematics.inverse.batch import inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics

@@ -5,7 +5,7 @@ Each part is loaded on first use, like those of the kinematics.
 
 from typing import TYPE_CHECKING
 
-from robomech_ros.lazy import lazy_exports
+from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.kinetostatics.accelerations import (
@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from robomech_ros.kinetostatics.indices import (
         condition_number,
         condition_number_gradient,
-        least_singular_value,
         least_singular_value_gradient,
         manipulability,
         manipulability_gradient,
+        min_singular_value,
     )
     from robomech_ros.kinetostatics.jacobians import jacobian
     from robomech_ros.kinetostatics.maps.reachability import ReachMap, load_reach_map, reach_map
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
         planar_rows,
         task_jacobian,
     )
-    from robomech_ros.kinetostatics.rotation_sets import even_rotations, even_turns
+    from robomech_ros.kinetostatics.rotation_sets import uniform_rotations, uniform_turns
     from robomech_ros.kinetostatics.self_motions import SelfMotionCurve, self_motion_curve
     from robomech_ros.kinetostatics.singularities.distance import (
         NearestSingularity,
@@ -68,7 +68,7 @@ if TYPE_CHECKING:
         OrientationWorkspace,
         orientation_workspace,
     )
-    from robomech_ros.kinetostatics.workspace.reach import extreme_reach
+    from robomech_ros.kinetostatics.workspace.reach import reach_limits
 
 __all__ = [
     "BestPosture",
@@ -93,31 +93,31 @@ __all__ = [
     "condition_number_gradient",
     "conditioning_index",
     "decoupled_jacobian",
-    "even_rotations",
-    "even_turns",
-    "extreme_reach",
     "global_conditioning_index",
     "jacobian",
     "jacobian_rate",
     "joint_accelerations",
     "joint_rates",
     "joint_torques",
-    "least_singular_value",
     "least_singular_value_gradient",
     "load_reach_map",
     "manipulability",
     "manipulability_ellipsoid",
     "manipulability_gradient",
+    "min_singular_value",
     "nearest_singular_posture",
     "orientation_workspace",
     "planar_jacobian",
     "planar_rows",
     "point_jacobian",
+    "reach_limits",
     "reach_map",
     "self_motion_curve",
     "singularity_free",
     "singularity_report",
     "task_jacobian",
+    "uniform_rotations",
+    "uniform_turns",
     "workspace_boundary",
     "wrench_from_torques",
 ]
@@ -145,9 +145,9 @@ _MODULES = {
     "characteristic_length": "conditioning",
     "condition_number": "indices",
     "condition_number_gradient": "indices",
-    "even_rotations": "rotation_sets",
-    "even_turns": "rotation_sets",
-    "extreme_reach": "workspace.reach",
+    "uniform_rotations": "rotation_sets",
+    "uniform_turns": "rotation_sets",
+    "reach_limits": "workspace.reach",
     "global_conditioning_index": "global_indices",
     "conditioning_index": "conditioning",
     "decoupled_jacobian": "decoupled_blocks",
@@ -156,7 +156,7 @@ _MODULES = {
     "joint_accelerations": "accelerations",
     "joint_rates": "rates",
     "joint_torques": "statics",
-    "least_singular_value": "indices",
+    "min_singular_value": "indices",
     "least_singular_value_gradient": "indices",
     "load_reach_map": "maps.reachability",
     "manipulability": "indices",

@@ -71,7 +71,7 @@ def manipulability(
     See Also
     --------
     condition_number : how evenly the tip moves.
-    least_singular_value : the worst direction alone.
+    min_singular_value : the worst direction alone.
     manipulability_gradient : the derivatives.
 
     References
@@ -153,7 +153,7 @@ def condition_number(
     return _value(chain, q, part, length, _norm(norm))
 
 
-def least_singular_value(
+def min_singular_value(
     chain: SerialChain, q: ArrayLike, *, part: str = "pose", length: float | None = None
 ) -> float | Array:
     """Compute the least singular value of the Jacobian.
@@ -237,7 +237,7 @@ def condition_number_gradient(
 def least_singular_value_gradient(
     chain: SerialChain, q: ArrayLike, *, part: str = "pose", length: float | None = None
 ) -> Array:
-    """Compute the derivatives of :func:`least_singular_value` by the joint values.
+    """Compute the derivatives of :func:`min_singular_value` by the joint values.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ _PHI = math.sqrt(2.0)
 _PSI = 1.533751168755204288118041
 
 
-def even_rotations(count: int) -> Array:
+def uniform_rotations(count: int) -> Array:
     """Spread rotations nearly evenly over SO(3), the same for the same number.
 
     They are points of a super-Fibonacci spiral on the sphere of unit quaternions.
@@ -46,7 +46,7 @@ def even_rotations(count: int) -> Array:
     return matrix_from_quaternion(np.stack(q, axis=-1))
 
 
-def even_turns(count: int, axis: ArrayLike, first: ArrayLike | None = None) -> Array:
+def uniform_turns(count: int, axis: ArrayLike, first: ArrayLike | None = None) -> Array:
     """Turn an orientation about an axis of the base in equal steps, once around.
 
     Parameters
@@ -87,7 +87,7 @@ def as_orientations(orientations: ArrayLike) -> Array:
         Neither, none or too many.
     """
     if isinstance(orientations, int | np.integer) and not isinstance(orientations, bool):
-        return even_rotations(int(orientations))
+        return uniform_rotations(int(orientations))
     rotations = as_rotation(orientations, what="orientations")
     if rotations.ndim != 3:
         raise WrongSizeError("orientations", rotations.shape, "(k, 3, 3)")

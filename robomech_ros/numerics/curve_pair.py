@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array
+from robomech_ros.numerics.bivariate_roots import ANGLES, bivariate, refine_root
 from robomech_ros.numerics.grid_crossings import STEP, Equations, GridProblem, slopes_at
-from robomech_ros.numerics.two_unknowns import ANGLES, bivariate, refine_root
 from robomech_ros.typing import Array
 
 # Cells of the grid on which curves are followed, and points of that on which the others are sized.

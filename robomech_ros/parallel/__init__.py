@@ -5,11 +5,10 @@ Each part is loaded on first use: the solvers are compiled.
 
 from typing import TYPE_CHECKING
 
-from robomech_ros.lazy import lazy_exports
+from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.parallel.delta import Delta
-    from robomech_ros.parallel.described import DescribedRobot, load_described
     from robomech_ros.parallel.dynamics.complement import JointReactions
     from robomech_ros.parallel.dynamics.parallel_dynamics import ParallelDynamics
     from robomech_ros.parallel.files import list_parallel
@@ -38,23 +37,23 @@ if TYPE_CHECKING:
     from robomech_ros.parallel.library import ParallelRobot, load_parallel
     from robomech_ros.parallel.mechanism.limb import Limb
     from robomech_ros.parallel.mechanism.model import Mechanism
-    from robomech_ros.parallel.mechanism.parts import Parts
+    from robomech_ros.parallel.mechanism.parts import LinkBodies
     from robomech_ros.parallel.mechanism.result import (
         AssemblyModes,
-        ClosedPosture,
+        LoopClosure,
         MechanismPostures,
     )
     from robomech_ros.parallel.motion.drive_paths import DrivePath, follow_drives
-    from robomech_ros.parallel.motion.follower import MechanismFollower
+    from robomech_ros.parallel.motion.path_model import MechanismPathModel
     from robomech_ros.parallel.motion.planning import DrivePlan, plan_drives, plan_platform
     from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
     from robomech_ros.parallel.result import DirectKinematicsResult, FollowedPose, LimbPostures
     from robomech_ros.parallel.spherical import Spherical3RRR
     from robomech_ros.parallel.stewart_gough import StewartGough
+    from robomech_ros.parallel.tree_description import DescribedRobot, load_tree_description
 
 __all__ = [
     "AssemblyModes",
-    "ClosedPosture",
     "Delta",
     "DescribedRobot",
     "DirectKinematicsResult",
@@ -64,13 +63,14 @@ __all__ = [
     "JointReactions",
     "Limb",
     "LimbPostures",
+    "LinkBodies",
+    "LoopClosure",
     "LoopSingularity",
     "Mechanism",
-    "MechanismFollower",
+    "MechanismPathModel",
     "MechanismPostures",
     "ParallelDynamics",
     "ParallelRobot",
-    "Parts",
     "Planar3RPR",
     "Planar3RRR",
     "PlatformWorkspace",
@@ -84,8 +84,8 @@ __all__ = [
     "drive_rates",
     "follow_drives",
     "list_parallel",
-    "load_described",
     "load_parallel",
+    "load_tree_description",
     "loop_singularity",
     "plan_drives",
     "plan_platform",
@@ -108,7 +108,7 @@ _MODULES = {
     "platform_orientation_workspace": "kinetostatics.workspace",
     "platform_position_workspace": "kinetostatics.workspace",
     "AssemblyModes": "mechanism.result",
-    "ClosedPosture": "mechanism.result",
+    "LoopClosure": "mechanism.result",
     "VelocityMatrices": "kinetostatics.velocity_maps",
     "velocity_matrices": "kinetostatics.velocity_maps",
     "velocity_matrix_rates": "kinetostatics.velocity_maps",
@@ -124,7 +124,7 @@ _MODULES = {
     "LoopSingularity": "kinetostatics.singularities",
     "loop_singularity": "kinetostatics.singularities",
     "Delta": "delta",
-    "DescribedRobot": "described",
+    "DescribedRobot": "tree_description",
     "DirectKinematicsResult": "result",
     "DrivePath": "motion.drive_paths",
     "DrivePlan": "motion.planning",
@@ -134,17 +134,17 @@ _MODULES = {
     "LimbPostures": "result",
     "Mechanism": "mechanism.model",
     "MechanismPostures": "mechanism.result",
-    "MechanismFollower": "motion.follower",
+    "MechanismPathModel": "motion.path_model",
     "ParallelDynamics": "dynamics.parallel_dynamics",
     "ParallelRobot": "library",
-    "Parts": "mechanism.parts",
+    "LinkBodies": "mechanism.parts",
     "Planar3RPR": "planar",
     "Planar3RRR": "planar",
     "Spherical3RRR": "spherical",
     "StewartGough": "stewart_gough",
     "follow_drives": "motion.drive_paths",
     "list_parallel": "files",
-    "load_described": "described",
+    "load_tree_description": "tree_description",
     "load_parallel": "library",
     "plan_drives": "motion.planning",
     "plan_platform": "motion.planning",

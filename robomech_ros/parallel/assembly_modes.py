@@ -6,17 +6,17 @@ import numpy as np
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.parallel import ends as ends_of_paths
-from robomech_ros._kernels.parallel import legs, projective
+from robomech_ros._kernels.parallel import length_homotopy, projective
 from robomech_ros._kernels.parallel.newton import read_parameters
 from robomech_ros.outcomes import Code
+from robomech_ros.parallel.homotopy_failures import SingularEnds, least_squares, singular_ends
 from robomech_ros.parallel.platform_geometry import ScaledPlatform
 from robomech_ros.parallel.result import DirectKinematicsResult
-from robomech_ros.parallel.singular_ends import SingularEnds, least_squares, singular_ends
 from robomech_ros.parallel.start_system import StartSystem
 from robomech_ros.parallel.study import quadrics_between
 from robomech_ros.typing import Array, ComplexArray, IntArray
 
-_track = direct(legs.track_lengths)
+_track = direct(length_homotopy.track_lengths)
 _pair = direct(ends_of_paths.pair)
 _real_poses = direct(ends_of_paths.real_poses)
 

@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike
 from robomech_ros._kernels.parallel import delta as kernels
 from robomech_ros.errors import BadValueError
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel.arguments import actuated, angle_limits, positive, translation_only
+from robomech_ros.parallel.argument_checks import actuated, angle_limits, positive, translation_only
 from robomech_ros.parallel.limbs import Limb, postures
 from robomech_ros.parallel.mechanism.delta_limbs import delta_limbs
 from robomech_ros.parallel.mechanism.limb import checked_drive_limits
 from robomech_ros.parallel.mechanism.model import Mechanism
-from robomech_ros.parallel.mechanism.parts import Parts
+from robomech_ros.parallel.mechanism.parts import LinkBodies
+from robomech_ros.parallel.mode_order import nearest_first
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
-from robomech_ros.parallel.seeds import nearest_first
 from robomech_ros.typing import Array
 
 _FAMILY = "delta"
@@ -67,7 +67,7 @@ class Delta:
     """
 
     # Bodies and what drives add to them: to be set before the mechanism is asked for.
-    parts = Parts()
+    parts = LinkBodies()
 
     def __init__(
         self,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from robomech_ros.robots.kinds import documents_of, names_of
+from robomech_ros.robots.robot_kinds import documents_of, names_of
 
 
 def list_parallel() -> tuple[str, ...]:

@@ -14,7 +14,7 @@ A document says what the robot is, where its numbers come from, and the argument
       rod: {mass: 1.5, com: [-0.2, 0.0, 0.0], inertia: {ixx: 0.001, iyy: 0.03, izz: 0.03}}
     drive: {viscous: 50.0, coulomb: 5.0}
 
-Bodies are those of :class:`Parts`, with the keys that bodies of arms have.  Names are those of
+Bodies are those of :class:`LinkBodies`, with the keys that bodies of arms have.  Names are those of
 files in the folder ``parallel`` of the folders of robots.
 """
 
@@ -31,13 +31,13 @@ from robomech_ros.errors import (
 from robomech_ros.parallel.delta import Delta
 from robomech_ros.parallel.limbs_document import mechanism_from_limbs
 from robomech_ros.parallel.mechanism.model import Mechanism
-from robomech_ros.parallel.mechanism.parts import Parts
+from robomech_ros.parallel.mechanism.parts import LinkBodies
 from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
 from robomech_ros.parallel.spherical import Spherical3RRR
 from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.robots.documents.guarded_yaml import check_choices, check_keys
 from robomech_ros.robots.documents.yaml_bodies import body_from_yaml, drive_from_yaml
-from robomech_ros.robots.kinds import checked_document, source_of
+from robomech_ros.robots.robot_kinds import checked_document, source_of
 
 ParallelRobot = StewartGough | Delta | Planar3RPR | Planar3RRR | Spherical3RRR
 
@@ -131,9 +131,9 @@ def parallel_from_yaml(text: str | bytes, where: str) -> ParallelRobot | Mechani
     return robot
 
 
-def _parts(document: Mapping[str, Any], where: str) -> Parts:
+def _parts(document: Mapping[str, Any], where: str) -> LinkBodies:
     given, place = document.get("bodies", {}), f"{where}: bodies"
     if not isinstance(given, dict):
         raise RobotDescriptionError(place, "expected names of links with their bodies")
     bodies = {str(name): body_from_yaml(body, f"{place}: {name}") for name, body in given.items()}
-    return Parts(bodies, drive_from_yaml(document.get("drive", {}), f"{where}: drive"))
+    return LinkBodies(bodies, drive_from_yaml(document.get("drive", {}), f"{where}: drive"))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel.arguments import actuated
+from robomech_ros.parallel.argument_checks import actuated
 from robomech_ros.parallel.result import LimbPostures
 from robomech_ros.typing import Array
 

@@ -39,7 +39,7 @@ from robomech_ros.parallel.mechanism.limb import (
     with_drive_limits,
 )
 from robomech_ros.parallel.mechanism.model import Mechanism
-from robomech_ros.parallel.mechanism.parts import Parts
+from robomech_ros.parallel.mechanism.parts import LinkBodies
 from robomech_ros.parallel.rods import six_rods
 from robomech_ros.robots import LinkFrame, SerialChain, chain_from_dh
 from robomech_ros.robots.documents.guarded_yaml import check_keys
@@ -62,7 +62,7 @@ def mechanism_from_limbs(
     *,
     platform: object = None,
     drive_limits: Mapping[str, ArrayLike] | None = None,
-    parts: Parts | None = None,
+    parts: LinkBodies | None = None,
     name: str = "mechanism",
 ) -> Mechanism:
     """Make a mechanism from the limbs of a document.
@@ -76,7 +76,7 @@ def mechanism_from_limbs(
         ``axis`` are all at zero, or the one to begin with.
     drive_limits : mapping, optional
         Of all drives or of each, in the order of the limbs.
-    parts : Parts, optional
+    parts : LinkBodies, optional
         Bodies, and friction and rotors of drives.
     name : str, optional
         What it is called.

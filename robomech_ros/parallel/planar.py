@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from robomech_ros._kernels.parallel.planar import planar_modes
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError
-from robomech_ros.parallel.arguments import (
+from robomech_ros.parallel.argument_checks import (
     actuated,
     angle_limits,
     planar_pose,
@@ -22,11 +22,11 @@ from robomech_ros.parallel.limbs import planar_limb, postures
 from robomech_ros.parallel.mechanism.home_poses import planar_homes
 from robomech_ros.parallel.mechanism.limb import checked_drive_limits
 from robomech_ros.parallel.mechanism.model import Mechanism
-from robomech_ros.parallel.mechanism.parts import Parts
+from robomech_ros.parallel.mechanism.parts import LinkBodies
 from robomech_ros.parallel.mechanism.planar_limbs import folding_limbs, sliding_limbs
+from robomech_ros.parallel.mode_order import modes_found, nearest_first
 from robomech_ros.parallel.platform_geometry import checked_points, checked_strokes
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
-from robomech_ros.parallel.seeds import modes_found, nearest_first
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.typing import Array
 
@@ -37,7 +37,7 @@ class _Planar:
     family = "planar"
 
     # Bodies and what drives add to them: to be set before the mechanism is asked for.
-    parts = Parts()
+    parts = LinkBodies()
 
     def __init__(self, base_points: ArrayLike, platform_points: ArrayLike, name: str) -> None:
         self.name = name
@@ -105,7 +105,7 @@ class Planar3RPR(_Planar):
     family = "planar 3-RPR"
 
     # Bodies and what drives add to them: to be set before the mechanism is asked for.
-    parts = Parts()
+    parts = LinkBodies()
 
     def __init__(
         self,
@@ -205,7 +205,7 @@ class Planar3RRR(_Planar):
     family = "planar 3-RRR"
 
     # Bodies and what drives add to them: to be set before the mechanism is asked for.
-    parts = Parts()
+    parts = LinkBodies()
 
     def __init__(
         self,

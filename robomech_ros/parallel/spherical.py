@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.parallel.spherical import spherical_modes
 from robomech_ros.errors import BadValueError
-from robomech_ros.parallel.arguments import (
+from robomech_ros.parallel.argument_checks import (
     actuated,
     angle_limits,
     rotation_only,
@@ -20,10 +20,10 @@ from robomech_ros.parallel.limbs import postures, turning_limb
 from robomech_ros.parallel.mechanism.home_poses import spherical_homes
 from robomech_ros.parallel.mechanism.limb import checked_drive_limits
 from robomech_ros.parallel.mechanism.model import Mechanism
-from robomech_ros.parallel.mechanism.parts import Parts
+from robomech_ros.parallel.mechanism.parts import LinkBodies
 from robomech_ros.parallel.mechanism.spherical_limbs import spherical_limbs
+from robomech_ros.parallel.mode_order import modes_found, nearest_first
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
-from robomech_ros.parallel.seeds import modes_found, nearest_first
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
@@ -68,7 +68,7 @@ class Spherical3RRR:
     family = "spherical 3-RRR"
 
     # Bodies and what drives add to them: to be set before the mechanism is asked for.
-    parts = Parts()
+    parts = LinkBodies()
 
     def __init__(
         self,

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.parallel.legs import track_lengths
+from robomech_ros._kernels.parallel.length_homotopy import track_lengths
 from robomech_ros._kernels.parallel.projective import REGULAR, track
 from robomech_ros.parallel.generic_platform import LEGS, POSES
 from robomech_ros.parallel.study import quadrics_of_platform, still_finite

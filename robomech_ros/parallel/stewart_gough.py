@@ -12,14 +12,15 @@ from robomech_ros._kernels.parallel import following, newton
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel.arguments import platform_poses
+from robomech_ros.parallel.argument_checks import platform_poses
 from robomech_ros.parallel.assembly_modes import CONTINUUM, assembly_modes
 from robomech_ros.parallel.joint_cones import checked_cones
 from robomech_ros.parallel.mechanism.home_poses import platform_home
 from robomech_ros.parallel.mechanism.legs import extending_legs
 from robomech_ros.parallel.mechanism.limb import checked_drive_limits
 from robomech_ros.parallel.mechanism.model import Mechanism
-from robomech_ros.parallel.mechanism.parts import Parts
+from robomech_ros.parallel.mechanism.parts import LinkBodies
+from robomech_ros.parallel.mode_order import nearest_first
 from robomech_ros.parallel.platform_geometry import (
     SINGULAR_ARCHITECTURE,
     ScaledPlatform,
@@ -29,7 +30,6 @@ from robomech_ros.parallel.platform_geometry import (
     family_of,
 )
 from robomech_ros.parallel.result import DirectKinematicsResult, FollowedPose
-from robomech_ros.parallel.seeds import nearest_first
 from robomech_ros.parallel.start_system import StartSystem, start_system
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.typing import Array
@@ -87,7 +87,7 @@ class StewartGough:
     """
 
     # Bodies and what drives add to them: to be set before the mechanism is asked for.
-    parts = Parts()
+    parts = LinkBodies()
 
     def __init__(
         self,

@@ -16,7 +16,7 @@ _WIDTH, _HEIGHT, _REST = 5.2, 4.6, 0.6
 _HEADINGS, _LENGTH = 24, 0.06
 
 
-def plot_ways(
+def plot_paths(
     path: str | Path,
     names: Sequence[str],
     wanted: Sequence[Array],

@@ -1,6 +1,6 @@
 """Robots: the chain model, and where chains come from."""
 
-from robomech_ros.robots.bodies import Body, combined
+from robomech_ros.robots.bodies import Body, combine_bodies
 from robomech_ros.robots.chain import LinkFrame, SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE
 from robomech_ros.robots.description import RobotDescription
@@ -11,8 +11,8 @@ from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.group_chains import (
     group_chain,
     groups_by_links,
+    load_semantics,
     main_chain,
-    semantics_of,
 )
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.library import (
@@ -21,7 +21,7 @@ from robomech_ros.robots.library import (
     load_robot,
     robot_folders,
 )
-from robomech_ros.robots.mimic import Follower
+from robomech_ros.robots.mimic import MimicJoint
 from robomech_ros.robots.semantic import (
     DisabledCollision,
     EndEffector,
@@ -40,16 +40,16 @@ __all__ = [
     "DisabledCollision",
     "Drive",
     "EndEffector",
-    "Follower",
     "Group",
     "Joint",
     "LinkFrame",
+    "MimicJoint",
     "RobotDescription",
     "SemanticDescription",
     "SerialChain",
     "VirtualJoint",
     "chain_from_dh",
-    "combined",
+    "combine_bodies",
     "dh_from_axes",
     "dh_from_chain",
     "group_chain",
@@ -57,9 +57,9 @@ __all__ = [
     "list_robots",
     "load_description",
     "load_robot",
+    "load_semantics",
     "load_srdf",
     "main_chain",
     "robot_folders",
-    "semantics_of",
     "urdf_from_description",
 ]

@@ -99,7 +99,7 @@ class Body:
             )
         return ""
 
-    def seen_from(self, T: Array) -> Body:
+    def expressed_in(self, T: Array) -> Body:
         """Return the same body in the frame in which T, shape (4, 4), is the pose of its own."""
         R = T[:3, :3]
         inertia = R @ self.inertia @ R.T
@@ -107,7 +107,7 @@ class Body:
         return Body(self.mass, com, 0.5 * (inertia + inertia.T), self.as_measured)
 
 
-def combined(bodies: Iterable[Body]) -> Body | None:
+def combine_bodies(bodies: Iterable[Body]) -> Body | None:
     """Make one body of several that are fixed to each other, all seen in one frame.
 
     Parameters
@@ -142,7 +142,7 @@ def combined(bodies: Iterable[Body]) -> Body | None:
     return Body(mass, com, inertia, any(part.as_measured for part in parts))
 
 
-def bodies_carried(
+def lump_bodies(
     bodies: Sequence[Body | None], packed: Array, rest: Array, count: int
 ) -> tuple[Body | None, ...]:
     """Let the first joints of a chain carry along what is beyond them, standing where it rests.
@@ -168,8 +168,8 @@ def bodies_carried(
         carried = kept.pop()
         if carried is not None:
             J = joint_transform(packed[i, 0] == PRISMATIC, rest[i])
-            moved = carried.seen_from(constants[i] @ J)
-            kept[-1] = combined(part for part in (kept[-1], moved) if part is not None)
+            moved = carried.expressed_in(constants[i] @ J)
+            kept[-1] = combine_bodies(part for part in (kept[-1], moved) if part is not None)
     return tuple(kept[:count])
 
 

@@ -19,7 +19,7 @@ from robomech_ros.errors import (
     WrongSizeError,
 )
 from robomech_ros.printing import MOST_LINES, Printed
-from robomech_ros.robots.bodies import Body, bodies_carried, pack_bodies
+from robomech_ros.robots.bodies import Body, lump_bodies, pack_bodies
 from robomech_ros.robots.chain_layout import MOST_JOINTS, PRISMATIC, REVOLUTE, unpack_chain
 from robomech_ros.robots.dh_recovery import recover_dh
 from robomech_ros.robots.dh_table import DHTable
@@ -388,7 +388,7 @@ class SerialChain(Printed):
         packed[k, 0] = -1.0
         packed[k, 1:10] = target.offset[:3, :3].ravel()
         packed[k, 10:] = target.offset[:3, 3]
-        bodies = bodies_carried(self.bodies, self.packed, rest, k)
+        bodies = lump_bodies(self.bodies, self.packed, rest, k)
         frames = tuple(frame for frame in self.frames if frame.joints <= k)
         coupling = self.coupling and self.coupling.first(k)
         if coupling is not None:

@@ -17,15 +17,15 @@ from robomech_ros.errors import (
     UnknownLinkError,
 )
 from robomech_ros.printing import Printed
-from robomech_ros.robots.bodies import Body, combined
+from robomech_ros.robots.bodies import Body, combine_bodies
 from robomech_ros.robots.chain import LinkFrame, SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.entry_checks import bare_link
-from robomech_ros.robots.joint import Joint, turn_of_z
+from robomech_ros.robots.joint import Joint, rotation_from_z
 from robomech_ros.robots.limit_arrays import KEYS
 from robomech_ros.robots.link_tree import LinkTree
-from robomech_ros.robots.mimic import Coupling, Follower, drive_limits, followers, joined_drive
+from robomech_ros.robots.mimic import Coupling, MimicJoint, drive_limits, followers, joined_drive
 from robomech_ros.typing import Array, IntArray
 
 
@@ -82,8 +82,8 @@ class RobotDescription(Printed):
         return self.joint_positions()
 
     @cached_property
-    def followers(self) -> dict[str, Follower]:
-        """The mimic joints by name; see :class:`Follower`."""
+    def followers(self) -> dict[str, MimicJoint]:
+        """The mimic joints by name; see :class:`MimicJoint`."""
         return followers(self.joints)
 
     def joint_positions(self, positions: Mapping[str, float] | None = None) -> dict[str, float]:
@@ -167,7 +167,7 @@ class RobotDescription(Printed):
         """How many joints are above each link."""
         return self._tree.depths
 
-    def parted_way(self, first: str, second: str) -> tuple[list[Joint], list[Joint]]:
+    def joints_between(self, first: str, second: str) -> tuple[list[Joint], list[Joint]]:
         """List the joints on the way from one link to another, whatever their kind.
 
         Parameters
@@ -244,7 +244,7 @@ class RobotDescription(Printed):
         for joint in path:
             C = C @ joint.origin
             if joint.moves:
-                turn = turn_of_z(joint.axis)
+                turn = rotation_from_z(joint.axis)
                 constants.append(C @ turn)
                 C = turn.T
             C = C @ joint.after
@@ -252,7 +252,7 @@ class RobotDescription(Printed):
         constants.append(C)
         frames = [*along, *self._attached(along)]
         types = _types(moving)
-        couplings = [self.followers.get(one.name, Follower(one.name, 1.0, 0.0)) for one in moving]
+        couplings = [self.followers.get(one.name, MimicJoint(one.name, 1.0, 0.0)) for one in moving]
         leaders = list(dict.fromkeys(one.leader for one in couplings))
         by_name = {joint.name: joint for joint in self.joints}
         leading = [by_name[name] for name in leaders]
@@ -298,12 +298,12 @@ class RobotDescription(Printed):
         while waiting:
             link, joints, pose = waiting.pop()
             if link in self.bodies:
-                parts[joints].append(self.bodies[link].seen_from(pose))
+                parts[joints].append(self.bodies[link].expressed_in(pose))
             for joint in self._tree.to_children[link]:
                 if joint.child not in on_chain:
                     beyond = pose @ joint.pose(at_rest.get(joint.name, 0.0))
                     waiting.append((joint.child, joints, beyond))
-        return tuple(combined(part) for part in parts[1:])
+        return tuple(combine_bodies(part) for part in parts[1:])
 
     def _attached(self, along: list[LinkFrame]) -> Iterator[LinkFrame]:
         """Links that fixed joints hold to the links along a chain."""

@@ -193,7 +193,8 @@ def dh_from_chain(chain: SerialChain) -> DHTable:
 def _in_joint_frames(bodies: Sequence[Body | None] | None, links: Array) -> tuple[Body | None, ...]:
     given = checked_entries("bodies", () if bodies is None else bodies, Body | None, len(links))
     return tuple(
-        None if body is None else body.seen_from(T) for body, T in zip(given, links, strict=False)
+        None if body is None else body.expressed_in(T)
+        for body, T in zip(given, links, strict=False)
     )
 
 

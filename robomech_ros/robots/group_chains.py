@@ -57,7 +57,7 @@ def group_chain(description: RobotDescription, group: Group, link: str = "") -> 
         expected = f"a link that it moves, since it is no one chain: {moved}"
         raise BadValueError(f"tip of group '{group.name}'", link, expected)
     tip = link or (group.ends or ("", ""))[1]
-    _, way = description.parted_way(description.root, tip)
+    _, way = description.joints_between(description.root, tip)
     own = [joint for joint in way if joint.name in group.joints]
     if not own:
         expected = f"one that joints of group '{group.name}' move: {', '.join(group.links)}"
@@ -139,7 +139,7 @@ def _sole_arm(
         return base or ends[0], ends[1]
 
 
-def semantics_of(
+def load_semantics(
     description: RobotDescription,
     srdf: str | os.PathLike[str] = "",
     groups: Iterable[str] = (),
@@ -166,9 +166,9 @@ def semantics_of(
 
     Examples
     --------
-    >>> from robomech_ros.robots import load_description, main_chain, semantics_of
+    >>> from robomech_ros.robots import load_description, main_chain, load_semantics
     >>> ur5e = load_description("ur5e")
-    >>> known = semantics_of(ur5e, groups=["arm:base_link:tool0"])
+    >>> known = load_semantics(ur5e, groups=["arm:base_link:tool0"])
     >>> chain = main_chain(ur5e, known, group="arm")
     >>> known.postures(chain)
     ('home',)

@@ -69,12 +69,12 @@ class Joint:
         """
         if not self.moves or position == 0.0:
             return self.origin @ self.after
-        turn = turn_of_z(self.axis)
+        turn = rotation_from_z(self.axis)
         motion = joint_transform(self.type == "prismatic", position)
         return self.origin @ turn @ motion @ turn.T @ self.after
 
 
-def turn_of_z(axis: Array) -> Array:
+def rotation_from_z(axis: Array) -> Array:
     """Rotate z onto a unit vector; without rounding where that is a coordinate axis."""
     x, y, z = axis
     T = np.eye(4)
@@ -83,7 +83,7 @@ def turn_of_z(axis: Array) -> Array:
     if z < 0.0:
         # Half a turn about x first: the formula below is singular at z = -1.
         T[:3, :3] = np.diag((1.0, -1.0, -1.0))
-        return T if z == -1.0 else T @ turn_of_z(np.array([x, -y, -z]))
+        return T if z == -1.0 else T @ rotation_from_z(np.array([x, -y, -z]))
     k = 1.0 / (1.0 + z)
     T[:3, :3] = (
         (1.0 - k * x * x, -k * x * y, x),

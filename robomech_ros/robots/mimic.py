@@ -17,7 +17,7 @@ _MOST_NAMES = 20
 
 
 @dataclass(frozen=True)
-class Follower:
+class MimicJoint:
     """Position of a mimic joint as a function of the joint that it follows.
 
     It is ``multiplier`` times the position of joint ``leader``, which follows none, plus ``offset``
@@ -86,7 +86,7 @@ class Coupling:
         return rows
 
 
-def drive_limits(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Mapping[str, float]:
+def drive_limits(leader: Joint, joints: Sequence[tuple[Joint, MimicJoint]]) -> Mapping[str, float]:
     """Return the six limits of a drive, narrowed by its followers.
 
     Raises
@@ -130,7 +130,7 @@ def _overlap(limits: Mapping[str, float], ends: list[float]) -> float:
     return min(limits["upper"], ends[1]) - max(limits["lower"], ends[0])
 
 
-def joined_drive(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Drive:
+def joined_drive(leader: Joint, joints: Sequence[tuple[Joint, MimicJoint]]) -> Drive:
     """Return the friction and rotor inertia of a drive, including those of its followers."""
     others = [pair for pair in joints if pair[0] is not leader and pair[0].drive != Drive()]
     if not others:
@@ -150,7 +150,7 @@ def joined_drive(leader: Joint, joints: Sequence[tuple[Joint, Follower]]) -> Dri
     )
 
 
-def followers(joints: Iterable[Joint]) -> dict[str, Follower]:
+def followers(joints: Iterable[Joint]) -> dict[str, MimicJoint]:
     """Map each mimic joint to its leader, the joint at the end of a row of mimics.
 
     Parameters
@@ -159,15 +159,15 @@ def followers(joints: Iterable[Joint]) -> dict[str, Follower]:
         Without faults (:func:`mimic_faults`).
     """
     by_name = {joint.name: joint for joint in joints}
-    found: dict[str, Follower] = {}
+    found: dict[str, MimicJoint] = {}
     for joint in by_name.values():
         path = []
         while joint.mimic is not None and joint.name not in found:
             path.append(joint)
             joint = by_name[joint.mimic]
-        of_last = found.get(joint.name, Follower(joint.name, 1.0, 0.0))
+        of_last = found.get(joint.name, MimicJoint(joint.name, 1.0, 0.0))
         for follower in reversed(path):
-            of_last = Follower(
+            of_last = MimicJoint(
                 of_last.leader,
                 follower.multiplier * of_last.multiplier,
                 follower.multiplier * of_last.offset + follower.offset,

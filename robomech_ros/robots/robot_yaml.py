@@ -34,7 +34,7 @@ from typing import Any
 
 import numpy as np
 
-from robomech_ros.errors import RobomechError, RobotDescriptionError, shown
+from robomech_ros.errors import RobomechError, RobotDescriptionError, format_value
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.dh import chain_from_dh
@@ -86,7 +86,7 @@ def description_from_yaml(text: str | bytes, where: str = "YAML") -> RobotDescri
     """
     given = parse_yaml(text, where)
     if "kind" in given:
-        why = f"{shown(given['kind'])}, expected the document of an arm, which has no kind"
+        why = f"{format_value(given['kind'])}, expected the document of an arm, which has no kind"
         raise RobotDescriptionError(f"{where}: kind", why)
     document = check_keys(given, where, _TOP_KEYS, _TOP_OPTIONAL)
     angle = read_unit(document, where)

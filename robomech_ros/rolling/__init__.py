@@ -5,28 +5,28 @@ Each part is loaded on first use.
 
 from typing import TYPE_CHECKING
 
-from robomech_ros.lazy import lazy_exports
+from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.rolling.base import RollingBase
     from robomech_ros.rolling.bodies import PlatformBody, WheelBody
+    from robomech_ros.rolling.conditioning import Isotropy, isotropy
     from robomech_ros.rolling.constraints import Mobility
-    from robomech_ros.rolling.evenness import Isotropy, isotropy
+    from robomech_ros.rolling.dynamics import RollingDynamics
     from robomech_ros.rolling.joints import WheelJoints
     from robomech_ros.rolling.library import RollingRobot, list_rolling, load_rolling, rolling_robot
     from robomech_ros.rolling.limiter import BaseMotion, CommandLimiter
     from robomech_ros.rolling.limits import MotionLimits
-    from robomech_ros.rolling.moving import RollingDynamics
-    from robomech_ros.rolling.named import (
+    from robomech_ros.rolling.odometry import Odometry, OdometryNoise, advance_odometry
+    from robomech_ros.rolling.simulation import RollingSimulation, simulate_rolling
+    from robomech_ros.rolling.standard_bases import (
         ackermann,
+        differential_drive,
         mecanum,
         omnidirectional,
         swerve,
         tricycle,
-        two_wheeled,
     )
-    from robomech_ros.rolling.odometry import Odometry, OdometryNoise, advance_odometry
-    from robomech_ros.rolling.runs import RollingRun, simulate_rolling
     from robomech_ros.rolling.tree import rolling_description
     from robomech_ros.rolling.wheels import Wheel
 
@@ -42,12 +42,13 @@ __all__ = [
     "RollingBase",
     "RollingDynamics",
     "RollingRobot",
-    "RollingRun",
+    "RollingSimulation",
     "Wheel",
     "WheelBody",
     "WheelJoints",
     "ackermann",
     "advance_odometry",
+    "differential_drive",
     "isotropy",
     "list_rolling",
     "load_rolling",
@@ -58,38 +59,37 @@ __all__ = [
     "simulate_rolling",
     "swerve",
     "tricycle",
-    "two_wheeled",
 ]
 
 _MODULES = {
     "BaseMotion": "limiter",
     "CommandLimiter": "limiter",
-    "Isotropy": "evenness",
+    "Isotropy": "conditioning",
     "Mobility": "constraints",
     "MotionLimits": "limits",
     "Odometry": "odometry",
     "OdometryNoise": "odometry",
     "PlatformBody": "bodies",
     "RollingBase": "base",
-    "RollingDynamics": "moving",
+    "RollingDynamics": "dynamics",
     "RollingRobot": "library",
-    "RollingRun": "runs",
+    "RollingSimulation": "simulation",
     "Wheel": "wheels",
     "WheelBody": "bodies",
     "WheelJoints": "joints",
-    "ackermann": "named",
+    "ackermann": "standard_bases",
     "advance_odometry": "odometry",
-    "isotropy": "evenness",
+    "isotropy": "conditioning",
     "list_rolling": "library",
     "load_rolling": "library",
-    "mecanum": "named",
-    "omnidirectional": "named",
+    "mecanum": "standard_bases",
+    "omnidirectional": "standard_bases",
     "rolling_robot": "library",
-    "simulate_rolling": "runs",
-    "swerve": "named",
-    "tricycle": "named",
+    "simulate_rolling": "simulation",
+    "swerve": "standard_bases",
+    "tricycle": "standard_bases",
     "rolling_description": "tree",
-    "two_wheeled": "named",
+    "differential_drive": "standard_bases",
 }
 
 __getattr__ = lazy_exports(__name__, _MODULES, globals())

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.arcs import moved
-from robomech_ros.rolling.arguments import bounded, duration, shared_batch
+from robomech_ros.rolling.argument_checks import bounded, duration, shared_batch
 from robomech_ros.rolling.constraints import (
     checked_mobility,
     checked_wheels,
@@ -61,9 +61,9 @@ class RollingBase:
 
     Raises
     ------
-    ContradictionError
+    InconsistentDataError
         Fixed wheels that cannot all roll.
-    UndeterminedError
+    UnderdeterminedError
         Driven wheels that leave a twist free, which ``.free`` has.
     BadValueError
         No wheels, or two in one place or of one name.
@@ -113,7 +113,7 @@ class RollingBase:
             self.curvatures = curvature_range(self._steered, self.axle)
         else:
             check_span(self._steered)
-        self._fixed_rows = self.told_rows()
+        self._fixed_rows = self.measured_rows()
         self._driven_rows = self.rate_rows()[self._drives]
         self._solver = None if self._steered else np.linalg.pinv(self._fixed_rows)
 
@@ -283,7 +283,7 @@ class RollingBase:
         speeds = given * self.driven_radii
         if self._solver is None:
             shared_batch(("rates", given), ("steering", self._steering(steering)))
-            told = self.told_rows(steering)
+            told = self.measured_rows(steering)
             solver = np.linalg.pinv(told)
         else:
             told, solver = self._fixed_rows, self._solver
@@ -320,8 +320,8 @@ class RollingBase:
 
         Examples
         --------
-        >>> from robomech_ros.rolling import two_wheeled
-        >>> base = two_wheeled(radius=0.1, track=0.4)
+        >>> from robomech_ros.rolling import differential_drive
+        >>> base = differential_drive(radius=0.1, track=0.4)
         >>> base.integrate([0, 0, 0], [3.0, 7.0], 1.0).round(6).tolist()
         [0.420735, 0.229849, 1.0]
         """
@@ -331,7 +331,7 @@ class RollingBase:
         shared_batch(("rates", twist), ("pose", start))
         return moved(start, twist * time)
 
-    def told_rows(self, steering: ArrayLike | None = None) -> Array:
+    def measured_rows(self, steering: ArrayLike | None = None) -> Array:
         """Return wheel equations of the twist, (..., k + c, 3), as :meth:`body_twist` uses.
 
         A twist times a row is the velocity (m/s) at which a driven wheel rolls, in the first k

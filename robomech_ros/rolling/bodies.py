@@ -9,7 +9,7 @@ import numpy as np
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError
-from robomech_ros.rolling.arguments import above_zero, one_vector
+from robomech_ros.rolling.argument_checks import above_zero, one_vector
 from robomech_ros.spatial.arrays import real_number
 from robomech_ros.typing import Array
 

@@ -11,7 +11,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from robomech_ros.errors import BadValueError, ContradictionError, UndeterminedError, WrongSizeError
+from robomech_ros.errors import (
+    BadValueError,
+    InconsistentDataError,
+    UnderdeterminedError,
+    WrongSizeError,
+)
 from robomech_ros.rolling.wheels import Wheel
 from robomech_ros.typing import Array
 
@@ -109,9 +114,9 @@ def checked_mobility(wheels: Sequence[Wheel]) -> Mobility:
 
     Raises
     ------
-    ContradictionError
+    InconsistentDataError
         Fixed wheels on different axles: the base could go round one point at most.
-    UndeterminedError
+    UnderdeterminedError
         Driven wheels that leave a twist free, or steering that does not suffice.
     """
     size = max(float(np.abs(_positions(wheels)).max()), _RANK)
@@ -126,7 +131,7 @@ def checked_mobility(wheels: Sequence[Wheel]) -> Mobility:
     if held > 1:
         which = ", ".join(np.array(names)[kinds == "fixed"].tolist())
         expected = "fixed wheels on one common axle: these cannot all roll"
-        raise ContradictionError("wheels", which, expected)
+        raise InconsistentDataError("wheels", which, expected)
     turned = sides[kinds == "steered"]
     both = min(_rank(np.concatenate([rigid, turned])), 2)
     driven = np.array([wheel.driven for wheel in wheels])
@@ -137,7 +142,7 @@ def checked_mobility(wheels: Sequence[Wheel]) -> Mobility:
         free = free / np.linalg.norm(free, axis=1)[:, None]
         shown = np.round(free, 4).tolist()
         expected = "driven wheels that determine every twist; free now are twists [w, vx, vy]"
-        raise UndeterminedError("wheels", ", ".join(names), f"{expected} {shown}", free.tolist())
+        raise UnderdeterminedError("wheels", ", ".join(names), f"{expected} {shown}", free.tolist())
     return Mobility(3 - both, both - held)
 
 

@@ -27,11 +27,11 @@ from robomech_ros.errors import (
     RobotDescriptionError,
 )
 from robomech_ros.robots.documents.guarded_yaml import check_choices, check_keys
-from robomech_ros.robots.kinds import checked_document, names_of, source_of
+from robomech_ros.robots.robot_kinds import checked_document, names_of, source_of
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.bodies import PlatformBody, WheelBody
+from robomech_ros.rolling.dynamics import RollingDynamics
 from robomech_ros.rolling.limits import MotionLimits
-from robomech_ros.rolling.moving import RollingDynamics
 from robomech_ros.rolling.wheels import Wheel
 
 # Kinds of drive, by the names of the controllers of ros2_control, and swerve.

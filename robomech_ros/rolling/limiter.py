@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.rolling import limiting as kernels
 from robomech_ros.errors import BadValueError, LimitExceededError, WrongSizeError
-from robomech_ros.rolling.arguments import bounded, one_vector
+from robomech_ros.rolling.argument_checks import bounded, one_vector
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.constraints import direction_rows
 from robomech_ros.rolling.limits import AXES, MotionLimits
@@ -80,9 +80,9 @@ class CommandLimiter:
     --------
     A circle, from standstill, in a tenth of a second:
 
-    >>> from robomech_ros.rolling import CommandLimiter, MotionLimits, two_wheeled
+    >>> from robomech_ros.rolling import CommandLimiter, MotionLimits, differential_drive
     >>> limits = MotionLimits(acceleration=[3.0, 0.5, 1.0], jerk=[20.0, 5.0, 5.0])
-    >>> limiter = CommandLimiter(two_wheeled(0.1, 0.4), limits, period=0.01)
+    >>> limiter = CommandLimiter(differential_drive(0.1, 0.4), limits, period=0.01)
     >>> motion = limiter.at_rest()
     >>> for _ in range(10):
     ...     motion = limiter.step(motion, [0.5, 0.5, 0.0])

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.arcs import moved, slope_by_pose
-from robomech_ros.rolling.arguments import duration, one_vector
+from robomech_ros.rolling.argument_checks import duration, one_vector
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.spatial.arrays import real_number
 from robomech_ros.typing import Array
@@ -126,8 +126,8 @@ def advance_odometry(
 
     Examples
     --------
-    >>> from robomech_ros.rolling import Odometry, advance_odometry, two_wheeled
-    >>> base = two_wheeled(radius=0.1, track=0.4)
+    >>> from robomech_ros.rolling import Odometry, advance_odometry, differential_drive
+    >>> base = differential_drive(radius=0.1, track=0.4)
     >>> after = advance_odometry(base, Odometry.at(), [5.0, 5.0], 2.0)
     >>> after.pose.tolist(), after.covariance.diagonal().round(7).tolist()
     ([1.0, 0.0, 0.0], [5e-06, 4.67e-05, 0.000125])
@@ -143,7 +143,7 @@ def advance_odometry(
     given = one_vector("rates", rates, len(base.driven))
     angles = None if steering is None else one_vector("steering", steering, len(base.steered))
     twist, slip = base.body_twist(given, angles)
-    told = base.told_rows(angles)
+    told = base.measured_rows(angles)
     solution = np.linalg.pinv(told)
     # Sideways a wheel slips by as much as the base goes.
     ways = np.abs(told @ twist) * time

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.rolling.arguments import above_zero, angle, length
+from robomech_ros.rolling.argument_checks import above_zero, angle, length
 from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag, real_array, real_number
 from robomech_ros.typing import Array
 

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from robomech_ros.calibration import HandEyeResult
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.robots import RobotDescription, SerialChain, load_description
-from robomech_ros.rvs.model.arm import SeenArm
-from robomech_ros.rvs.model.seen_calibration import calibration_facts, calibration_markers
+from robomech_ros.rvs.model.arm import ArmView
+from robomech_ros.rvs.model.calibration_view import calibration_facts, calibration_markers
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.opening import require_viser
 from robomech_ros.rvs.serving.address import HOST, PORT
@@ -124,7 +124,7 @@ def write_calibration(
     require_viser()
     from robomech_ros.rvs.page.recording import record_motion
 
-    arm = SeenArm(chain)
+    arm = ArmView(chain)
     # Where the last sample was taken, if the arm gets there.
     arm.drag(result.robot_poses[-1])
     markers = calibration_markers(result, seen, chain.base, chain.tip)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.numerics.bivariate_roots import ANGLES
 from robomech_ros.numerics.grid_crossings import Equations, GridProblem
-from robomech_ros.numerics.two_unknowns import ANGLES
 from robomech_ros.rvs.opening import require_viser
 from robomech_ros.rvs.serving.address import HOST, PORT
 

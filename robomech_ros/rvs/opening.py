@@ -9,17 +9,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.parallel import Mechanism, ParallelRobot, load_described, load_parallel
+from robomech_ros.parallel import Mechanism, ParallelRobot, load_parallel, load_tree_description
 from robomech_ros.robots import RobotDescription, SerialChain
-from robomech_ros.robots.kinds import ARM, check_name, kind_of
+from robomech_ros.robots.robot_kinds import ARM, check_name, kind_of
+from robomech_ros.rvs.kind_registry import SEEN_KINDS
 from robomech_ros.rvs.motion import Motion
-from robomech_ros.rvs.seen_kinds import SEEN_KINDS
 from robomech_ros.rvs.serving.address import HOST, PORT
 
 if TYPE_CHECKING:
     from robomech_ros.rvs.model.live_robot import LiveRobot
-    from robomech_ros.rvs.model.running.followed import Followed
-    from robomech_ros.rvs.model.running.live_mover import LiveMover
+    from robomech_ros.rvs.model.running.live_mobile_robot import LiveMobileRobot
+    from robomech_ros.rvs.model.running.observed_robot import ObservedRobot
     from robomech_ros.rvs.page.page import RobotPage
 
 
@@ -90,7 +90,7 @@ def view(
     kind = kind_of(robot)
     if kind in SEEN_KINDS:
         return kind_page_of(kind, robot, port=port, host=host)
-    described = load_described(robot)
+    described = load_tree_description(robot)
     if described.mechanism is not None:
         return platform_page_of(load_parallel(robot), port=port, host=host)
     description = described.description
@@ -101,10 +101,10 @@ def platform_page_of(robot: ParallelRobot | Mechanism, *, port: int, host: str) 
     """Serve the page of a parallel robot; parameters and errors are those of :func:`view`."""
     require_viser()
     from robomech_ros.rvs.layers import PLATFORM_LAYERS
-    from robomech_ros.rvs.model.platforms.seen_platform import SeenPlatform
+    from robomech_ros.rvs.model.platforms.platform_view import PlatformView
     from robomech_ros.rvs.page.page import RobotPage
 
-    platform = SeenPlatform(robot)
+    platform = PlatformView(robot)
     description = robot.mechanism.description
     return RobotPage(description, platform, port=port, host=host, layers=PLATFORM_LAYERS)
 
@@ -162,7 +162,7 @@ def live_page_of(
     from robomech_ros.rvs.layers import LAYERS, PLATFORM_LAYERS
     from robomech_ros.rvs.layers.gripper import GripperLayer
     from robomech_ros.rvs.layers.live import LiveLayer
-    from robomech_ros.rvs.model.platforms.seen_platform import SeenPlatform
+    from robomech_ros.rvs.model.platforms.platform_view import PlatformView
     from robomech_ros.rvs.page.layer import LayerMaker
     from robomech_ros.rvs.page.page import RobotPage
 
@@ -171,26 +171,28 @@ def live_page_of(
     if isinstance(moved, SerialChain):
         gripper: LayerMaker = partial(GripperLayer, robot=robot)
         return RobotPage(description, moved, layers=[live, gripper, *LAYERS], **where)
-    return RobotPage(description, SeenPlatform(moved), layers=[live, *PLATFORM_LAYERS], **where)
+    return RobotPage(description, PlatformView(moved), layers=[live, *PLATFORM_LAYERS], **where)
 
 
-def mover_page_of(followed: Followed, robot: LiveMover, *, port: int, host: str) -> RobotPage:
+def mobile_page_of(
+    followed: ObservedRobot, robot: LiveMobileRobot, *, port: int, host: str
+) -> RobotPage:
     """Serve the page of a robot that runs over the ground; errors are those of :func:`view`.
 
     Parameters
     ----------
-    followed : Followed
-    robot : LiveMover
+    followed : ObservedRobot
+    robot : LiveMobileRobot
         Carries out what the page asks for, and tells it how the robot is.
     port, host : int, str
     """
     require_viser()
     from robomech_ros.rvs.layers.camera import CameraLayer
-    from robomech_ros.rvs.layers.live_mover import LiveMoverLayer
+    from robomech_ros.rvs.layers.live_mobile_robot import LiveMobileRobotLayer
     from robomech_ros.rvs.page.layer import LayerMaker
     from robomech_ros.rvs.page.page import RobotPage
 
-    live: LayerMaker = partial(LiveMoverLayer, robot=robot)
+    live: LayerMaker = partial(LiveMobileRobotLayer, robot=robot)
     layers = [live, CameraLayer]
     where: dict[str, Any] = {"port": port, "host": host, "fixed": True}
     return RobotPage(followed.description, followed, layers=layers, **where)

@@ -31,7 +31,7 @@ def end_of_cubic(width: float, q: Array, v: Array) -> Array:
     return np.array((end, (end - start) / width))
 
 
-class Verdict(NamedTuple):
+class CubicResult(NamedTuple):
     """Result of checking cubics.
 
     Attributes
@@ -62,7 +62,7 @@ class CubicCheck:
         self._lower, self._upper = limits.inside
         self._out = np.zeros(len(limits.names), dtype=np.int64)
 
-    def of(self, widths: Array, q: Array, v: Array, reached: Array) -> Verdict:
+    def of(self, widths: Array, q: Array, v: Array, reached: Array) -> CubicResult:
         """Check knots (k, n) of positions and velocities (rad or m, and per s).
 
         Parameters
@@ -78,4 +78,4 @@ class CubicCheck:
             self._limits[0, low] = q[0, low] - _ROUNDING
             self._limits[1, high] = q[0, high] + _ROUNDING
         status = _cubics_inside(widths, q, v, reached, self._limits, self._out)
-        return Verdict(not status, self._out.nonzero()[0].tolist() if status > 1 else ())
+        return CubicResult(not status, self._out.nonzero()[0].tolist() if status > 1 else ())

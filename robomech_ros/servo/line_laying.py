@@ -13,9 +13,9 @@ from collections.abc import Callable, Generator, Iterator
 
 import numpy as np
 
-from robomech_ros.servo.departures import Start
 from robomech_ros.servo.poses import moved_pose
-from robomech_ros.servo.resolution import Heading, TwistResolver
+from robomech_ros.servo.singularity_exits import Start
+from robomech_ros.servo.twist_resolver import Heading, TwistResolver
 from robomech_ros.typing import Array
 
 # The most by which a joint moves from node to node (rad or m), far from and near a singularity.

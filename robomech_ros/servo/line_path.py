@@ -9,11 +9,11 @@ not laid in this period is in the next ones.
 import numpy as np
 
 from robomech_ros._kernels.compiling.jit import direct
-from robomech_ros._kernels.servo.look_ahead import postures_on_way
+from robomech_ros._kernels.servo.look_ahead import postures_on_path
 from robomech_ros.servo.line_laying import LineLaying
 from robomech_ros.typing import Array
 
-_postures_on_way = direct(postures_on_way)
+_postures_on_path = direct(postures_on_path)
 _ONE = np.ones(1)
 
 # How many postures are examined in a period at most.
@@ -96,7 +96,7 @@ class LinePath:
         """
         nodes, postures, slopes, _ = self._table()
         q, v = np.empty((2, len(places), postures.shape[1]))
-        _postures_on_way(nodes, postures, slopes, places, rates, q, v)
+        _postures_on_path(nodes, postures, slopes, places, rates, q, v)
         return q, v
 
     def slope(self, place: float) -> Array:

@@ -6,7 +6,7 @@ import numpy as np
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.servo.commands import PoseCommand, TwistCommand
-from robomech_ros.servo.resolution import TwistResolver
+from robomech_ros.servo.twist_resolver import TwistResolver
 from robomech_ros.typing import Array
 
 # Nearer than this (m or rad) the tip is there.

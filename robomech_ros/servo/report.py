@@ -7,7 +7,7 @@ import numpy as np
 
 from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.motion import Advance
-from robomech_ros.servo.resolution import Resolution
+from robomech_ros.servo.twist_resolver import Resolution
 from robomech_ros.typing import Array
 
 # Changes of velocity that take longer than this many periods are worth a word.

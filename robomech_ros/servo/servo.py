@@ -13,9 +13,9 @@ from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.motion import Samples
 from robomech_ros.servo.pose_approach import PoseApproach
 from robomech_ros.servo.report import ServoCondition, ServoReport, motion_report
-from robomech_ros.servo.resolution import Resolution, TwistResolver
 from robomech_ros.servo.stream import Stream
 from robomech_ros.servo.twist_following import TwistFollowing
+from robomech_ros.servo.twist_resolver import Resolution, TwistResolver
 from robomech_ros.spatial.arrays import all_finite, as_finite
 from robomech_ros.typing import Array
 

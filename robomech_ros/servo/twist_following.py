@@ -3,17 +3,17 @@
 import numpy as np
 
 from robomech_ros.servo.commands import TwistCommand
-from robomech_ros.servo.departures import Start
-from robomech_ros.servo.joining import Joining
-from robomech_ros.servo.leaving import Leaving
+from robomech_ros.servo.exit_search import SingularityExit
 from robomech_ros.servo.limits import ServoLimits
+from robomech_ros.servo.line_entry import LineEntry
 from robomech_ros.servo.line_laying import LineLaying
 from robomech_ros.servo.line_motion import LineMotion
 from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.motion import Advance
 from robomech_ros.servo.report import ServoReport, motion_report
-from robomech_ros.servo.resolution import Resolution, TwistResolver
+from robomech_ros.servo.singularity_exits import Start
 from robomech_ros.servo.stream import Stream
+from robomech_ros.servo.twist_resolver import Resolution, TwistResolver
 from robomech_ros.typing import Array
 
 # Twists whose directions differ by less than this are the same.
@@ -43,8 +43,8 @@ class TwistFollowing:
         self._last: TwistCommand | None = None
         # A line laid before what is held of the pose changed; it is left.
         self._outdated: LineMotion | None = None
-        self._joining = Joining()
-        self._leaving = Leaving(resolver)
+        self._joining = LineEntry()
+        self._leaving = SingularityExit(resolver)
 
     def end(self) -> None:
         """Follow no twist: the next one is another."""

@@ -7,7 +7,7 @@ loops, which reading a robot does without.
 
 from typing import TYPE_CHECKING
 
-from robomech_ros.lazy import lazy_exports
+from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.spatial.cross_product import (

@@ -6,14 +6,14 @@ planning.
 
 from typing import TYPE_CHECKING
 
-from robomech_ros.lazy import lazy_exports
+from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.trajectory.curves.interpolation import interpolant
     from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
     from robomech_ros.trajectory.joint_points import nearest_turns
     from robomech_ros.trajectory.limits import JointLimits, Limits
-    from robomech_ros.trajectory.paths.arc_length import ArcLength, ByArcLength, arc_length
+    from robomech_ros.trajectory.paths.arc_length import ArcLength, ArcLengthCurve, arc_length
     from robomech_ros.trajectory.paths.arms import Arm, JoinedArms, SerialArm
     from robomech_ros.trajectory.paths.blends import blended_polyline
     from robomech_ros.trajectory.paths.closed_form import (
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from robomech_ros.trajectory.paths.joint_synthesis import joint_spline, tracking_error
     from robomech_ros.trajectory.paths.orientation import (
         Orientation,
-        Turning,
+        OrientationSample,
         constant_orientation,
         frenet_orientation,
         geodesic_orientation,
@@ -69,12 +69,12 @@ if TYPE_CHECKING:
     from robomech_ros.trajectory.plans.via_polynomials import ViaPolynomial, via_polynomial
     from robomech_ros.trajectory.plans.violations import Violation
     from robomech_ros.trajectory.profiles.jerk_limited import JerkLimited
-    from robomech_ros.trajectory.profiles.moving_ends import StateToState, state_to_state
     from robomech_ros.trajectory.profiles.rest_to_rest import (
         Cycloidal,
         Polynomial345,
         Polynomial4567,
     )
+    from robomech_ros.trajectory.profiles.state_to_state import StateToState, state_to_state
     from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS, Trapezoidal
     from robomech_ros.trajectory.sample import Sample, Trajectory
     from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
@@ -91,8 +91,8 @@ __all__ = [
     "PROFILES",
     "VIA_PROFILES",
     "ArcLength",
+    "ArcLengthCurve",
     "Arm",
-    "ByArcLength",
     "Curve",
     "Cycloidal",
     "DoubleS",
@@ -105,6 +105,7 @@ __all__ = [
     "JointPath",
     "Limits",
     "Orientation",
+    "OrientationSample",
     "PathCut",
     "PathMotion",
     "PathTracking",
@@ -127,7 +128,6 @@ __all__ = [
     "TorqueLimits",
     "Trajectory",
     "Trapezoidal",
-    "Turning",
     "Verification",
     "ViaPolynomial",
     "Violation",
@@ -190,7 +190,7 @@ _MODULES = {
     "VIA_PROFILES": "plans.via_motions",
     "ArcLength": "paths.arc_length",
     "Arm": "paths.arms",
-    "ByArcLength": "paths.arc_length",
+    "ArcLengthCurve": "paths.arc_length",
     "Curve": "paths.curve",
     "Cycloidal": "profiles.rest_to_rest",
     "DoubleS": "profiles.velocity_profiles",
@@ -215,10 +215,10 @@ _MODULES = {
     "SampledPlan": "plans.sampled_plan",
     "SerialArm": "paths.arms",
     "Spline": "plans.spline_motions",
-    "StateToState": "profiles.moving_ends",
+    "StateToState": "profiles.state_to_state",
     "Trajectory": "sample",
     "Trapezoidal": "profiles.velocity_profiles",
-    "Turning": "paths.orientation",
+    "OrientationSample": "paths.orientation",
     "Verification": "plans.verification",
     "ViaPolynomial": "plans.via_polynomials",
     "Violation": "plans.violations",
@@ -250,7 +250,7 @@ _MODULES = {
     "spline_like": "plans.profile_splines",
     "spline_path": "paths.pose_lists",
     "spline_through": "plans.spline_motions",
-    "state_to_state": "profiles.moving_ends",
+    "state_to_state": "profiles.state_to_state",
     "straight_path": "paths.pose_lists",
     "through_points": "plans.via_motions",
     "track_path": "paths.path_tracking",

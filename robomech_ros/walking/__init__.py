@@ -5,7 +5,7 @@ Each part is loaded on first use: the kernels are compiled.
 
 from typing import TYPE_CHECKING
 
-from robomech_ros.lazy import lazy_exports
+from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.walking.gaits import GAITS, Gait
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from robomech_ros.walking.odometry import leg_odometry
     from robomech_ros.walking.pantograph import PantographLeg
     from robomech_ros.walking.robot import LeggedRobot
-    from robomech_ros.walking.stride import PoseAnswer
+    from robomech_ros.walking.stride import TrunkPoseCheck
     from robomech_ros.walking.support import stability_margin, support_polygon
     from robomech_ros.walking.update import WalkUpdate
     from robomech_ros.walking.walker import Walker
@@ -23,7 +23,7 @@ __all__ = [
     "Gait",
     "LeggedRobot",
     "PantographLeg",
-    "PoseAnswer",
+    "TrunkPoseCheck",
     "WalkUpdate",
     "Walker",
     "leg_odometry",
@@ -38,7 +38,7 @@ _MODULES = {
     "Gait": "gaits",
     "LeggedRobot": "robot",
     "PantographLeg": "pantograph",
-    "PoseAnswer": "stride",
+    "TrunkPoseCheck": "stride",
     "WalkUpdate": "update",
     "Walker": "walker",
     "leg_odometry": "odometry",

@@ -42,7 +42,7 @@ from robomech_ros.robots.documents.yaml_rows import (
     read_range,
     read_text,
 )
-from robomech_ros.robots.kinds import checked_document, names_of, source_of
+from robomech_ros.robots.robot_kinds import checked_document, names_of, source_of
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array
 from robomech_ros.walking.robot import LeggedRobot

@@ -10,18 +10,18 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros._kernels.walking.stepping import MOST_LEGS
+from robomech_ros._kernels.walking.gait_step import MOST_LEGS
 from robomech_ros.errors import BadValueError, SeedOutsideLimitsError, WrongSizeError
 from robomech_ros.kinematics import InverseKinematicsResult, forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.parallel import Mechanism
 from robomech_ros.robots import RobotDescription, SerialChain
-from robomech_ros.robots.bodies import combined
+from robomech_ros.robots.bodies import combine_bodies
 from robomech_ros.spatial.arrays import as_choice, as_finite, listed
 from robomech_ros.spatial.poses import inverse_pose
 from robomech_ros.typing import Array, BoolArray
-from robomech_ros.walking.described import tree_of_legs
-from robomech_ros.walking.planted import contact_rows, planted_mechanism
+from robomech_ros.walking.leg_tree import leg_tree_description
+from robomech_ros.walking.stance_mechanism import contact_rows, stance_mechanism
 
 _JOINTS = 3
 # Part of the greatest singular value below which one is zero.
@@ -119,7 +119,9 @@ class LeggedRobot:
             return np.zeros(3)
         poses = self.description.link_poses(self.description.home)
         back = inverse_pose(poses[self.trunk])
-        whole = combined(body.seen_from(back @ poses[link]) for link, body in bodies.items())
+        whole = combine_bodies(
+            body.expressed_in(back @ poses[link]) for link, body in bodies.items()
+        )
         return np.zeros(3) if whole is None else whole.com
 
     @property
@@ -143,7 +145,7 @@ class LeggedRobot:
 
         It is the URDF that the legs were taken from; without one bodies are made up.
         """
-        tree = self._tree or tree_of_legs(self.name, self.legs, self.source)
+        tree = self._tree or leg_tree_description(self.name, self.legs, self.source)
         home = dict(zip(self.joint_names, self.home.tolist(), strict=True))
         return replace(tree, home={**tree.home, **home})
 
@@ -399,7 +401,7 @@ class LeggedRobot:
             Fewer than three legs, or a posture in which no six joints hold the trunk.
         """
         standing = self.standing(stance)
-        return planted_mechanism(
+        return stance_mechanism(
             [self.leg_names[k] for k in standing],
             [self.legs[k] for k in standing],
             self.joints(q)[list(standing)],

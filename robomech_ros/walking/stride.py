@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robomech_ros._kernels.walking.gait_step import Pattern
 from robomech_ros._kernels.walking.legs import follow_feet
-from robomech_ros._kernels.walking.stepping import Pattern
 from robomech_ros.errors import BadValueError
 from robomech_ros.outcomes import Code
 from robomech_ros.spatial import matrix_from_euler_angles
@@ -37,7 +37,7 @@ _DEEP = 0.9
 
 
 @dataclass(frozen=True)
-class PoseAnswer:
+class TrunkPoseCheck:
     """Whether a pose of the trunk is possible.
 
     Attributes
@@ -119,7 +119,7 @@ class Stride:
         aside = np.hypot(x, y) * height / (GRAVITY * self.lean)
         return float(np.sqrt(_FASTEST * max(lifted, aside)))
 
-    def possible(self, robot: LeggedRobot, offsets: Sequence[Array]) -> PoseAnswer:
+    def possible(self, robot: LeggedRobot, offsets: Sequence[Array]) -> TrunkPoseCheck:
         """Say whether the trunk can be at all of some offsets with feet in their circles."""
         poses = [self.pose(offset) for offset in offsets]
         centres = [self._centre(pose)[:2] for pose in poses]
@@ -131,12 +131,12 @@ class Stride:
                 f"the mass centre would move {off:.4g} m to the side, and the margin of the "
                 f"gait '{self.gait.name}' allows {self.spare:.4g} m when leg '{leg}' is lifted"
             )
-            return PoseAnswer(Code.BAD_VALUE, leg, "", why)
+            return TrunkPoseCheck(Code.BAD_VALUE, leg, "", why)
         for pose in poses:
             answer = reachable(robot, self.geometry, self.settings, pose)
             if answer.status != Code.NONE:
                 return answer
-        return PoseAnswer(Code.NONE)
+        return TrunkPoseCheck(Code.NONE)
 
     def _weakest(self, robot: LeggedRobot) -> int:
         return int(np.argmin(_depths(robot, self.gait, self.geometry)[1]))
@@ -166,7 +166,7 @@ def _sways(robot: LeggedRobot, places: Array) -> Array:
     return found
 
 
-def reachable(robot: LeggedRobot, geometry: Array, settings: Array, pose: Array) -> PoseAnswer:
+def reachable(robot: LeggedRobot, geometry: Array, settings: Array, pose: Array) -> TrunkPoseCheck:
     """Say whether all legs reach all of their circles, on the ground and lifted."""
     radius = float(settings[3])
     sway = np.hypot(*geometry[:, 3:5].T).max()
@@ -185,7 +185,7 @@ def reachable(robot: LeggedRobot, geometry: Array, settings: Array, pose: Array)
                 leg = robot.leg_names[lost]
                 joint = robot.legs[lost].joint_names[-1]
                 why = f"leg '{leg}' is too short, even with joint '{joint}' stretched out"
-                return PoseAnswer(Code.OUT_OF_REACH, leg, joint, why)
+                return TrunkPoseCheck(Code.OUT_OF_REACH, leg, joint, why)
             flat = q.ravel()
             excess = np.maximum(robot.lower - flat, flat - robot.upper)
             worst = int(np.argmax(excess))
@@ -195,8 +195,8 @@ def reachable(robot: LeggedRobot, geometry: Array, settings: Array, pose: Array)
                     f"joint '{joint}' of leg '{leg}' would be {excess[worst]:.4f} outside its "
                     f"limits [{robot.lower[worst]:.4f}, {robot.upper[worst]:.4f}]"
                 )
-                return PoseAnswer(Code.LIMIT, leg, joint, why)
-    return PoseAnswer(Code.NONE)
+                return TrunkPoseCheck(Code.LIMIT, leg, joint, why)
+    return TrunkPoseCheck(Code.NONE)
 
 
 def stride_of(robot: LeggedRobot, gait: Gait, lift: float, bound: float | None) -> Stride:

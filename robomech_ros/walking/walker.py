@@ -9,22 +9,22 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
-from robomech_ros._kernels.walking import stepping
-from robomech_ros._kernels.walking.stepping import Seen, State, Step
+from robomech_ros._kernels.walking import gait_step
+from robomech_ros._kernels.walking.gait_step import State, Step, StepReport
 from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeError
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.outcomes import Code
 from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
 from robomech_ros.typing import Array
+from robomech_ros.walking.gait_timing import SPEED_PART, fastest_twist, suitable_cycle, sway_cycle
 from robomech_ros.walking.gaits import GAITS
-from robomech_ros.walking.pace import SPEED_PART, fastest_twist, suitable_cycle, sway_cycle
-from robomech_ros.walking.pose_way import PoseWay
 from robomech_ros.walking.robot import LeggedRobot
-from robomech_ros.walking.stride import PoseAnswer, Stride, stride_of
+from robomech_ros.walking.stride import Stride, TrunkPoseCheck, stride_of
+from robomech_ros.walking.trunk_path import TrunkPath
 from robomech_ros.walking.update import WalkUpdate
 
-_ADVANCE, _POSSIBLE = direct(stepping.advance), direct(stepping.possible_part)
-_SUSTAINED = direct(stepping.sustained_part)
+_ADVANCE, _POSSIBLE = direct(gait_step.advance), direct(gait_step.possible_part)
+_SUSTAINED = direct(gait_step.sustained_part)
 _STILL = np.zeros(3)
 # Ratio to the velocity limit that a slowed period aims at.
 _BELOW = 0.999
@@ -136,7 +136,7 @@ class Walker:
         where = _three("place", place)
         if self._waiting is not None:
             self._stride, self._waiting = self._waiting, None
-        self._pose, self._way = self._stride.level.copy(), PoseWay(np.zeros(6))
+        self._pose, self._way = self._stride.level.copy(), TrunkPath(np.zeros(6))
         self._command, self._velocity = np.zeros(3), np.zeros(3)
         self._age, self._walking = np.inf, False
         body, feet = np.zeros(15), np.zeros((len(self.robot.legs), 8))
@@ -217,7 +217,7 @@ class Walker:
             raise BadValueError("gait", gait, f"one that suits the pose: {answer.reason}")
         self._waiting = stride
 
-    def command_pose(self, pose: ArrayLike, duration: float = 1.0) -> PoseAnswer:
+    def command_pose(self, pose: ArrayLike, duration: float = 1.0) -> TrunkPoseCheck:
         """Move the trunk over the feet, if that neither tips the robot nor overstretches a leg.
 
         On its way to another pose it turns to this one without a stop.
@@ -231,7 +231,7 @@ class Walker:
 
         Returns
         -------
-        PoseAnswer
+        TrunkPoseCheck
             NONE, else why it is refused, with leg and joint; nothing moves then.
         """
         target = as_finite("pose", pose, (6,))
@@ -240,7 +240,7 @@ class Walker:
         time = _positive("duration", duration)
         if np.array_equal(target, self._way.goal):
             # It is on its way there already, or there.
-            return PoseAnswer(Code.NONE)
+            return TrunkPoseCheck(Code.NONE)
         stride = self._stride
         way = self._way.to(target.copy(), max(time, stride.quickest(self._way.end, target)))
         offsets = [*(way.ahead(part * way.rest) for part in _ON_THE_WAY), way.goal]
@@ -324,7 +324,7 @@ class Walker:
         pattern, state = self._stride.pattern, self._state
         pattern.settings[5] = 1.0 if self._walking else 0.0
         new = State(*(np.empty_like(one) for one in state))
-        seen = Seen(np.empty_like(state.q), np.empty((4, 4)), np.empty(4))
+        seen = StepReport(np.empty_like(state.q), np.empty((4, 4)), np.empty(4))
         step = Step(twist, pose, time, self.period)
         lost = _ADVANCE(self.robot.packed, self._limits, pattern, step, state, new, seen)
         self._next, self._rates, self._trunk = new, seen.rates, seen.trunk

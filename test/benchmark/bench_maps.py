@@ -11,7 +11,7 @@ from inverse_peers import available
 from table import Row
 from timing import Work, interleave
 
-from robomech_ros.kinetostatics import even_rotations, jacobian, reach_map
+from robomech_ros.kinetostatics import jacobian, reach_map, uniform_rotations
 from robomech_ros.kinetostatics.maps.box_grid import as_grid
 from robomech_ros.kinetostatics.maps.cells import map_cells
 from robomech_ros.kinetostatics.maps.request import MapRequest, identity_of
@@ -54,7 +54,7 @@ def _a_pose(chain: SerialChain) -> tuple[list[Row], list[str]]:
     low, high = NEAR
     grid = as_grid([0.5 * (low[0] + high[0]), *low[1:]], [0.5 * (low[0] + high[0]), *high[1:]],
                    None, NEAR_SHAPE)  # fmt: skip
-    turns = even_rotations(NEAR_ORIENTATIONS)
+    turns = uniform_rotations(NEAR_ORIENTATIONS)
     request = MapRequest(identity_of(chain), grid, turns, False, LENGTH, "pose")
     targets = [_pose(R, p) for p in grid.points(np.arange(grid.cells)) for R in turns]
     scale = np.repeat((1.0, 1.0 / LENGTH), 3)[:, None]

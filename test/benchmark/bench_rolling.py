@@ -19,9 +19,9 @@ from robomech_ros.rolling import (
     MotionLimits,
     Odometry,
     advance_odometry,
+    differential_drive,
     mecanum,
     rolling_robot,
-    two_wheeled,
 )
 from robomech_ros.rolling.arcs import moved
 from robomech_ros.typing import Array
@@ -92,7 +92,7 @@ def _streams() -> list[Row]:
     ours, peer = time["ours"], time["NumPy"]
     found.append(Row("mecanum: the same, 200 periods", ours.median, peer=peer.median,
                      peer_name="our rule in NumPy", spread=ours.spread))  # fmt: skip
-    limiter = CommandLimiter(two_wheeled(0.1, 0.4), LIMITS, PERIOD)
+    limiter = CommandLimiter(differential_drive(0.1, 0.4), LIMITS, PERIOD)
     motion = limiter.step(limiter.at_rest(), CIRCLE)
     found.append(_row("differential: one limited step, one checked call",
                       lambda: limiter.step(motion, CIRCLE), 1))  # fmt: skip
@@ -137,7 +137,7 @@ def _quarter() -> float:
 
 
 def _quality() -> list[Row]:
-    base, periods = two_wheeled(0.1, 0.4), 500
+    base, periods = differential_drive(0.1, 0.4), 500
     step, circle = (CommandLimiter(base, limits, PERIOD) for limits in (RAMP, LIMITS))
     ramp = step.run(step.at_rest(), np.tile(STEP, (periods, 1)))[0]
     ring = circle.run(circle.at_rest(), np.tile(CIRCLE, (periods, 1)))[0]

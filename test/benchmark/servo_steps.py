@@ -18,7 +18,7 @@ from approaches import random_start
 from servo_drives import TIMEOUT, Drive
 
 from robomech_ros.servo.commands import TwistCommand
-from robomech_ros.servo.resolution import Heading, TwistResolver
+from robomech_ros.servo.twist_resolver import Heading, TwistResolver
 
 ROBOTS = Path(__file__).parents[2] / "config/robots"
 # For how long a twist is held (s); a hand that trembles holds none.

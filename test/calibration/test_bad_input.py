@@ -11,9 +11,9 @@ from robomech_ros.calibration import hand_eye, relative_hand_eye, robot_world
 from robomech_ros.errors import (
     BadQuaternionError,
     BadValueError,
-    ContradictionError,
+    InconsistentDataError,
     NonFiniteError,
-    UndeterminedError,
+    UnderdeterminedError,
     WrongSizeError,
 )
 
@@ -83,51 +83,51 @@ CASES = {
     ),
     "pure translations": (
         lambda: hand_eye(SLIDES, seen(SLIDES)),
-        UndeterminedError,
+        UnderdeterminedError,
         r"rotation of robot_poses \(rad, root mean square\) is 0\.0, .*pure translations leave the "
         "sensor's position in the hand frame free in all directions",
     ),
     "parallel axes of motions": (
         lambda: relative_hand_eye(ABOUT_Z, ABOUT_Z),
-        UndeterminedError,
+        UnderdeterminedError,
         r"parallel to \[0.0, 0.0, 1.0\].* of the first frame it is free",
     ),
     "translations as motions": (
         lambda: relative_hand_eye(SLIDES, SLIDES),
-        UndeterminedError,
+        UnderdeterminedError,
         "pure translations",
     ),
     "one motion": (lambda: relative_hand_eye(A[:1], S[:1]), WrongSizeError, "k >= 2"),
     "motions of other moments": (
         lambda: relative_hand_eye(A, spatial.pose_exponential(np.full((8, 6), 0.1))),
-        ContradictionError,
+        InconsistentDataError,
         "difference of the angles of both sensors is .* turn by the same angle",
     ),
     "exchanged mount": (
         lambda: hand_eye(A, S, mount="eye-to-hand"),
-        ContradictionError,
+        InconsistentDataError,
         "mount is 'eye-to-hand', expected 'eye-in-hand'",
     ),
     "inverted poses": (
         lambda: robot_world(A, S),
-        ContradictionError,
+        InconsistentDataError,
         "if the mount is right, invert one list",
     ),
     "a sensor in mm": (
         lambda: hand_eye(A, in_mm(S)),
-        ContradictionError,
+        InconsistentDataError,
         "'probably m in robot_poses and mm in sensor_poses', expected m in both: with positions of "
         "sensor_poses times 0.001 the samples fit .* times better",
     ),
     "a robot in mm": (
         lambda: hand_eye(in_mm(A), S),
-        ContradictionError,
+        InconsistentDataError,
         "'probably mm in robot_poses and m in sensor_poses', expected m in both: with positions of "
         "sensor_poses times 1000 the samples fit .* times better",
     ),
     "samples of other moments": (
         lambda: hand_eye(A, np.roll(S, 3, axis=0)),
-        ContradictionError,
+        InconsistentDataError,
         "contradict each other; take both poses of a sample at the same moment",
     ),
 }
@@ -148,7 +148,7 @@ def test_two_units_are_told_from_noise_and_outliers(mount, wrong):
         robot, sensor, *_ = samples(rng, 20, camera=camera, robot=camera, mount=mount)
         sensor[:wrong, :3, 3] += rng.normal(size=(wrong, 3))
         for given in ((robot, in_mm(sensor)), (in_mm(robot), sensor)):
-            with pytest.raises(ContradictionError, match="unit of positions"):
+            with pytest.raises(InconsistentDataError, match="unit of positions"):
                 hand_eye(*given, mount=mount)
         # A wrong sample is no matter of units.
         assert hand_eye(robot, sensor, mount=mount).inlier.sum() >= 20 - wrong - 1
@@ -176,10 +176,10 @@ def test_inverted_motions_contradict_each_other(count, turn):
     B = spatial.pose_exponential(steps)
     A = X @ B @ spatial.inverse_pose(X)
     np.testing.assert_allclose(relative_hand_eye(A, B), X, atol=1e-10)
-    with pytest.raises(ContradictionError, match="none of them inverted"):
+    with pytest.raises(InconsistentDataError, match="none of them inverted"):
         relative_hand_eye(spatial.inverse_pose(A), B)
     if turn:
-        with pytest.raises(ContradictionError, match="rotations of both sensors.* inverted"):
+        with pytest.raises(InconsistentDataError, match="rotations of both sensors.* inverted"):
             spatial.frame_between_sensors(np.swapaxes(A[:, :3, :3], 1, 2), B[:, :3, :3])
 
 
@@ -200,7 +200,7 @@ def test_four_samples_of_other_moments_contradict_each_other():
     rng = np.random.default_rng(7)
     robot, sensor, X, _ = samples(rng, 4, camera=CAMERA)
     assert np.abs(spatial.pose_error(hand_eye(robot, sensor).sensor, X)).max() < 0.05
-    with pytest.raises(ContradictionError):
+    with pytest.raises(InconsistentDataError):
         hand_eye(robot, np.roll(sensor, 1, axis=0))
 
 
@@ -212,7 +212,7 @@ def test_three_unrelated_samples_are_refused_or_have_large_residuals():
         robot, sensor, *_ = samples(rng, 3)
         try:
             found = hand_eye(robot, np.roll(sensor, 1, axis=0))
-        except (ContradictionError, UndeterminedError):
+        except (InconsistentDataError, UnderdeterminedError):
             refused += 1
         else:
             assert found.residuals[:, 0].max() > 0.05
@@ -220,12 +220,12 @@ def test_three_unrelated_samples_are_refused_or_have_large_residuals():
 
 
 def test_unrelated_samples_are_refused_even_if_outliers_are_kept():
-    with pytest.raises(ContradictionError, match="contradict each other"):
+    with pytest.raises(InconsistentDataError, match="contradict each other"):
         hand_eye(A, np.roll(S, 3, axis=0), robust=False)
 
 
 def test_what_is_free_can_be_read():
-    with pytest.raises(UndeterminedError) as caught:
+    with pytest.raises(UnderdeterminedError) as caught:
         hand_eye(SLIDES, seen(SLIDES))
     assert np.array_equal(caught.value.free, np.eye(3))
 
@@ -233,7 +233,7 @@ def test_what_is_free_can_be_read():
 def test_parallel_axes_that_noise_hides_from_the_direct_method_are_refused():
     rng = np.random.default_rng(3)
     noise = rng.normal(size=(4, 6)) * 2e-3
-    with pytest.raises(UndeterminedError, match="all parallel to"):
+    with pytest.raises(UnderdeterminedError, match="all parallel to"):
         relative_hand_eye(ABOUT_Z @ spatial.pose_exponential(noise), ABOUT_Z)
     tilted = spatial.pose_exponential([[0.3, 0, 0.9, 0, 0, 0], [0, 0, 1, 0, 0, 0]])
     np.testing.assert_allclose(relative_hand_eye(tilted, tilted), np.eye(4), atol=1e-12)

@@ -5,7 +5,7 @@ import pytest
 
 from robomech_ros import spatial
 from robomech_ros.calibration import hand_eye, relative_hand_eye
-from robomech_ros.errors import UndeterminedError
+from robomech_ros.errors import UnderdeterminedError
 
 # Numbers of the axes, of three at right angles; 3 is between the first two.
 MOTIONS = {"two": [0, 1], "three": [0, 1, 2], "twice": [0, 0, 1], "slanted": [0, 3],
@@ -46,13 +46,13 @@ def test_positions_tell_which_of_the_rotations_is_right(which, noise):
 def test_where_nothing_tells_it_is_said():
     turns = spatial.matrix_from_axis_angle(np.eye(3), np.pi)
     text = "half turns at right angles to each other"
-    with pytest.raises(UndeterminedError, match=text):
+    with pytest.raises(UnderdeterminedError, match=text):
         spatial.frame_between_sensors(turns, turns)
     about_the_origin = spatial.pose_from_matrix(turns, np.zeros((3, 3)))
-    with pytest.raises(UndeterminedError, match=text):
+    with pytest.raises(UnderdeterminedError, match=text):
         relative_hand_eye(about_the_origin, about_the_origin)
     poses = np.concatenate((np.eye(4)[None], about_the_origin))
-    with pytest.raises(UndeterminedError, match=text):
+    with pytest.raises(UnderdeterminedError, match=text):
         hand_eye(poses, poses)
     # One more, that is turned otherwise, settles it.
     more = spatial.pose_exponential([0.3, 0.1, -0.2, 0.0, 0.0, 0.0])[None]

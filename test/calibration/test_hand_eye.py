@@ -19,9 +19,9 @@ from robomech_ros.calibration import (
 )
 from robomech_ros.errors import (
     BadValueError,
-    ContradictionError,
+    InconsistentDataError,
     NonFiniteError,
-    UndeterminedError,
+    UnderdeterminedError,
     WrongSizeError,
 )
 
@@ -166,7 +166,7 @@ def test_noise_is_no_turn(rotation, camera, given, mount):
     for n in (4, 6, 12):
         for _ in range(3):
             A, S, _, _ = degenerate(rng, n, "translations", mount, robot=robot, camera=camera)
-            with pytest.raises(UndeterminedError, match="pure translations") as caught:
+            with pytest.raises(UnderdeterminedError, match="pure translations") as caught:
                 hand_eye(A, S, mount=mount, noise=noise)
             assert np.array_equal(caught.value.free, np.eye(3))
             A, S, X, axis = degenerate(rng, n, "parallel axes", mount, robot=robot, camera=camera)
@@ -197,7 +197,7 @@ def test_rounding_is_no_turn(noise, mount):
         np.testing.assert_allclose(error[:3], 0.0, atol=1e-5)
         np.testing.assert_allclose(across @ error[3:], 0.0, atol=1e-5)
         A, S, _, _ = degenerate(rng, n, "translations", mount, robot=(noise, noise))
-        with pytest.raises(UndeterminedError, match="pure translations"):
+        with pytest.raises(UnderdeterminedError, match="pure translations"):
             hand_eye(A, S, mount=mount)
 
 
@@ -234,7 +234,9 @@ def test_turns_about_one_line_leave_the_turn_about_it_free(noise, along):
         A = spatial.pose_exponential(twists)
         S = spatial.inverse_pose(A @ X) @ Z
         S = S @ spatial.pose_exponential(noise * rng.normal(size=(12, 6)))
-        with pytest.raises(UndeterminedError, match="robot's rotation axes is 'one common line'"):
+        with pytest.raises(
+            UnderdeterminedError, match="robot's rotation axes is 'one common line'"
+        ):
             hand_eye(A, S)
 
 
@@ -322,7 +324,7 @@ def test_views_from_one_distance_tell_mount_and_inversions(mount, spread):
         found = hand_eye(A, S, mount=mount)
         assert np.abs(spatial.pose_error(found.sensor, X)).max() < 0.03
         for robot, sensor, wrong in ((A, S, other), (back(A), S, mount), (A, back(S), mount)):
-            with pytest.raises(ContradictionError, match=f"mount is '{wrong}', expected"):
+            with pytest.raises(InconsistentDataError, match=f"mount is '{wrong}', expected"):
                 hand_eye(robot, sensor, mount=wrong)
 
 
@@ -335,7 +337,7 @@ def test_views_in_the_field_tell_the_mount(handeye_data):
         (spatial.inverse_pose(A), S, "eye-in-hand"),
         (A, spatial.inverse_pose(S), "eye-in-hand"),
     ):
-        with pytest.raises(ContradictionError, match=f"mount is '{mount}', expected"):
+        with pytest.raises(InconsistentDataError, match=f"mount is '{mount}', expected"):
             hand_eye(robot, sensor, mount=mount)
 
 

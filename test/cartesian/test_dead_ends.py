@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from robomech_ros.cartesian import PathBounds, follow_path, path_through, plan_along
+from robomech_ros.cartesian import PathStopLimits, follow_path, plan_along, waypoint_path
 from robomech_ros.cartesian.dead_ends import SLOWEST
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import chain_from_dh, load_robot
@@ -13,7 +13,7 @@ from robomech_ros.trajectory import PathTrackingStatus
 
 UR5E, UR_START = load_robot("ur5e"), np.array([0.3, -1.2, 1.4, -1.7, -1.5, 0.2])
 PUMA, PUMA_START = load_robot("puma560"), np.array([0.3, -0.4, 0.2, 0.5, 0.6, -0.7])
-SLOW = PathBounds(condition=np.inf)
+SLOW = PathStopLimits(condition=np.inf)
 
 
 def line(chain, start, direction, steps=20):
@@ -21,7 +21,7 @@ def line(chain, start, direction, steps=20):
     here = forward_kinematics(chain, start)
     waypoints = np.tile(here, (steps, 1, 1))
     waypoints[:, :3, 3] += 0.1 * np.arange(1, steps + 1)[:, None] * np.array(direction)
-    return path_through(here, waypoints)
+    return waypoint_path(here, waypoints)
 
 
 @pytest.mark.parametrize("chain, start", [(UR5E, UR_START), (PUMA, PUMA_START)])
@@ -95,7 +95,7 @@ def test_a_folded_elbow_is_called_folded():
     there = here.copy()
     wrist = here[:3, 3] - 0.1 * here[:3, 2]
     there[:3, 3] += 0.9 * ([0.0, 0.0, 0.5] - wrist)
-    stop = follow_path(arm, path_through(here, [there]), start, bounds=SLOW).stop
+    stop = follow_path(arm, waypoint_path(here, [there]), start, bounds=SLOW).stop
     assert "the elbow is folded: out of reach beyond" in stop.text
     assert stop.kind is PathTrackingStatus.LOST
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from robomech_ros.cartesian import (
-    PathBounds,
-    broken_condition,
+    PathStopLimits,
     follow_path,
-    path_through,
     relative_jump,
     serial_arm,
+    stop_on_condition,
     waypoint_fraction,
+    waypoint_path,
 )
 from robomech_ros.errors import (
     BadValueError,
@@ -36,7 +36,7 @@ PUMA = load_robot("puma560")
 START = np.array([0.3, -0.4, 0.2, 0.5, 0.6, -0.7])
 HERE = forward_kinematics(PUMA, START)
 # Neither singular postures nor jumps end a path.
-ANY = PathBounds(np.inf, 0.01, np.inf, np.inf)
+ANY = PathStopLimits(np.inf, 0.01, np.inf, np.inf)
 
 
 def shifted(*steps, of=HERE):
@@ -47,7 +47,7 @@ def shifted(*steps, of=HERE):
 
 def test_the_whole_path_has_no_stop():
     waypoints = shifted([0.1, 0.0, 0.0], [0.1, 0.1, 0.05])
-    path = path_through(HERE, waypoints)
+    path = waypoint_path(HERE, waypoints)
     found = follow_path(PUMA, path, START)
     assert found.stop is None and found.fraction == 1.0
     assert found.joints.length == path.length
@@ -58,7 +58,7 @@ def test_the_whole_path_has_no_stop():
 
 def test_out_of_reach_ends_where_the_arm_does():
     waypoints = shifted([0.1, 0.0, 0.0], [2.0, 0.0, 0.0])
-    path = path_through(HERE, waypoints)
+    path = waypoint_path(HERE, waypoints)
     found = follow_path(PUMA, path, START, bounds=ANY)
     stop = found.stop
     assert stop.kind in (PathTrackingStatus.LOST, PathTrackingStatus.SINGULAR)
@@ -89,7 +89,7 @@ def test_a_joint_limit_ends_the_path_at_the_limit_with_its_name(near_limit):
     q = START.copy()
     q[0] = PUMA.upper[0] - near_limit
     end = forward_kinematics(PUMA, q + [0.3, 0, 0, 0, 0, 0])
-    found = follow_path(PUMA, path_through(forward_kinematics(PUMA, q), [end]), q, bounds=ANY)
+    found = follow_path(PUMA, waypoint_path(forward_kinematics(PUMA, q), [end]), q, bounds=ANY)
     stop = found.stop
     assert (stop.kind, stop.joint, stop.index) == (PathTrackingStatus.LIMIT, "waist", 0)
     assert stop.kind.code == Code.LIMIT
@@ -107,7 +107,7 @@ def test_from_a_limit_one_way_leads_in_and_the_other_out(outside):
     here = forward_kinematics(PUMA, q)
     for turn, fraction in ((-0.2, 1.0), (0.2, 0.0)):
         end = forward_kinematics(PUMA, q + [turn, 0, 0, 0, 0, 0])
-        found = follow_path(PUMA, path_through(here, [end]), q, bounds=ANY)
+        found = follow_path(PUMA, waypoint_path(here, [end]), q, bounds=ANY)
         assert found.fraction == pytest.approx(fraction, abs=1e-4), found.stop
         assert (found.stop is None) == (fraction == 1.0)
     assert found.stop.kind is PathTrackingStatus.LIMIT and found.stop.joint == "waist"
@@ -115,7 +115,7 @@ def test_from_a_limit_one_way_leads_in_and_the_other_out(outside):
 
 def test_a_limit_that_is_passed_for_an_instant_ends_the_path():
     """Between two of the places looked at: only the curve itself shows it."""
-    path = path_through(HERE, shifted([0.0, 0.3, 0.0], [0.0, 0.05, 0.0]))
+    path = waypoint_path(HERE, shifted([0.0, 0.3, 0.0], [0.0, 0.05, 0.0]))
     joints = follow_path(PUMA, path, START, bounds=ANY).joints
     s = np.linspace(0.0, joints.length, 200_001)
     rows = joints.derivatives(s)[0]
@@ -137,8 +137,8 @@ def test_a_singularity_ends_the_path_where_the_condition_number_is():
     q = np.array([0.3, 0.4, -0.6, 0.0, 0.3, 0.0])
     end = forward_kinematics(PUMA, [0.3, 0.4, -0.6, 0.0, -0.3, 0.0])
     end[:3, 3] += [0.0, 0.004, 0.0]
-    path = path_through(forward_kinematics(PUMA, q), [end])
-    bounds = PathBounds(100.0, 0.01, np.inf, np.inf)
+    path = waypoint_path(forward_kinematics(PUMA, q), [end])
+    bounds = PathStopLimits(100.0, 0.01, np.inf, np.inf)
     found = follow_path(PUMA, path, q, bounds=bounds)
     assert (found.stop.kind, found.stop.joint) == (PathTrackingStatus.SINGULAR, None)
     assert "the condition number rises over 100" in found.stop.text
@@ -151,20 +151,22 @@ def test_a_singularity_ends_the_path_where_the_condition_number_is():
 
 
 def test_jumps_of_each_kind_of_joint_end_the_path():
-    path = path_through(HERE, shifted([0.195, 0.0, 0.0]))
+    path = waypoint_path(HERE, shifted([0.195, 0.0, 0.0]))
     whole = follow_path(PUMA, path, START, bounds=ANY).joints
     moves = np.abs(np.diff(whole.derivatives(np.linspace(0.0, whole.length, 21))[0], axis=0))
     k, joint = np.unravel_index(int(np.argmax(moves)), moves.shape)
-    bounds = PathBounds(np.inf, 0.01, 0.999 * float(moves.max()), np.inf)
+    bounds = PathStopLimits(np.inf, 0.01, 0.999 * float(moves.max()), np.inf)
     found = follow_path(PUMA, path, START, bounds=bounds)
     assert found.stop.kind is PathTrackingStatus.JUMP
     assert found.stop.joint == PUMA.joint_names[joint]
     assert found.joints.length == pytest.approx(0.195 * k / 20, abs=1e-12)
-    assert follow_path(PUMA, path, START, bounds=PathBounds(np.inf, 0.01, 1.0, 1e-9)).stop is None
+    assert (
+        follow_path(PUMA, path, START, bounds=PathStopLimits(np.inf, 0.01, 1.0, 1e-9)).stop is None
+    )
     stanford, q = load_robot("stanford"), np.array([0.2, 1.1, 0.5, 0.4, 0.9, -0.3])
     here = forward_kinematics(stanford, q)
-    out = path_through(here, shifted(0.1 * here[:3, 3], of=here))
-    found = follow_path(stanford, out, q, bounds=PathBounds(np.inf, 0.01, np.inf, 1e-4))
+    out = waypoint_path(here, shifted(0.1 * here[:3, 3], of=here))
+    found = follow_path(stanford, out, q, bounds=PathStopLimits(np.inf, 0.01, np.inf, 1e-4))
     assert found.stop.joint == stanford.joint_names[2]
 
 
@@ -172,7 +174,7 @@ def test_a_posture_that_is_only_reached_by_a_jump_ends_the_path_with_the_joint()
     """A line of UR5e up to a singularity of its wrist, beyond which another branch is nearest."""
     arm, q = load_robot("ur5e"), np.array([-0.0062, 0.0703, 0.6859, -0.2048, 0.5628, 0.5067])
     here = forward_kinematics(arm, q)
-    path = path_through(here, shifted([0.2592, -0.231, 0.1374], of=here))
+    path = waypoint_path(here, shifted([0.2592, -0.231, 0.1374], of=here))
     found = follow_path(arm, path, q, bounds=ANY)
     assert (found.stop.kind, found.stop.joint) == (PathTrackingStatus.JUMP, "wrist_2_joint")
     assert "joint 'wrist_2_joint' would have to jump by 2.8" in found.stop.text
@@ -180,7 +182,7 @@ def test_a_posture_that_is_only_reached_by_a_jump_ends_the_path_with_the_joint()
 
 
 def test_checks_of_the_caller_end_the_path():
-    path = path_through(HERE, shifted([0.2, 0.0, 0.0]))
+    path = waypoint_path(HERE, shifted([0.2, 0.0, 0.0]))
     whole = follow_path(PUMA, path, START, bounds=ANY).joints
     bound = float(whole.derivatives(0.12)[0][1])
     sign = np.sign(bound - START[1])
@@ -189,14 +191,14 @@ def test_checks_of_the_caller_end_the_path():
         return "the shoulder is too far" if sign * (q[1] - bound) > 0.0 else ""
 
     found = follow_path(
-        PUMA, path, START, bounds=replace(ANY, checks=[broken_condition(broken, 0.01)])
+        PUMA, path, START, bounds=replace(ANY, checks=[stop_on_condition(broken, 0.01)])
     )
     assert found.stop.kind is PathTrackingStatus.REJECTED
     assert found.stop.kind.code == Code.REJECTED
     assert found.stop.text.endswith(": the shoulder is too far")
     assert found.joints.length == pytest.approx(0.12, abs=1e-9)
     never = follow_path(
-        PUMA, path, START, bounds=PathBounds(checks=[broken_condition(lambda q: "no", 0.01)])
+        PUMA, path, START, bounds=PathStopLimits(checks=[stop_on_condition(lambda q: "no", 0.01)])
     )
     assert never.joints is None and never.fraction == 0.0 and "no" in never.stop.text
 
@@ -205,7 +207,7 @@ def test_relative_jumps_are_counted_from_the_mean():
     q = np.array([0.3, 0.4, -0.6, 0.0, 0.3, 0.0])
     end = forward_kinematics(PUMA, [0.3, 0.4, -0.6, 0.0, -0.3, 0.0])
     end[:3, 3] += [0.0, 0.004, 0.0]
-    path = path_through(forward_kinematics(PUMA, q), [end])
+    path = waypoint_path(forward_kinematics(PUMA, q), [end])
     loose, tight = (
         replace(ANY, checks=[relative_jump(PUMA, 0.001, factor)]) for factor in (np.inf, 3.0)
     )
@@ -216,7 +218,7 @@ def test_relative_jumps_are_counted_from_the_mean():
 
 def test_the_stop_counts_waypoints_or_parts_of_the_path():
     waypoints = shifted([0.0, 0, 0], [0.05, 0, 0], [0.05, 0, 0], [0.05, 0.05, 0], [3.0, 0, 0])
-    path = path_through(HERE, waypoints)
+    path = waypoint_path(HERE, waypoints)
     assert follow_path(PUMA, path, START).stop.index == 4
     assert follow_path(PUMA, replace(path, waypoints=None), START).stop.index == 2
 
@@ -245,7 +247,7 @@ def test_whatever_arm_tracking_keeps_the_limits_it_is_given():
 
 
 def test_wrong_arguments_are_refused_by_name():
-    path = path_through(HERE, shifted([0.1, 0.0, 0.0]))
+    path = waypoint_path(HERE, shifted([0.1, 0.0, 0.0]))
     outside = START + [9.0, 0, 0, 0, 0, 0]
     for call, error, text in (
         (lambda: follow_path(None, path, START), BadValueError, "chain"),
@@ -254,13 +256,13 @@ def test_wrong_arguments_are_refused_by_name():
         (lambda: follow_path(PUMA, path, [START]), WrongSizeError, "start"),
         (lambda: follow_path(PUMA, path, START * np.nan), NonFiniteError, "start"),
         (lambda: follow_path(PUMA, path, outside), SeedOutsideLimitsError, "waist"),
-        (lambda: PathBounds(checks=[None]), BadValueError, "checks .*a list of callables"),
-        (lambda: PathBounds(condition=0.0), BadValueError, "condition is 0.0"),
-        (lambda: PathBounds(step=np.inf), BadValueError, "step"),
-        (lambda: PathBounds(revolute_jump=np.nan), BadValueError, "revolute_jump"),
-        (lambda: PathBounds(prismatic_jump="x"), BadValueError, "prismatic_jump"),
-        (lambda: broken_condition(None, 0.1), BadValueError, "a callable"),
-        (lambda: broken_condition(lambda q: "", 0.0), BadValueError, "step"),
+        (lambda: PathStopLimits(checks=[None]), BadValueError, "checks .*a list of callables"),
+        (lambda: PathStopLimits(condition=0.0), BadValueError, "condition is 0.0"),
+        (lambda: PathStopLimits(step=np.inf), BadValueError, "step"),
+        (lambda: PathStopLimits(revolute_jump=np.nan), BadValueError, "revolute_jump"),
+        (lambda: PathStopLimits(prismatic_jump="x"), BadValueError, "prismatic_jump"),
+        (lambda: stop_on_condition(None, 0.1), BadValueError, "a callable"),
+        (lambda: stop_on_condition(lambda q: "", 0.0), BadValueError, "step"),
         (lambda: relative_jump(PUMA, 0.01, 0.0), BadValueError, "factor"),
     ):
         with pytest.raises(error, match=text):

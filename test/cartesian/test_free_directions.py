@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from robomech_ros.cartesian import follow_path, path_through, plan_along, serial_arm
+from robomech_ros.cartesian import follow_path, plan_along, serial_arm, waypoint_path
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
@@ -31,7 +31,7 @@ def beside(chain, q, step, turn=(0.0, 0.0, 0.0)):
     there = here.copy()
     there[:3, 3] += step
     there[:3, :3] = Rotation.from_rotvec(turn).as_matrix() @ here[:3, :3]
-    return path_through(here, [there])
+    return waypoint_path(here, [there])
 
 
 def limits_of(chain, acceleration=10.0):
@@ -102,7 +102,7 @@ def test_a_tool_axis_is_that_of_the_path_also_after_more_than_half_a_turn():
         turn = Rotation.from_rotvec([0.0, 0.0, 2.0 * (k + 1)])
         pose[:3, :3] = here[:3, :3] @ turn.as_matrix()
         pose[0, 3] += 0.02 * (k + 1)
-    path = path_through(here, poses)
+    path = waypoint_path(here, poses)
     joints = follow_path(chain, path, q, task_mask=TOOL_AXIS).joints
     assert joints.length == path.length
     assert held_errors(chain, path, joints, TOOL_AXIS).max() < 2e-7
@@ -118,13 +118,13 @@ def test_orientations_of_waypoints_count_as_far_as_they_are_held():
     # Opposite orientations, between which a full path could not choose its way.
     there[:3, :3] = here[:3, :3] @ np.diag([-1.0, -1.0, 1.0])
     with pytest.raises(BadValueError, match="opposite orientations"):
-        path_through(here, [there])
+        waypoint_path(here, [there])
     for mask in (POSITION, TOOL_AXIS):
-        poses = path_through(here, [there], task_mask=mask).sample(np.linspace(0.0, 0.05, 9)).pose
+        poses = waypoint_path(here, [there], task_mask=mask).sample(np.linspace(0.0, 0.05, 9)).pose
         np.testing.assert_allclose(poses[:, :3, :3], np.tile(here[:3, :3], (9, 1, 1)), atol=1e-9)
     tilted = there.copy()
     tilted[:3, :3] = there[:3, :3] @ Rotation.from_rotvec([0.0, 0.4, 0.0]).as_matrix()
-    end = path_through(here, [tilted], task_mask=TOOL_AXIS).waypoints[0]
+    end = waypoint_path(here, [tilted], task_mask=TOOL_AXIS).waypoints[0]
     np.testing.assert_allclose(end[:3, 2], tilted[:3, 2], atol=1e-12)
     turned = Rotation.from_matrix(here[:3, :3].T @ end[:3, :3]).magnitude()
     assert turned == pytest.approx(0.4, abs=1e-9)

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from robomech_ros.cartesian import (
-    PathBounds,
+    PathStopLimits,
     Sampling,
     follow_path,
     link_speed_limit,
-    path_through,
     plan_along,
     plan_followed,
     serial_arm,
+    waypoint_path,
 )
 from robomech_ros.errors import (
     BadValueError,
@@ -75,7 +75,7 @@ def test_plans_of_all_robots_keep_to_path_and_limits(name, enough):
         start = low + (high - low) * rng.uniform(0.2, 0.8, chain.n)
         here = forward_kinematics(chain, start)
         ends = shifted(rng.uniform(-0.15, 0.15, 3), of=here)
-        path = path_through(here, ends)
+        path = waypoint_path(here, ends)
         plan = plan_along(chain, path, start, limits=limits)
         assert 0.0 <= plan.fraction <= 1.0 and (plan.stop is None) == (plan.fraction == 1.0)
         if plan.stop is not None:
@@ -100,7 +100,7 @@ def test_plans_of_all_robots_keep_to_path_and_limits(name, enough):
 @pytest.mark.parametrize("profile", PATH_PROFILES)
 def test_every_profile_gives_the_partial_motion(profile):
     waypoints = shifted([0.1, 0.0, 0.0], [2.0, 0.0, 0.0])
-    path = path_through(HERE, waypoints)
+    path = waypoint_path(HERE, waypoints)
     plan = plan_along(PUMA, path, START, profile=profile, speeds=TipSpeeds(linear=0.4))
     assert plan.stop.index == 1 and 0.1 < plan.fraction < 0.9
     last = forward_kinematics(PUMA, plan.trajectory.sample(plan.trajectory.duration).position)
@@ -112,7 +112,7 @@ def test_every_profile_gives_the_partial_motion(profile):
 
 
 def test_samples_are_as_fine_and_as_few_as_wanted():
-    path = path_through(HERE, shifted([0.2, 0.0, 0.0]))
+    path = waypoint_path(HERE, shifted([0.2, 0.0, 0.0]))
     usual = plan_along(PUMA, path, START)
     assert np.diff(usual.samples.times).max() <= 0.01 * (1.0 + 1e-9)
     slow = TipSpeeds(linear=0.01)
@@ -132,7 +132,7 @@ def test_samples_are_as_fine_and_as_few_as_wanted():
 
 
 def test_the_speed_of_another_link_is_kept():
-    path = path_through(HERE, shifted([0.2, 0.0, 0.0]))
+    path = waypoint_path(HERE, shifted([0.2, 0.0, 0.0]))
     followed = follow_path(PUMA, path, START)
     elbow = load_robot("puma560", tip="link_3")
     slow = link_speed_limit(PUMA, followed.joints, elbow, 0.02)
@@ -145,7 +145,7 @@ def test_the_speed_of_another_link_is_kept():
 
 
 def test_a_stricter_position_limit_ends_the_motion_there():
-    path = path_through(HERE, shifted([0.2, 0.0, 0.0]))
+    path = waypoint_path(HERE, shifted([0.2, 0.0, 0.0]))
     whole = plan_along(PUMA, path, START)
     end = whole.samples.positions[-1]
     k = int(np.argmax(np.abs(end - START)))
@@ -169,31 +169,31 @@ def test_along_path_gives_the_same_partial_motion(near_limit):
     back, beyond = (
         forward_kinematics(PUMA, q + [turn, 0, 0, 0, 0, 0]) for turn in (-0.1, 0.1 + near_limit)
     )
-    path = path_through(here, [back, beyond])
+    path = waypoint_path(here, [back, beyond])
     motion = along_path(path, serial_arm(PUMA), limits=PUMA, start=q)
     assert motion.tracking.status is PathTrackingStatus.LIMIT and motion.tracking.joint == 0
     assert "joint 'waist' would leave its limits" in motion.reason
-    followed = follow_path(PUMA, path, q, bounds=PathBounds(1e6, 0.01, np.inf, np.inf))
+    followed = follow_path(PUMA, path, q, bounds=PathStopLimits(1e6, 0.01, np.inf, np.inf))
     assert motion.fraction == followed.fraction
     assert followed.stop.text == f"before waypoints[1], {motion.reason}"
     assert 0.0 < motion.fraction < 1.0
     last = motion.sample(motion.duration)
     assert last.position[0] == pytest.approx(PUMA.upper[0], abs=1e-8)
     assert not last.velocity.any() and verify(motion, PUMA, start=q).ok
-    out = along_path(path_through(here, [beyond]), serial_arm(PUMA), limits=PUMA, start=q)
+    out = along_path(waypoint_path(here, [beyond]), serial_arm(PUMA), limits=PUMA, start=q)
     assert (out.fraction < 1e-4) == (near_limit == 0.0) and "waist" in out.reason
 
 
 def test_a_limit_that_is_missing_is_named():
     chain = load_robot("puma560")
     limits = Limits(chain.joint_names, velocity=1.0)
-    path = path_through(HERE, shifted([0.1, 0.0, 0.0]))
+    path = waypoint_path(HERE, shifted([0.1, 0.0, 0.0]))
     with pytest.raises(MissingLimitsError, match="waist"):
         plan_along(chain, path, START, limits=limits)
     for options in ({"profile": "sledge"}, {"sampling": 0.01}, {"speeds": 3.0}):
         with pytest.raises(RobomechError, match=next(iter(options))):
             plan_along(chain, path, START, **options)
-    with pytest.raises(BadValueError, match="a FollowedPath"):
+    with pytest.raises(BadValueError, match="a PathFollowingResult"):
         plan_followed(None)
 
 

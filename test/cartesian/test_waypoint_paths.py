@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from robomech_ros.cartesian import path_through
+from robomech_ros.cartesian import waypoint_path
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 
 HERE = np.eye(4)
@@ -16,22 +16,22 @@ def at(*places):
 
 
 def test_straight_paths_go_from_the_start_through_all():
-    path = path_through(HERE, at([0.3, 0, 0], [0.3, 0.4, 0]))
+    path = waypoint_path(HERE, at([0.3, 0, 0], [0.3, 0.4, 0]))
     assert path.length == pytest.approx(0.7, rel=1e-12)
     np.testing.assert_allclose(path.breaks, [0.0, 0.3, 0.7], atol=1e-12)
     np.testing.assert_allclose(path.sample(0.5).pose[:3, 3], [0.3, 0.2, 0.0], atol=1e-12)
 
 
 def test_waypoints_that_come_twice_count_once():
-    path = path_through(HERE, at([0, 0, 0], [0.3, 0, 0], [0.3, 0, 0], [0.3, 0.4, 0]))
+    path = waypoint_path(HERE, at([0, 0, 0], [0.3, 0, 0], [0.3, 0, 0], [0.3, 0.4, 0]))
     assert len(path.breaks) == 3
-    assert path_through(HERE, at([0, 0, 0], [0, 0, 0])) is None
+    assert waypoint_path(HERE, at([0, 0, 0], [0, 0, 0])) is None
 
 
 def test_arcs_and_splines():
-    arc = path_through(HERE, at([0.1, 0.1, 0], [0.2, 0, 0]), "arc")
+    arc = waypoint_path(HERE, at([0.1, 0.1, 0], [0.2, 0, 0]), "arc")
     assert arc.length == pytest.approx(0.1 * np.pi, rel=1e-6)
-    spline = path_through(HERE, at([0.1, 0.1, 0], [0.2, 0, 0]), "spline")
+    spline = waypoint_path(HERE, at([0.1, 0.1, 0], [0.2, 0, 0]), "spline")
     assert not len(spline.stops) and 0.28 < spline.length < 0.4
 
 
@@ -58,10 +58,10 @@ def test_arcs_and_splines():
 )
 def test_errors_name_the_waypoints(start, waypoints, kind, error, text):
     with pytest.raises(error, match=text):
-        path_through(start, waypoints, kind)
+        waypoint_path(start, waypoints, kind)
 
 
 def test_opposite_orientations_are_named():
     turned = at([0.1, 0, 0]) @ np.diag([-1.0, -1.0, 1.0, 1.0])
     with pytest.raises(BadValueError, match=r"from the start to waypoints\[0\] is 3\.14159"):
-        path_through(HERE, turned)
+        waypoint_path(HERE, turned)

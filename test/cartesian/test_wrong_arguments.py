@@ -6,17 +6,17 @@ from wrong_values import WRONG_VALUES, answered_or_refused, with_options
 
 from robomech_ros import cartesian
 from robomech_ros.cartesian import (
-    PathBounds,
+    PathStopLimits,
     Sampling,
-    broken_condition,
     follow_path,
     link_speed_limit,
-    path_through,
     plan_along,
     plan_followed,
     relative_jump,
     serial_arm,
+    stop_on_condition,
     waypoint_fraction,
+    waypoint_path,
 )
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
@@ -41,18 +41,18 @@ HERE = forward_kinematics(PUMA, START)
 def calls():
     there = HERE.copy()
     there[0, 3] += 0.05
-    path = path_through(HERE, [there])
+    path = waypoint_path(HERE, [there])
     followed = follow_path(PUMA, path, START)
-    found = with_options(path_through, start=HERE, waypoints=[there])
+    found = with_options(waypoint_path, start=HERE, waypoints=[there])
     found |= with_options(serial_arm, chain=PUMA)
-    found |= with_options(PathBounds)
+    found |= with_options(PathStopLimits)
     found |= with_options(Sampling)
     found |= with_options(follow_path, chain=PUMA, path=path, start=START)
     found |= with_options(plan_along, chain=PUMA, path=path, start=START)
     found |= with_options(plan_followed, followed=followed)
     found |= with_options(waypoint_fraction, followed=followed, waypoints=[there])
     found |= with_options(relative_jump, chain=PUMA, step=0.1, factor=2.0)
-    found |= with_options(broken_condition, broken=lambda q: "", step=0.1)
+    found |= with_options(stop_on_condition, broken=lambda q: "", step=0.1)
     elbow = load_robot("puma560", tip="link_3")
     found |= with_options(
         link_speed_limit, chain=PUMA, joints=followed.joints, link=elbow, speed=0.1
@@ -77,6 +77,6 @@ def test_wrong_arguments_are_answered_or_refused_with_an_error_of_ours(name):
 def test_a_check_that_gives_no_cut_is_refused(value):
     there = HERE.copy()
     there[0, 3] += 0.05
-    path = path_through(HERE, [there])
+    path = waypoint_path(HERE, [there])
     with pytest.raises(BadValueError, match="a PathCut or None"):
-        follow_path(PUMA, path, START, bounds=PathBounds(checks=[lambda joints: value]))
+        follow_path(PUMA, path, START, bounds=PathStopLimits(checks=[lambda joints: value]))

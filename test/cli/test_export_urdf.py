@@ -4,9 +4,9 @@ import pytest
 
 from robomech_ros.cli.main import main
 from robomech_ros.hands import load_hand
-from robomech_ros.parallel import load_described
+from robomech_ros.parallel import load_tree_description
 from robomech_ros.robots import load_description, load_robot, urdf_from_description
-from robomech_ros.robots.kinds import KINDS, documents_of
+from robomech_ros.robots.robot_kinds import KINDS, documents_of
 from robomech_ros.rolling import WheelJoints, load_rolling
 from robomech_ros.walking import load_legged
 
@@ -25,9 +25,9 @@ def test_a_document_goes_to_a_file_or_to_standard_output(tmp_path, capsys):
 def test_the_tree_of_a_parallel_robot_is_what_nodes_publish_and_keeps_its_loops(name, capsys):
     assert main(["export-urdf", name]) == 0
     text, said = capsys.readouterr()
-    robot = load_described(name)
+    robot = load_tree_description(name)
     assert text == urdf_from_description(robot.description)
-    again = load_described(text)
+    again = load_tree_description(text)
     assert again.mechanism.actuated == robot.mechanism.actuated
     assert text.count("<!-- Loops are cut") == 1 and text.endswith("</robot>\n")
     ends = [limb.chain.tip for limb in robot.mechanism.limbs[1:]]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from robomech_ros.cli import main as cli
-from robomech_ros.kinetostatics import even_turns, load_reach_map, reach_map
+from robomech_ros.kinetostatics import load_reach_map, reach_map, uniform_turns
 from robomech_ros.robots import load_robot
 from robomech_ros.spatial import matrix_from_quaternion
 
@@ -89,7 +89,7 @@ def test_orientations_can_be_told(capfd, tmp_path):
     assert "4 orientations, 48 poses" in out
     down = matrix_from_quaternion([1, 0, 0, 0])
     found = load_reach_map(file)
-    assert np.allclose(found.request.orientations, even_turns(4, [0, 0, 1], down))
+    assert np.allclose(found.request.orientations, uniform_turns(4, [0, 0, 1], down))
     assert found.share_reached > 0.0
     code, out, _ = run(
         capfd, "plot-map", file, "--axis", "z", "--at", 0.3, "--quantity", "condition",

@@ -3,7 +3,7 @@
 import numpy as np
 from execution_cases import to_rest
 
-from robomech_ros.execution.client.delivery import Delivery, Transport
+from robomech_ros.execution.client.execution_request import ExecutionRequest, Transport
 from robomech_ros.execution.joints import JointKinds
 
 NAMES = ("shoulder", "elbow", "roll")
@@ -35,7 +35,7 @@ class Robot:
     def positions(self, names):
         return self.at.copy() if self.known else None
 
-    def heard(self, names):
+    def update_count(self, names):
         self.said += self.talks
         return self.said
 
@@ -50,11 +50,11 @@ class Robot:
 
 
 def delivery(goal=(0.5, 0.2, 0.1), start=HOME, transport=Transport.TOPIC):
-    return Delivery(None, NAMES, to_rest(goal, 1.0, start), transport)
+    return ExecutionRequest(None, NAMES, to_rest(goal, 1.0, start), transport)
 
 
 def stamped(delay, goal=(0.5, 0.2, 0.1)):
-    return Delivery(None, NAMES, to_rest(goal, 1.0), Transport.TOPIC, delay=delay)
+    return ExecutionRequest(None, NAMES, to_rest(goal, 1.0), Transport.TOPIC, delay=delay)
 
 
 def follow(robot, dispatcher, one, begin, end):

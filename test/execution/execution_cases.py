@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from robomech_ros.execution.controller.follower import Follower
+from robomech_ros.execution.controller.follower import TrajectoryFollower
 from robomech_ros.execution.controller.follower_settings import FollowerSettings
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.joints import Joints, State
@@ -28,7 +28,7 @@ def joints():
 
 def follower(position=(0.0, 0.0, 0.0), lag=0.0, **settings):
     standing = SimulatedJoints(np.array(position), lag)
-    return Follower(joints(), standing, FollowerSettings(**settings))
+    return TrajectoryFollower(joints(), standing, FollowerSettings(**settings))
 
 
 def state(position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0)):

@@ -8,7 +8,7 @@ import pytest
 
 from robomech_ros.errors import BadValueError, NonFiniteError, UnknownJointError, WrongSizeError
 from robomech_ros.execution.received_trajectory import ReceivedTrajectory, read_waypoints
-from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.execution.rejections import TrajectoryRefusedError
 
 NAMES = ("one", "two")
 

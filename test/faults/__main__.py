@@ -23,7 +23,7 @@ from bench import bench  # noqa: E402
 from cases import ALL_NODES, Case, cases, judge  # noqa: E402
 from session import Finding  # noqa: E402
 
-from robomech_ros.nodes.process.reach import stay_on_this_machine  # noqa: E402
+from robomech_ros.nodes.process.discovery_range import stay_on_this_machine  # noqa: E402
 
 _HEAD = (
     "| node | fault | caller | heard | after | velocity | acceleration | next motion |\n"

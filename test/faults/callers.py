@@ -18,7 +18,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.msg import ServoStatus
 from robomech_interfaces.srv import Execute
-from robomech_ros.nodes.middleware.deep_queues import ask, ask_action
+from robomech_ros.nodes.middleware.queue_depth import ask, ask_action
 from robomech_ros.outcomes import name_of
 
 __all__ = ["ByAction", "ByExecute", "ByRequests", "ByServo", "ByTopic", "Caller"]

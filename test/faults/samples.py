@@ -13,7 +13,7 @@ from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
-from robomech_ros.nodes.middleware.polled_subscription import Unattended
+from robomech_ros.nodes.middleware.polled_subscription import ManualSubscription
 from robomech_ros.typing import Array, IntArray
 
 __all__ = ["TOLERANCE", "Jump", "Limits", "Ratios", "Samples"]
@@ -94,7 +94,7 @@ class Samples:
             "joint_states",
             lambda packed: None,
             QoSProfile(depth=_DEPTH),
-            callback_group=Unattended(),
+            callback_group=ManualSubscription(),
             raw=True,
         )
         self._over = threading.Event()

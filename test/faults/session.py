@@ -15,7 +15,7 @@ from rclpy.node import Node
 from samples import Jump, Ratios, Samples
 from std_srvs.srv import Trigger
 
-from robomech_ros.nodes.middleware.deep_queues import ask
+from robomech_ros.nodes.middleware.queue_depth import ask
 
 __all__ = ["Finding", "Session", "Work"]
 

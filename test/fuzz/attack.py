@@ -24,7 +24,7 @@ from rclpy.task import Future
 from robot_watch import STRANGER, Resets
 
 from robomech_ros.nodes.commands.message_yaml import interface_class
-from robomech_ros.nodes.middleware.deep_queues import ask, ask_action
+from robomech_ros.nodes.middleware.queue_depth import ask, ask_action
 
 __all__ = ["ODDS", "WITH_FAULTS", "Attack", "Outcome"]
 

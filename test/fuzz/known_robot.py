@@ -9,9 +9,9 @@ import numpy as np
 
 from robomech_ros.hands import load_hand
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.parallel import load_described
+from robomech_ros.parallel import load_tree_description
 from robomech_ros.robots import SerialChain, load_robot
-from robomech_ros.robots.kinds import kind_of
+from robomech_ros.robots.robot_kinds import kind_of
 from robomech_ros.rolling import WheelJoints, rolling_robot
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw
 from robomech_ros.typing import Array
@@ -124,7 +124,7 @@ def known_arm(chain: SerialChain) -> KnownRobot:
 
 
 def _parallel(name: str) -> KnownRobot:
-    robot = load_described(name)
+    robot = load_tree_description(name)
     mechanism = robot.mechanism
     drives = mechanism.drive_index
     home = mechanism.home()

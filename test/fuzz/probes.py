@@ -12,7 +12,7 @@ from rclpy.executors import SingleThreadedExecutor, TimeoutException
 from rclpy.node import Node
 from rclpy.task import Future
 
-from robomech_ros.nodes.middleware.deep_queues import ask
+from robomech_ros.nodes.middleware.queue_depth import ask
 
 __all__ = ["LONGEST", "Probes", "ProgressExecutor"]
 

@@ -24,12 +24,12 @@ from robomech_ros.hands import (
     grasp_mobility,
     grasp_postures,
     hand_jacobian,
+    hand_postures,
     is_force_closed,
     list_hands,
     load_hand,
     object_twist,
     tip_postures,
-    whole_postures,
 )
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.spatial import pose_exponential
@@ -102,12 +102,12 @@ def test_postures_are_sorted_by_the_way_from_the_seed():
 def test_whole_postures_are_all_combinations_the_nearest_first():
     T, seed = lifted(), np.full(9, 0.4)
     found = grasp_postures(HAND, T, contacts_of(), seed=seed, respect_limits=False)
-    q, distance = whole_postures(HAND, found, seed=seed)
+    q, distance = hand_postures(HAND, found, seed=seed)
     assert len(q) == 4**3
     assert len({row.tobytes() for row in np.round(q, 9)}) == 4**3
     np.testing.assert_allclose(np.linalg.norm(q - seed, axis=1), distance)
     assert (np.diff(distance) >= -1e-12).all()
-    few, near = whole_postures(HAND, found, seed=seed, most=5)
+    few, near = hand_postures(HAND, found, seed=seed, most=5)
     np.testing.assert_array_equal(few, q[:5])
     np.testing.assert_array_equal(near, distance[:5])
 
@@ -116,11 +116,11 @@ def test_fingers_without_a_contact_stay_and_one_without_a_posture_leaves_none():
     T, seed = lifted(), np.full(9, 0.4)
     contacts = contacts_of()[:2]
     found = grasp_postures(HAND, T, contacts, fingers=[0, 1], seed=seed)
-    q, _ = whole_postures(HAND, found, fingers=[0, 1], seed=seed)
+    q, _ = hand_postures(HAND, found, fingers=[0, 1], seed=seed)
     assert len(q) == len(found[0].q) * len(found[1].q)
     assert (q[:, 6:] == 0.4).all()
     far = grasp_postures(HAND, lifted(0.5), contacts, seed=seed)
-    q, distance = whole_postures(HAND, (found[0], far[1]), seed=seed)
+    q, distance = hand_postures(HAND, (found[0], far[1]), seed=seed)
     assert q.shape == (0, 9)
     assert distance.shape == (0,)
 

@@ -41,7 +41,7 @@ def test_known_qualities(name):
 
 
 def test_bounds_hold_where_they_are_not_close_yet():
-    found = grasp_quality(on_sphere(EQUATOR, 1.0), length=1.0, most_points=80)
+    found = grasp_quality(on_sphere(EQUATOR, 1.0), length=1.0, max_wrenches=80)
     assert not found.certified
     assert found.lower <= 0.577326 <= 0.577391 <= found.upper
 

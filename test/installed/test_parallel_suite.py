@@ -22,7 +22,7 @@ from robomech_interfaces.srv import (
     SummarizeTorques,
 )
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
-from robomech_ros.parallel import ParallelDynamics, load_described, load_parallel
+from robomech_ros.parallel import ParallelDynamics, load_parallel, load_tree_description
 
 PATIENCE = 60.0
 LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -89,7 +89,7 @@ def test_a_parallel_robot_is_brought_up_and_moved_as_an_arm_is(bringup, outsider
         holding = ParallelDynamics(mechanism).gravity(last.position)
         np.testing.assert_allclose(np.array(held.effort)[mechanism.drive_index], holding, rtol=1e-6)
         with news:
-            links = len(load_described(name).description.links)
+            links = len(load_tree_description(name).description.links)
             assert news.wait_for(lambda: descriptions and len(frames) == links - 1, PATIENCE)
         running = set(node.get_node_names())
     assert {"kinematics", "dynamics", "trajectory_planner"} <= running and "servo" not in running
@@ -98,6 +98,6 @@ def test_a_parallel_robot_is_brought_up_and_moved_as_an_arm_is(bringup, outsider
     assert mechanism.loop_errors(positions).max() < 1e-10
     expected, _ = mechanism.rates(positions, velocities[:, mechanism.drive_index])
     np.testing.assert_allclose(velocities, expected, atol=1e-9)
-    described = load_described(descriptions[-1])
+    described = load_tree_description(descriptions[-1])
     assert described.mechanism.joint_names == mechanism.joint_names
     assert frames == {link for link in described.description.links if link != "base_link"}

@@ -186,7 +186,9 @@ def test_ros2_run_finds_the_executables(monkeypatch):
     prefix = Path(get_package_prefix("robomech_ros"))
     assert prefix == Path(sys.prefix)
     started = {path.name for path in (prefix / "lib" / "robomech_ros").iterdir() if is_run(path)}
-    named = entry_points(group="console_scripts").select(module="robomech_ros.nodes.process.start")
+    named = entry_points(group="console_scripts").select(
+        module="robomech_ros.nodes.process.entry_points"
+    )
     assert started == {"robomech", *(script.name for script in named)}
     share = Path(get_package_share_directory("robomech_ros"))
     assert (share / "package.xml").is_file() and (share / "config" / "servo.yaml").is_file()

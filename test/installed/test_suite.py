@@ -360,12 +360,12 @@ def is_alive(pid):
     ("arguments", "words"),
     [
         (
-            ["-p", "robot_description:=puma560", "-p", "largest_batch:=0"],
-            "parameter 'largest_batch' is 0; allowed is an integer from 1 to 10000000 poses",
+            ["-p", "robot_description:=puma560", "-p", "max_batch_size:=0"],
+            "parameter 'max_batch_size' is 0; allowed is an integer from 1 to 10000000 poses",
         ),
         (
-            ["-p", "robot_description:=puma560", "-p", "largest_batch:=many"],
-            "parameter 'largest_batch' is 'many'",
+            ["-p", "robot_description:=puma560", "-p", "max_batch_size:=many"],
+            "parameter 'max_batch_size' is 'many'",
         ),
         (
             ["-p", "robot_description:=pumba560"],

@@ -9,7 +9,6 @@ from robomech_ros.kinetostatics import (
     bias_acceleration,
     condition_number,
     condition_number_gradient,
-    extreme_reach,
     jacobian,
     jacobian_rate,
     joint_rates,
@@ -18,6 +17,7 @@ from robomech_ros.kinetostatics import (
     nearest_singular_posture,
     planar_rows,
     point_jacobian,
+    reach_limits,
     singularity_free,
     singularity_report,
     workspace_boundary,
@@ -89,7 +89,7 @@ def test_reach_is_that_of_many_postures(chain):
     q = np.random.default_rng(3).uniform(chain.lower, chain.upper, (20_000, chain.n))
     away = forward_kinematics(chain, q)[:, :3, 3] - chain.packed[0, 10:13]
     distances = np.linalg.norm(away, axis=1)
-    least, most = extreme_reach(chain)
+    least, most = reach_limits(chain)
     assert distances.min() - 0.2 < least < distances.min() + 1e-9
     assert distances.max() - 1e-9 < most < distances.max() + 0.1
 

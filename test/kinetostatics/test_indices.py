@@ -8,10 +8,10 @@ from robomech_ros.kinetostatics import (
     condition_number,
     condition_number_gradient,
     jacobian,
-    least_singular_value,
     least_singular_value_gradient,
     manipulability,
     manipulability_gradient,
+    min_singular_value,
 )
 from robomech_ros.robots import chain_from_dh, list_robots, load_robot
 
@@ -20,7 +20,7 @@ GRADIENTS = [
     (manipulability, manipulability_gradient, {}),
     (condition_number, condition_number_gradient, {}),
     (condition_number, condition_number_gradient, {"norm": "frobenius"}),
-    (least_singular_value, least_singular_value_gradient, {}),
+    (min_singular_value, least_singular_value_gradient, {}),
 ]
 
 
@@ -39,7 +39,7 @@ def test_agrees_with_numpy(robot, part):
     given = {"part": part, "length": 0.3}
     products = manipulability(chain, q, **given)
     np.testing.assert_allclose(products, s.prod(axis=1), rtol=1e-11, atol=1e-14)
-    least = least_singular_value(chain, q, **given)
+    least = min_singular_value(chain, q, **given)
     np.testing.assert_allclose(least, s[:, -1], rtol=1e-11, atol=1e-14)
     two, weighted = (condition_number(chain, q, norm=norm, **given) for norm in ("2", "frobenius"))
     np.testing.assert_allclose(two[regular], s[regular, 0] / s[regular, -1], rtol=1e-11)

@@ -20,7 +20,7 @@ from rclpy.task import Future
 from valid import ValidMaker
 
 from robomech_ros.nodes.commands.message_yaml import interface_class
-from robomech_ros.nodes.middleware.deep_queues import ask, ask_action
+from robomech_ros.nodes.middleware.queue_depth import ask, ask_action
 from robomech_ros.robots import load_robot
 
 __all__ = ["AGAIN", "Burst", "Task", "serve_tasks"]

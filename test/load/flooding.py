@@ -21,7 +21,7 @@ from std_srvs.srv import Trigger
 from valid import ValidMaker
 
 from robomech_interfaces.srv import SolveIK
-from robomech_ros.nodes.middleware.deep_queues import ask
+from robomech_ros.nodes.middleware.queue_depth import ask
 
 __all__ = ["Asker", "Bearing", "Flooding", "flood_all", "flooder", "topics"]
 

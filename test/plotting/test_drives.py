@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from robomech_ros.errors import WrongSizeError
-from robomech_ros.plotting.drives import plot_ways
+from robomech_ros.plotting.drives import plot_paths
 
 WANTED = np.random.default_rng(1).normal(size=(30, 2))
 DRIVEN = np.random.default_rng(2).normal(size=(40, 3))
 
 
 def test_ways_are_drawn_beside_each_other(tmp_path):
-    path = plot_ways(
+    path = plot_paths(
         tmp_path / "ways.svg", ("square", "eight"), [WANTED] * 2, [DRIVEN] * 2, title="a cart"
     )
     text = path.read_text(encoding="utf-8")
@@ -30,4 +30,4 @@ def test_ways_are_drawn_beside_each_other(tmp_path):
 )
 def test_ways_that_do_not_fit_are_refused(tmp_path, wanted, driven):
     with pytest.raises(WrongSizeError):
-        plot_ways(tmp_path / "ways.png", ("square", "eight"), wanted, driven)
+        plot_paths(tmp_path / "ways.png", ("square", "eight"), wanted, driven)

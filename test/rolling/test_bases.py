@@ -9,14 +9,15 @@ import pytest
 
 from robomech_ros.errors import (
     BadValueError,
-    ContradictionError,
+    InconsistentDataError,
     LimitExceededError,
-    UndeterminedError,
+    UnderdeterminedError,
 )
 from robomech_ros.rolling import (
     RollingBase,
     Wheel,
     ackermann,
+    differential_drive,
     isotropy,
     list_rolling,
     load_rolling,
@@ -24,7 +25,6 @@ from robomech_ros.rolling import (
     omnidirectional,
     swerve,
     tricycle,
-    two_wheeled,
 )
 
 GOLDEN = json.loads(
@@ -100,7 +100,7 @@ def test_characteristic_length_is_where_the_condition_number_is_least():
 
 def test_two_driven_wheels_and_a_caster_of_the_book():
     case = GOLDEN["differential_with_caster"]
-    base = two_wheeled(
+    base = differential_drive(
         case["r"],
         case["track"],
         casters=[
@@ -121,7 +121,9 @@ def test_two_driven_wheels_and_a_caster_of_the_book():
 
 
 def test_black_box_1_rates_of_the_controllers_of_ros2_control():
-    assert two_wheeled(0.1, 0.4).wheel_rates([1.0, 0.5, 0.0]) == pytest.approx([3.0, 7.0], abs=1e-9)
+    assert differential_drive(0.1, 0.4).wheel_rates([1.0, 0.5, 0.0]) == pytest.approx(
+        [3.0, 7.0], abs=1e-9
+    )
     assert mecanum(0.1, 0.6, 0.4).wheel_rates([0.2, 1.0, 0.5]) == pytest.approx(
         [4.0, 16.0, 6.0, 14.0], abs=1e-9
     )
@@ -229,18 +231,18 @@ def test_the_origin_may_be_anywhere():
     [
         (  # skid steering: four fixed wheels
             [Wheel(kind="fixed", position=(x, y), radius=0.1) for x, y in CORNERS],
-            ContradictionError,
+            InconsistentDataError,
             "one common axle",
         ),
         (
             [Wheel(kind="omni", position=(x, 0.1 * x), radius=0.1) for x in (0.1, 0.2, 0.3)],
-            UndeterminedError,
+            UnderdeterminedError,
             "free now are twists",
         ),
         (  # rollers as they must not be: all alike
             [Wheel(kind="omni", position=(x, y), radius=0.1, roller=0.7)
              for x in (0.2, -0.2) for y in (0.2, -0.2)],
-            UndeterminedError,
+            UnderdeterminedError,
             "free now are twists",
         ),
         (
@@ -265,13 +267,13 @@ def test_wheels_that_contradict_each_other_or_do_not_suffice(wheels, error, text
 
 def test_free_twists_are_named():
     wheels = [Wheel(kind="omni", position=(0.0, y), radius=0.1) for y in (0.1, 0.2, 0.3)]
-    with pytest.raises(UndeterminedError) as caught:
+    with pytest.raises(UnderdeterminedError) as caught:
         RollingBase(wheels)
     assert np.abs(caught.value.free) == pytest.approx(np.array([[0.0, 0.0, 1.0]]))
 
 
 def test_black_box_15_a_component_that_the_wheels_cannot_give():
-    base = two_wheeled(0.1, 0.4)
+    base = differential_drive(0.1, 0.4)
     with pytest.raises(BadValueError, match=r"twist is .*such as \[1\.0, 0\.5, 0\.0\]"):
         base.wheel_rates([1.0, 0.5, 0.2])
     assert base.feasible([1.0, 0.5, 0.2]).tolist() == [1.0, 0.5, 0.0]

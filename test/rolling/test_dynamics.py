@@ -16,11 +16,11 @@ from robomech_ros.rolling import (
     Wheel,
     WheelBody,
     ackermann,
+    differential_drive,
     mecanum,
     omnidirectional,
     rolling_robot,
     simulate_rolling,
-    two_wheeled,
 )
 
 GOLDEN = Path(__file__).parents[1] / "data" / "golden"
@@ -35,7 +35,7 @@ def test_two_driven_wheels_of_the_book():
     platform = PlatformBody(
         mass=case["m_platform"], inertia=case["Ic"], centre=[case["com_forward"], 0.0]
     )
-    base = two_wheeled(case["r"], case["track"])
+    base = differential_drive(case["r"], case["track"])
     moving = RollingDynamics(base, platform, [wheel, wheel])
     twist, _ = base.body_twist(case["thd_RL"][::-1])
     inertia, coupling = moving.drive_model(twist)
@@ -86,8 +86,8 @@ def caster(x, y, heading=0.0):
 
 
 BASES = {
-    "two wheels, a caster": two_wheeled(0.1, 0.4, casters=[caster(-0.4, 0.1)]),
-    "two wheels, two casters": two_wheeled(
+    "two wheels, a caster": differential_drive(0.1, 0.4, casters=[caster(-0.4, 0.1)]),
+    "two wheels, two casters": differential_drive(
         0.1, 0.4, casters=[caster(-0.4, 0.1, 0.7), caster(0.3, -0.2)]
     ),
     "three wheels": omnidirectional(3, 0.08, 0.3, offset=0.4),
@@ -233,7 +233,7 @@ def test_energy_is_kept_to_1e_8(name):
 
 def test_the_pose_of_a_run_is_that_of_its_twist():
     """Constant torques on both wheels of a symmetric base drive it along its ray."""
-    base = two_wheeled(0.1, 0.4)
+    base = differential_drive(0.1, 0.4)
     moving = RollingDynamics(base, PlatformBody(mass=8.0, inertia=0.3), [WheelBody(mass=1.0)] * 2)
     run = simulate_rolling(moving, np.zeros(3), lambda t, v, b: [0.5, 0.5], 2.0, pose=[1, 2, 0.3])
     way = 0.5 * (2 * 0.5 / 0.1 / 10.0) * 2.0**2
@@ -253,10 +253,10 @@ def test_what_is_no_dynamics_is_refused():
     with pytest.raises(BadValueError, match="front_right, front_left', expected a base without"):
         RollingDynamics(ackermann(0.15, 1.2, 0.8), platform, [body] * 4)
     with pytest.raises(WrongSizeError, match="wheels has size 1"):
-        RollingDynamics(two_wheeled(0.1, 0.4), platform, [body])
+        RollingDynamics(differential_drive(0.1, 0.4), platform, [body])
     with pytest.raises(BadValueError, match="mass is -1.0"):
         WheelBody(mass=-1.0)
-    moving = RollingDynamics(two_wheeled(0.1, 0.4), platform, [body] * 2)
+    moving = RollingDynamics(differential_drive(0.1, 0.4), platform, [body] * 2)
     with pytest.raises(BadValueError, match="acceleration is .*such as"):
         moving.inverse([0.0, 1.0, 0.0], [0.0, 0.0, 1.0])
     with pytest.raises(BadValueError, match="driven wheels is 4, expected 3"):

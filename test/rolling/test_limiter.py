@@ -12,12 +12,12 @@ from robomech_ros.rolling import (
     CommandLimiter,
     MotionLimits,
     ackermann,
+    differential_drive,
     list_rolling,
     mecanum,
     rolling_robot,
     swerve,
     tricycle,
-    two_wheeled,
 )
 
 PERIOD = 0.01
@@ -119,7 +119,7 @@ def test_a_command_that_is_allowed_once_moves_the_base_as_one_in_every_period(na
             assert other.saturated == one.saturated
 
 
-@pytest.mark.parametrize("base", [two_wheeled(0.1, 0.4), mecanum(0.1, 0.6, 0.4)])
+@pytest.mark.parametrize("base", [differential_drive(0.1, 0.4), mecanum(0.1, 0.6, 0.4)])
 def test_uneven_limits_hold_where_a_velocity_changes_its_sign(base):
     limiter = CommandLimiter(base, UNEVEN, PERIOD)
     rng = np.random.default_rng(3)
@@ -159,7 +159,7 @@ def test_the_curvature_is_kept_from_rest_under_saturation_and_while_braking(name
 def test_a_commanded_circle_of_one_metre_is_kept():
     """Limited axis by axis, it would be left by 0.20 m."""
     limits = MotionLimits(acceleration=[3.0, 0.5, 1.0], jerk=[30.0, 5.0, 5.0])
-    limiter = CommandLimiter(two_wheeled(0.1, 0.4), limits, 0.02)
+    limiter = CommandLimiter(differential_drive(0.1, 0.4), limits, 0.02)
     twists, _, _ = limiter.run(limiter.at_rest(), np.tile([0.5, 0.5, 0.0], (500, 1)))
     pose, farthest = np.zeros(3), 0.0
     for twist in twists:
@@ -171,14 +171,14 @@ def test_a_commanded_circle_of_one_metre_is_kept():
 def test_a_step_is_as_fast_as_the_limits_allow():
     """From 0 to 1 m/s with 2 m/s^2 and 5 m/s^3: 0.4 s of jerk twice, and 0.1 s between."""
     limits = MotionLimits(acceleration=[3.0, 2.0, 1.0], jerk=[9.0, 5.0, 5.0])
-    limiter = CommandLimiter(two_wheeled(0.1, 0.4), limits, PERIOD)
+    limiter = CommandLimiter(differential_drive(0.1, 0.4), limits, PERIOD)
     twists, _, _ = limiter.run(limiter.at_rest(), np.tile([0.0, 1.0, 0.0], (200, 1)))
     assert int(np.argmax(twists[:, 1] == 1.0)) + 1 <= 91
     assert ratios(limiter, twists, np.zeros((200, 0)))[2] <= MOST
 
 
 def test_a_wheel_that_saturates_shortens_the_whole_twist_and_is_named():
-    base = two_wheeled(0.1, 0.4, max_rate=5.0)
+    base = differential_drive(0.1, 0.4, max_rate=5.0)
     limiter = CommandLimiter(base, MotionLimits(acceleration=[9.0] * 3, jerk=[90.0] * 3), PERIOD)
     twist, saturated = limiter.allowed([1.0, 0.5, 0.0])
     assert twist == pytest.approx([5.0 / 7.0, 2.5 / 7.0, 0.0], rel=1e-12)

@@ -10,10 +10,10 @@ from robomech_ros.rolling import (
     Odometry,
     OdometryNoise,
     advance_odometry,
+    differential_drive,
     list_rolling,
     load_rolling,
     mecanum,
-    two_wheeled,
 )
 from robomech_ros.rolling.arcs import moved
 
@@ -34,7 +34,7 @@ def test_arcs_are_those_of_the_exponential(turn):
 
 
 def test_black_box_2_odometry_of_the_controllers():
-    base = two_wheeled(0.1, 0.4)
+    base = differential_drive(0.1, 0.4)
     rates = base.wheel_rates([1.0, 0.5, 0.0])
     pose = base.integrate([0.0, 0.0, 0.0], rates, 1.0)
     assert pose == pytest.approx([0.5 * math.sin(1.0), 0.5 * (1.0 - math.cos(1.0)), 1.0], abs=1e-12)
@@ -66,7 +66,7 @@ def test_poses_are_moved_many_at_once(name):
 
 
 def test_the_covariance_of_a_straight_way_does_not_depend_on_the_steps():
-    base, noise = two_wheeled(0.1, 0.4), OdometryNoise(travel=1e-4)
+    base, noise = differential_drive(0.1, 0.4), OdometryNoise(travel=1e-4)
     found = []
     for count in (1, 7, 100):
         odometry = Odometry.at([0.0, 0.0, 0.3])

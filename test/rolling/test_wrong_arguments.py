@@ -16,6 +16,7 @@ from robomech_ros.rolling import (
     WheelBody,
     ackermann,
     advance_odometry,
+    differential_drive,
     isotropy,
     list_rolling,
     load_rolling,
@@ -24,7 +25,6 @@ from robomech_ros.rolling import (
     rolling_robot,
     swerve,
     tricycle,
-    two_wheeled,
 )
 
 VALUES = (
@@ -54,7 +54,7 @@ def calls():
         for name, call in with_options(Wheel, **good).items():
             found[f"{kind}.{name}"] = call
     found |= with_options(RollingBase, wheels=list(load_rolling("omni").wheels))
-    found |= with_options(two_wheeled, radius=0.1, track=0.4)
+    found |= with_options(differential_drive, radius=0.1, track=0.4)
     found |= with_options(omnidirectional, count=3, radius=0.1, distance=0.5)
     found |= with_options(mecanum, radius=0.1, length=0.5, width=0.4)
     found |= with_options(tricycle, **sizes) | with_options(ackermann, **sizes)
@@ -73,7 +73,7 @@ def calls():
         some |= with_options(base.caster_rates, twist=twist, brackets=brackets)
         some |= with_options(base.body_twist, rates=rates, steering=steering)
         some |= with_options(base.integrate, pose=[0, 0, 0], rates=rates, dt=0.1, steering=steering)
-        some |= with_options(base.told_rows, steering=steering)
+        some |= with_options(base.measured_rows, steering=steering)
         some |= with_options(
             advance_odometry, base=base, odometry=Odometry.at(), rates=rates, dt=0.1
         )

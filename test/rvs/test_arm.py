@@ -8,7 +8,7 @@ import pytest
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.robots import list_robots, load_robot
-from robomech_ros.rvs.model.arm import SeenArm
+from robomech_ros.rvs.model.arm import ArmView
 
 
 def moved(T, *by):
@@ -20,7 +20,7 @@ def moved(T, *by):
 
 @pytest.mark.parametrize("robot", list_robots())
 def test_every_robot_stands_at_home_in_a_posture_of_its_own_pose(robot):
-    arm = SeenArm(load_robot(robot))
+    arm = ArmView(load_robot(robot))
     np.testing.assert_array_equal(arm.q, arm.chain.home())
     assert any(posture.is_here for posture in arm.study.postures)
     for posture in arm.study.postures:
@@ -28,7 +28,7 @@ def test_every_robot_stands_at_home_in_a_posture_of_its_own_pose(robot):
 
 
 def test_the_postures_are_those_of_the_solver_in_an_order_that_stays():
-    arm = SeenArm(load_robot("ur5e"))
+    arm = ArmView(load_robot("ur5e"))
     names = [posture.name for posture in arm.study.postures]
     found = inverse_kinematics(arm.chain, arm.tip, seed=arm.q)
     assert sorted(names) == sorted(found.branches) and arm.study.complete and len(names) == 8
@@ -39,7 +39,7 @@ def test_the_postures_are_those_of_the_solver_in_an_order_that_stays():
 
 
 def test_a_joint_moves_inside_its_limits_and_not_beyond():
-    arm = SeenArm(load_robot("puma560"))
+    arm = ArmView(load_robot("puma560"))
     arm.set_joint(1, 0.5)
     assert arm.q[1] == 0.5
     before = arm.q
@@ -55,14 +55,14 @@ def test_a_joint_moves_inside_its_limits_and_not_beyond():
 
 
 def test_a_typed_limit_that_was_rounded_is_the_limit():
-    arm = SeenArm(load_robot("puma560"))
+    arm = ArmView(load_robot("puma560"))
     arm.set_joint(0, float(f"{arm.chain.upper[0]:.6f}"))
     assert arm.q[0] == pytest.approx(arm.chain.upper[0], abs=1e-6)
     assert arm.q[0] <= arm.chain.upper[0]
 
 
 def test_the_arm_follows_the_gizmo_in_the_nearest_posture():
-    arm = SeenArm(load_robot("ur5e"))
+    arm = ArmView(load_robot("ur5e"))
     T, before = moved(arm.tip, 0.0, 0.0, 0.03), arm.q
     arm.drag(T)
     np.testing.assert_allclose(arm.tip, T, atol=1e-9)
@@ -71,7 +71,7 @@ def test_the_arm_follows_the_gizmo_in_the_nearest_posture():
 
 
 def test_out_of_reach_the_arm_stays_the_nearest_posture_is_known_and_the_gizmo_snaps_back():
-    arm = SeenArm(load_robot("ur5e"))
+    arm = ArmView(load_robot("ur5e"))
     before, tip = arm.q, arm.tip
     T = moved(tip, 1.0, 1.0, 0.0)
     arm.drag(T)
@@ -90,7 +90,7 @@ def test_out_of_reach_the_arm_stays_the_nearest_posture_is_known_and_the_gizmo_s
 
 
 def test_limits_that_exclude_everything_name_the_joint_and_the_excess():
-    arm = SeenArm(load_robot("irb120"))
+    arm = ArmView(load_robot("irb120"))
     q = arm.chain.home()
     q[2] = arm.chain.upper[2] + 0.2
     q[3:] += [0.3, 0.4, 0.5]
@@ -102,7 +102,7 @@ def test_limits_that_exclude_everything_name_the_joint_and_the_excess():
 
 
 def test_the_nearest_posture_can_be_taken():
-    arm = SeenArm(load_robot("ur5e"))
+    arm = ArmView(load_robot("ur5e"))
     arm.drag(moved(arm.tip, 1.0, 1.0, 0.0))
     nearest = arm.study.nearest
     arm.take(0)
@@ -111,14 +111,14 @@ def test_the_nearest_posture_can_be_taken():
 
 @pytest.mark.parametrize("number", [-1, 8, 0.5, math.inf])
 def test_a_posture_that_is_not_there_is_refused(number):
-    arm = SeenArm(load_robot("ur5e"))
+    arm = ArmView(load_robot("ur5e"))
     with pytest.raises(BadValueError, match="posture"):
         arm.take(number)
 
 
 @pytest.mark.parametrize("T", [np.zeros((4, 4)), np.full((4, 4), np.nan), np.eye(3), "there", None])
 def test_what_is_no_pose_is_refused(T):
-    arm = SeenArm(load_robot("ur5e"))
+    arm = ArmView(load_robot("ur5e"))
     before = arm.q
     with pytest.raises(RobomechError):
         arm.drag(T)
@@ -126,7 +126,7 @@ def test_what_is_no_pose_is_refused(T):
 
 
 def test_an_arm_with_few_joints_follows_as_near_as_it_can():
-    arm = SeenArm(load_robot("scara"))
+    arm = ArmView(load_robot("scara"))
     before = arm.tip
     tilted = moved(before, 0.0, 0.02, 0.0) @ np.diag([1.0, 1.0, 1.0, 1.0])
     tilted[:3, :3] = tilted[:3, :3] @ [[1, 0, 0], [0, 0.995004, -0.099833], [0, 0.099833, 0.995004]]
@@ -138,7 +138,7 @@ def test_an_arm_with_few_joints_follows_as_near_as_it_can():
 
 @pytest.mark.parametrize("robot", ["iiwa14", "panda", "gen3", "general7r"])
 def test_the_tip_stays_along_the_self_motion_up_to_a_limit(robot):
-    arm = SeenArm(load_robot(robot))
+    arm = ArmView(load_robot(robot))
     T, begin = arm.tip, arm.q
     curve = arm.self_motion()
     assert curve.low <= -1.0 and curve.high >= 1.0
@@ -157,7 +157,7 @@ def test_the_tip_stays_along_the_self_motion_up_to_a_limit(robot):
 
 @pytest.mark.parametrize("robot", ["iiwa14", "panda"])
 def test_no_sample_of_a_self_motion_is_listed_twice(robot):
-    postures = SeenArm(load_robot(robot)).study.postures
+    postures = ArmView(load_robot(robot)).study.postures
     q = np.array([posture.q for posture in postures])
     assert sum(posture.is_here for posture in postures) == 1
     apart = np.abs(q[:, None] - q).max(axis=-1) + 9.0 * np.eye(len(q))
@@ -166,16 +166,16 @@ def test_no_sample_of_a_self_motion_is_listed_twice(robot):
 
 
 def test_an_arm_of_six_joints_has_no_self_motion():
-    arm = SeenArm(load_robot("ur5e"))
+    arm = ArmView(load_robot("ur5e"))
     assert arm.self_motion() is None
     with pytest.raises(BadValueError, match="more than six joints"):
         arm.slide(0.1)
     with pytest.raises(BadValueError, match="self-motion is nan"):
-        SeenArm(load_robot("iiwa14")).slide(math.nan)
+        ArmView(load_robot("iiwa14")).slide(math.nan)
 
 
 def test_sliders_of_joints_without_limits_have_ends():
-    arm = SeenArm(load_robot("jaco2"))
+    arm = ArmView(load_robot("jaco2"))
     endless = [j for j in range(arm.chain.n) if np.isinf(arm.chain.upper[j])]
     for joint in range(arm.chain.n):
         low, high = arm.travel(joint)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.rvs.model.jog import Beat, JogDirection, JogSwitch, read_beat
+from robomech_ros.rvs.model.jog import HoldHeartbeat, JogDirection, JogSwitch, read_beat
 
 PLUS = JogDirection("linear", 2, 1)
 
@@ -31,9 +31,11 @@ def switch(clock):
 
 
 def test_beats_are_read():
-    assert read_beat("joint 5 - 1712 1", 6) == Beat(JogDirection("joint", 5, -1), 1712, 0.001)
-    assert read_beat("linear 2 + 7 12345", 6) == Beat(PLUS, 7, 12.345)
-    assert read_beat("angular 0 + 0 0", 6) == Beat(JogDirection("angular", 0, 1), 0, 0.0)
+    assert read_beat("joint 5 - 1712 1", 6) == HoldHeartbeat(
+        JogDirection("joint", 5, -1), 1712, 0.001
+    )
+    assert read_beat("linear 2 + 7 12345", 6) == HoldHeartbeat(PLUS, 7, 12.345)
+    assert read_beat("angular 0 + 0 0", 6) == HoldHeartbeat(JogDirection("angular", 0, 1), 0, 0.0)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from raw_client import PATIENCE, camera, inside_limits, send_value, slider, wait
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import load_robot
-from robomech_ros.rvs.layers.keeping import END, KeepingLayer
+from robomech_ros.rvs.layers.recording import END, RecordingLayer
 from robomech_ros.rvs.model.recorder import MOST_POSTURES_KEPT, Recorder
 from robomech_ros.rvs.model.view_state import ViewState, state_from_text, text_from_state
 
@@ -97,7 +97,7 @@ def test_a_recording_of_nothing_is_refused_and_one_without_end_ends():
 @pytest.fixture
 def kept(page, commander):
     """The layer that keeps, with its controls."""
-    layer = next(layer for layer in page._layers if isinstance(layer, KeepingLayer))
+    layer = next(layer for layer in page._layers if isinstance(layer, RecordingLayer))
     wait_until(lambda: layer._controls is not None)
     return layer
 
@@ -129,7 +129,7 @@ def test_the_view_is_shown_and_taken(page, commander, kept):
 
 def test_a_view_switches_what_layers_show_and_marks_it(page, commander, kept):
     layers = {type(layer).__name__: layer for layer in page._layers}
-    understand, workspace = layers["UnderstandLayer"], layers["WorkspaceLayer"]
+    understand, workspace = layers["AnalysisLayer"], layers["WorkspaceLayer"]
     wait_until(lambda: kept._controls.view.value.startswith("q:"))
     assert kept._controls.view.value.endswith("show:ghosts,ground,gizmo,cut_open")
     before = kept._controls.view.value.rpartition("show:")[0]
@@ -168,7 +168,7 @@ def test_a_view_of_elsewhere_is_refused_as_a_whole(page, commander, kept):
 def test_a_recording_that_fills_up_when_nobody_commands_is_shown(page, client):
     with client.connect() as connection:
         connection.send(PACK(camera()))
-        layer = next(layer for layer in page._layers if isinstance(layer, KeepingLayer))
+        layer = next(layer for layer in page._layers if isinstance(layer, RecordingLayer))
         wait_until(lambda: layer._controls is not None)
         button = layer._controls.record
         send_value(connection, button._impl.uuid, True)

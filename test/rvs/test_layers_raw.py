@@ -30,7 +30,7 @@ def control(page, label):
 
 def understand(page):
     """The layer "Understand" of a page."""
-    return next(one for one in page._layers if type(one).__name__ == "UnderstandLayer")
+    return next(one for one in page._layers if type(one).__name__ == "AnalysisLayer")
 
 
 def alive(page, commander, joint=5):

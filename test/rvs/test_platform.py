@@ -8,8 +8,8 @@ from robomech_ros.parallel import list_parallel, load_parallel, pose_limits, vel
 from robomech_ros.rvs.model.platforms.facts import platform_facts
 from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts, limb_points
 from robomech_ros.rvs.model.platforms.lists import LISTS, platform_list
+from robomech_ros.rvs.model.platforms.platform_view import PlatformView
 from robomech_ros.rvs.model.platforms.reach import platform_reach
-from robomech_ros.rvs.model.platforms.seen_platform import SeenPlatform
 from robomech_ros.spatial import matrix_from_axis_angle, pose_exponential
 
 ROBOTS = list_parallel()
@@ -23,7 +23,7 @@ def closed(platform):
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_the_platform_follows_a_drag_in_the_motions_that_it_has(name):
-    platform = SeenPlatform(load_parallel(name))
+    platform = PlatformView(load_parallel(name))
     size, start = platform.mechanism.size, platform.tip
     step = np.array([0.02, 0.01, 0.03, 0.01 * size, -0.02 * size, 0.015 * size])
     platform.drag(start @ pose_exponential(step))
@@ -38,7 +38,7 @@ def test_the_platform_follows_a_drag_in_the_motions_that_it_has(name):
 
 
 def test_a_leg_that_ends_the_drag_is_named_and_the_robot_stays():
-    platform = SeenPlatform(load_parallel("hexapod"))
+    platform = PlatformView(load_parallel("hexapod"))
     before, far = platform.q, platform.tip
     far[:3, 3] += [0.25, 0.0, 0.2]
     platform.drag(far)
@@ -56,7 +56,7 @@ def test_a_leg_that_ends_the_drag_is_named_and_the_robot_stays():
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_a_drive_moves_alone_and_the_loops_stay_closed(name):
-    platform = SeenPlatform(load_parallel(name))
+    platform = PlatformView(load_parallel(name))
     values = platform.values
     platform.set_joint(1, values[1] + 1e-2)
     expected = values.copy()
@@ -67,7 +67,7 @@ def test_a_drive_moves_alone_and_the_loops_stay_closed(name):
 
 @pytest.mark.parametrize("value", [0.5, 1.0, -3.0])
 def test_a_drive_outside_its_stroke_is_refused_and_the_robot_stays(value):
-    platform = SeenPlatform(load_parallel("hexapod"))
+    platform = PlatformView(load_parallel("hexapod"))
     before = platform.q
     with pytest.raises(BadValueError, match=r"leg1_length.*0\.6 to 0\.95 m"):
         platform.set_joint(0, value)
@@ -77,7 +77,7 @@ def test_a_drive_outside_its_stroke_is_refused_and_the_robot_stays(value):
 
 
 def test_a_drive_that_the_robot_cannot_follow_is_refused():
-    platform = SeenPlatform(load_parallel("planar_3rrr"))
+    platform = PlatformView(load_parallel("planar_3rrr"))
     before = platform.q
     with pytest.raises(BadValueError, match="can follow"):
         for value in np.linspace(platform.values[0], platform.values[0] + 3.0, 40):
@@ -89,7 +89,7 @@ def test_a_drive_that_the_robot_cannot_follow_is_refused():
 @pytest.mark.parametrize("name", ROBOTS)
 @pytest.mark.parametrize("kind", LISTS)
 def test_modes_have_the_same_drives_and_branches_the_same_pose(name, kind):
-    platform = SeenPlatform(load_parallel(name))
+    platform = PlatformView(load_parallel(name))
     found = platform_list(platform.robot, platform.q, kind)
     mechanism = platform.mechanism
     assert any(posture.is_here for posture in found.postures)
@@ -105,7 +105,7 @@ def test_modes_have_the_same_drives_and_branches_the_same_pose(name, kind):
 
 
 def test_a_posture_keeps_its_number_while_the_robot_moves():
-    platform = SeenPlatform(load_parallel("sgp_6_3"))
+    platform = PlatformView(load_parallel("sgp_6_3"))
     first = platform_list(platform.robot, platform.q, LISTS[0])
     platform.know(first)
     platform.take(3)
@@ -154,7 +154,7 @@ def test_ghosts_have_rods_between_the_joints_that_are_apart(name):
 
 
 def test_the_gizmo_has_the_handles_of_the_motions():
-    options = {name: SeenPlatform(load_parallel(name)).gizmo(0.1) for name in ROBOTS}
+    options = {name: PlatformView(load_parallel(name)).gizmo(0.1) for name in ROBOTS}
     assert options["hexapod"] == {"scale": 0.1, "disable_rotations": False}
     assert options["delta"] == {"scale": 0.1, "disable_rotations": True}
     assert options["agile_eye"]["disable_axes"] and options["agile_eye"]["disable_sliders"]

@@ -3,7 +3,7 @@
 import numpy as np
 from servo_drives import Drive
 
-from robomech_ros.execution.controller.follower import Follower
+from robomech_ros.execution.controller.follower import TrajectoryFollower
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.joints import Joints
 from robomech_ros.execution.motion_tolerances import Tolerances
@@ -23,7 +23,7 @@ class LateStream:
     def __init__(self, robot, q, command, delay, seconds=1.5, stopped=(0.0, 0.0)):
         self.drive = Drive(robot, q, lead=2)
         n, self.joints = self.drive.chain.n, Joints.of(self.drive.chain)
-        self.arm = Follower(self.joints, SimulatedJoints(np.array(self.drive.q)))
+        self.arm = TrajectoryFollower(self.joints, SimulatedJoints(np.array(self.drive.q)))
         self._free = Tolerances(*[np.full(n, np.inf)] * 3, np.inf)
         self._command, self._delay, self._seconds = command, delay, seconds
         self._knot = 2 * self.drive.period

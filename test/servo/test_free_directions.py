@@ -12,7 +12,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import load_robot
 from robomech_ros.servo.commands import PoseCommand
 from robomech_ros.servo.report import ServoCondition
-from robomech_ros.servo.resolution import TwistResolver
+from robomech_ros.servo.twist_resolver import TwistResolver
 
 FIVE = load_robot(Path(__file__).parents[1] / "data" / "five_joints.urdf")
 POSITION, TOOL_AXIS = (True,) * 3 + (False,) * 3, (True,) * 5 + (False,)

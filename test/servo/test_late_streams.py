@@ -10,11 +10,11 @@ from approaches import random_start
 from late_streams import LateStream
 from servo_drives import TIMEOUT, robot_of
 
-from robomech_ros.execution.controller.follower import Follower
+from robomech_ros.execution.controller.follower import TrajectoryFollower
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.joints import Joints
 from robomech_ros.execution.motion_tolerances import Tolerances
-from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.servo.commands import JointCommand, TwistCommand
 from robomech_ros.trajectory import Waypoints
 
@@ -150,7 +150,7 @@ def test_what_comes_in_time_is_followed_as_ever():
 def test_the_end_of_a_stream_is_reached_that_comes_when_it_is_over(over):
     """The robot rests just before it, as the message before had it."""
     chain = Joints.of(robot_of("puma560"))
-    arm = Follower(chain, SimulatedJoints(np.zeros(6)))
+    arm = TrajectoryFollower(chain, SimulatedJoints(np.zeros(6)))
     free = Tolerances(*[np.full(6, np.inf)] * 3, np.inf)
     times = np.array([0.0, 0.02, 0.1])
     steps = np.outer([-0.004, -0.001, 0.003], [1.0, -0.5, 0.0, 0.0, 0.0, 0.0])

@@ -12,7 +12,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.servo.motion import Motion
 from robomech_ros.servo.report import ServoCondition
-from robomech_ros.servo.resolution import TwistResolver
+from robomech_ros.servo.twist_resolver import TwistResolver
 
 LIBRARY = sorted(
     {path.stem for path in (Path(robomech_ros.__file__).parents[1] / "config/robots").glob("*.*")}

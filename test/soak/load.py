@@ -36,7 +36,7 @@ from robomech_interfaces.srv import (
 )
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.pose_messages import stamped_pose
-from robomech_ros.nodes.middleware.deep_queues import ask
+from robomech_ros.nodes.middleware.queue_depth import ask
 from robomech_ros.robots import SerialChain
 
 __all__ = ["Load"]

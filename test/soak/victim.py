@@ -8,7 +8,7 @@ from sensor_msgs.msg import JointState
 
 from robomech_interfaces.action import ExecuteTrajectory
 from robomech_interfaces.srv import SolveIK
-from robomech_ros.nodes.middleware.deep_queues import ask, ask_action
+from robomech_ros.nodes.middleware.queue_depth import ask, ask_action
 
 PATIENCE = 60.0
 

@@ -22,8 +22,8 @@ import numba
 import numpy
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 
+from robomech_ros._kernels.compiling.folder_permissions import who_else_can_write
 from robomech_ros._kernels.compiling.sources import PACKAGE, sources
-from robomech_ros._kernels.compiling.trust import who_else_can_write
 
 
 class _Locator(_CacheLocator):

@@ -226,7 +226,7 @@ def base_motion(around, point):
 
 
 @fused
-def wrench_seen(around, tip):
+def wrench_about(around, tip):
     """Return the wrench on the tip (6) as seen from the point that the tip is seen from."""
     x, y, z = tip
     fx, fy, fz = around[12], around[13], around[14]

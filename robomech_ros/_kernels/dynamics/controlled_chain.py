@@ -26,14 +26,14 @@ from robomech_ros._kernels.compiling.jit import (
     lean,
     scratch,
 )
-from robomech_ros._kernels.dynamics.inverse import gravity_body, inverse_body
-from robomech_ros._kernels.dynamics.mass import mass_body
-from robomech_ros._kernels.dynamics.sticking import (
+from robomech_ros._kernels.dynamics.dry_friction import (
     AT_STOP,
     MOST_SERVO_JOINTS,
     dry_friction,
     settled_rates,
 )
+from robomech_ros._kernels.dynamics.inverse import gravity_body, inverse_body
+from robomech_ros._kernels.dynamics.mass import mass_body
 
 __all__ = [
     "COMPUTED_TORQUE",

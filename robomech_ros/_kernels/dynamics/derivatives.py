@@ -21,7 +21,7 @@ from robomech_ros._kernels.dynamics.base_frame import (
     placed_body,
     plus,
     six,
-    wrench_seen,
+    wrench_about,
     write_six,
 )
 from robomech_ros._kernels.dynamics.layout import MOST_JOINTS, SURROUNDINGS, TIP_WRENCH
@@ -107,7 +107,7 @@ def derivatives_body(model, q, qd, qdd, around, by_q, by_qd, M):
                 dot(inert, turned) + left[0] * R[0] + left[1] * R[1] + left[2] * R[2]
             )
         M[i, i] += model[i, 23]
-    wrench = wrench_seen(around, tip)
+    wrench = wrench_about(around, tip)
     for j in range(TIP_WRENCH, SURROUNDINGS):
         if around[j] != 0.0:
             _tip_terms(axes, wrench, tip, by_q)

@@ -31,7 +31,7 @@ from robomech_ros._kernels.dynamics.base_frame import (
     placed_body,
     plus,
     six,
-    wrench_seen,
+    wrench_about,
     write_six,
 )
 from robomech_ros._kernels.dynamics.inverse import inverse_body
@@ -136,7 +136,7 @@ def _articulated_body(model, q, qd, tau, around, out):
         write_six(drifts[i], motion_cross(velocity, plus(NO_MOTION, S, qd[i])))
     # The inertia of what is beyond a joint that gives way, and the force that it takes.
     A = _NOTHING
-    p = plus(NO_MOTION, wrench_seen(around, tip), -1.0)
+    p = plus(NO_MOTION, wrench_about(around, tip), -1.0)
     for i in range(count - 1, -1, -1):
         body = placed_body(model, frames, i, point)
         velocity = six(velocities[i])

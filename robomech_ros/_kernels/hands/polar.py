@@ -12,7 +12,7 @@ import math
 
 from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.compiling.jit import lean, scratch
-from robomech_ros._kernels.hands.closing import barrier
+from robomech_ros._kernels.hands.force_closure import barrier
 
 _MOST_STEPS = 200
 # Below this decrement a whole step of Newton's method converges, and below the other it has.

@@ -29,9 +29,8 @@ from robomech_ros._kernels.compiling.jit import (
     linked,
 )
 from robomech_ros._kernels.dynamics.controlled_chain import COMPUTED_TORQUE, RUNS_AWAY
+from robomech_ros._kernels.dynamics.dry_friction import AT_STOP, dry_friction, settled_rates
 from robomech_ros._kernels.dynamics.layout import SURROUNDINGS
-from robomech_ros._kernels.dynamics.sticking import AT_STOP, dry_friction, settled_rates
-from robomech_ros._kernels.loops.closing import close
 from robomech_ros._kernels.loops.dynamics import (
     room_for,
     write_complement,
@@ -41,6 +40,7 @@ from robomech_ros._kernels.loops.dynamics import (
     write_turning,
 )
 from robomech_ros._kernels.loops.factors import REGULAR, Chains, solve
+from robomech_ros._kernels.loops.loop_closure import close
 
 _call_close = linked(close)
 

@@ -19,7 +19,7 @@ from robomech_ros._kernels.compiling.jit import (
     scratch,
 )
 from robomech_ros._kernels.parallel.circle import circle_zeros
-from robomech_ros._kernels.parallel.small_newton import REGULAR, gather, solve_three
+from robomech_ros._kernels.parallel.newton_3x3 import REGULAR, gather, solve_three
 
 _SAMPLES = 7
 _STEPS = 40

@@ -8,7 +8,7 @@ a leg is
 """
 
 from robomech_ros._kernels.compiling.jit import fused
-from robomech_ros._kernels.parallel.lanes import LANES, solve
+from robomech_ros._kernels.parallel.simd_batch import LANES, solve
 
 ORDER = 8
 # Parts of a leg's quadratic form: tau . tau, tau x w (3), products of w (6), g_0^2, g_0 w (3).

@@ -7,7 +7,7 @@ CYCLE = 2e-3
 
 
 @kernel(i8(IN1, IN2, IN2, IN1, IN1, OUT2, OUT2))
-def postures_on_way(nodes, postures, slopes, places, rates, q, v):
+def postures_on_path(nodes, postures, slopes, places, rates, q, v):
     """Fill in where joints are on a way, and how fast they move.
 
     Parameters

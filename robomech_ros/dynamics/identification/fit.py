@@ -28,7 +28,7 @@ from robomech_ros.dynamics.identification.regressor import (
 )
 from robomech_ros.dynamics.model import GRAVITY, body_parameters
 from robomech_ros.dynamics.posed_bodies import reflected_inertias
-from robomech_ros.dynamics.pseudo_inertias import is_consistent
+from robomech_ros.dynamics.pseudo_inertias import is_physically_consistent
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.numerics import least_squares, minimum_norm
 from robomech_ros.robots.chain import SerialChain
@@ -102,7 +102,7 @@ class Identification:
     @cached_property
     def consistent(self) -> BoolArray:
         """Which of the bodies of :attr:`parameters` are possible, shape (n,)."""
-        return is_consistent(self.parameters)
+        return is_physically_consistent(self.parameters)
 
 
 def identify(
@@ -221,7 +221,7 @@ def known_parameters(chain: SerialChain, otherwise: Array) -> Array:
     if any(body is None or body.fault() or body.mass == 0.0 for body in chain.bodies):
         return np.tile(otherwise, (len(chain.bodies), 1))
     known = body_parameters(chain)
-    flat = ~is_consistent(known)
+    flat = ~is_physically_consistent(known)
     known[flat] = otherwise
     return known
 

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.dynamics import controlled_chain as kernels
 from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
+from robomech_ros.dynamics.drive_control import CompiledServo, DrivenState, ServoLaw, Timing
 from robomech_ros.dynamics.model import GRAVITY, positive_number
-from robomech_ros.dynamics.servo import CompiledServo, DrivenState, ServoLaw, Timing
-from robomech_ros.dynamics.simulation.fixed_gains import felt_inertias
+from robomech_ros.dynamics.simulation.fixed_gains import effective_inertias
 from robomech_ros.dynamics.systems import DynamicSystem, dynamic_system
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
@@ -159,7 +159,7 @@ class ControlledArm:
         stiffness = viscosity = np.ones(m)
         if mode == kernels.PD_WITH_GRAVITY and m > 0:
             turn = frequency * positive_number("period", self.period)
-            stiffness, viscosity = felt_inertias(model, turn, damping)
+            stiffness, viscosity = effective_inertias(model, turn, damping)
         gains = np.array([frequency**2 * stiffness, 2.0 * damping * frequency * viscosity])
         for row, (name, given) in enumerate((("kp", self.kp), ("kd", self.kd))):
             if given is not None:

@@ -25,7 +25,7 @@ _QUIET = 1.6
 _LARGEST_TURN = 2.0
 
 
-def felt_inertias(system: DynamicSystem, turn: float, damping: float) -> tuple[Array, Array]:
+def effective_inertias(system: DynamicSystem, turn: float, damping: float) -> tuple[Array, Array]:
     """Return the inertias (m,) with which drives of fixed gains are to be stiff, and to be damped.
 
     Joints that are nearly parallel feel much less inertia with the others free than with them at

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
-from robomech_ros.dynamics.simulation.crossings import (
+from robomech_ros.dynamics.simulation.equations_of_motion import EquationsOfMotion, RunAwayError
+from robomech_ros.dynamics.simulation.event_detection import (
     Event,
-    bounced,
+    apply_impact,
     first_crossing,
     limit_events,
     note_events,
 )
-from robomech_ros.dynamics.simulation.equations_of_motion import EquationsOfMotion, RunAwayError
 from robomech_ros.dynamics.simulation.midpoint import MidpointSolver
 from robomech_ros.dynamics.simulation.record import Record
 from robomech_ros.errors import BadValueError
@@ -170,7 +170,7 @@ class Integration:
         q, rate = whole[: len(self._motion.start)], whole[len(self._motion.start) + joint]
         if self._bounces > _MOST_BOUNCES or abs(rate) < _REST:
             return f"joint '{name}' came to rest at {where}", None
-        return "", (t, bounced(system, q, state, (joint, side), self._restitution))
+        return "", (t, apply_impact(system, q, state, (joint, side), self._restitution))
 
 
 def _refuse_run_away(t: float, state: Array, m: int) -> None:

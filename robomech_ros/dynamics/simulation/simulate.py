@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.model import GRAVITY, positive_number
-from robomech_ros.dynamics.simulation.crossings import Event
 from robomech_ros.dynamics.simulation.equations_of_motion import EquationsOfMotion, Torque
+from robomech_ros.dynamics.simulation.event_detection import Event
 from robomech_ros.dynamics.simulation.integration import (
     FINISHED,
     MOST_STEPS,

@@ -5,7 +5,7 @@ Needs SymPy, which is loaded on first use.
 
 from typing import TYPE_CHECKING
 
-from robomech_ros.lazy import lazy_exports
+from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.dynamics.symbolic.closed_forms import (

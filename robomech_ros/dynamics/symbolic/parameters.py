@@ -226,7 +226,7 @@ def _body_row(names: _Names, chain: SerialChain, table: DHTable, i: int) -> tupl
     for j in range(k):
         frame = frame @ _row_transform(table, j)
     own = link_transforms(chain, np.zeros(chain.n))[i]
-    seen = body.seen_from(np.linalg.inv(frame) @ own)
+    seen = body.expressed_in(np.linalg.inv(frame) @ own)
     axes = ("xx", "xy", "xz", "yy", "yz", "zz")
     moments, size = seen.inertia[np.triu_indices(3)], float(np.abs(seen.inertia).max())
     return (

@@ -7,14 +7,14 @@ dispatcher gives the time.
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from robomech_ros.execution.client.active_delivery import ActiveDelivery
-from robomech_ros.execution.client.delivery import Delivery, DeliveryReport, Stage
-from robomech_ros.execution.client.delivery_queue import DeliveryQueue, Ready
+from robomech_ros.execution.client.active_execution import ActiveExecution
+from robomech_ros.execution.client.controller_interface import ControllerInterface
 from robomech_ros.execution.client.dispatch_settings import DispatchSettings
-from robomech_ros.execution.client.gateway import Gateway
-from robomech_ros.execution.client.pace_control import too_slow
+from robomech_ros.execution.client.execution_queue import ExecutionQueue, Ready
+from robomech_ros.execution.client.execution_request import ExecutionReport, ExecutionRequest, Stage
 from robomech_ros.execution.client.position_check import off_start
-from robomech_ros.execution.verdict import Verdict
+from robomech_ros.execution.client.speed_scaler import too_slow
+from robomech_ros.execution.motion_result import MotionResult
 from robomech_ros.outcomes import Code
 
 
@@ -33,7 +33,7 @@ class Dispatcher:
 
     Parameters
     ----------
-    gateway : Gateway
+    gateway : ControllerInterface
         The way to the controller.
     settings : DispatchSettings
         What the owner decides.
@@ -44,7 +44,7 @@ class Dispatcher:
 
     Attributes
     ----------
-    queue : DeliveryQueue
+    queue : ExecutionQueue
         Those that wait.
     tally : Tally
         What has happened so far.
@@ -57,23 +57,23 @@ class Dispatcher:
 
     def __init__(
         self,
-        gateway: Gateway,
+        gateway: ControllerInterface,
         settings: DispatchSettings | None = None,
-        on_end: Callable[[Delivery], None] = lambda delivery: None,
+        on_end: Callable[[ExecutionRequest], None] = lambda delivery: None,
         on_stall: Callable[[str], None] = lambda missing: None,
     ) -> None:
         self._gateway = gateway
         self._settings = settings or DispatchSettings()
         self._on_end = on_end
-        self.queue = DeliveryQueue(gateway, self._settings, on_stall)
+        self.queue = ExecutionQueue(gateway, self._settings, on_stall)
         self.tally = Tally()
         self.speed = 1.0
         self.paused = False
         self._now = 0.0
-        self._active: ActiveDelivery | None = None
+        self._active: ActiveExecution | None = None
 
     @property
-    def current(self) -> Delivery | None:
+    def current(self) -> ExecutionRequest | None:
         """The delivery that is being executed."""
         return None if self._active is None else self._active.delivery
 
@@ -112,7 +112,7 @@ class Dispatcher:
         self._now = now
         count = len(self.queue) + (self._active is not None)
         while self.queue:
-            self._end(self.queue.pop(), Verdict(Code.PREEMPTED, f"not sent: {text}"))
+            self._end(self.queue.pop(), MotionResult(Code.PREEMPTED, f"not sent: {text}"))
         self.paused = False
         active = self._active
         if active is None or active.cancelled:
@@ -123,7 +123,7 @@ class Dispatcher:
         self.step(now)
         return count
 
-    def offer(self, delivery: Delivery, now: float) -> None:
+    def offer(self, delivery: ExecutionRequest, now: float) -> None:
         """Queue a delivery, and send it if nothing is before it.
 
         Raises
@@ -152,7 +152,7 @@ class Dispatcher:
             self._end(active.delivery, verdict)
         self._send_waiting()
 
-    def conclude(self, delivery: Delivery, code: int, text: str, now: float) -> None:
+    def conclude(self, delivery: ExecutionRequest, code: int, text: str, now: float) -> None:
         """Take the controller's result of a delivery sent by action."""
         active = self._active
         if active is None or delivery is not active.delivery:
@@ -166,10 +166,10 @@ class Dispatcher:
     def close(self, text: str) -> None:
         """Give up all that waits and is being watched, and tell the listeners."""
         while self.queue:
-            self._end(self.queue.pop(), Verdict(Code.REJECTED, f"not sent: {text}"))
+            self._end(self.queue.pop(), MotionResult(Code.REJECTED, f"not sent: {text}"))
         if self._active is not None:
             unwatched = f"{text}; the motion is no longer watched"
-            self._end(self._active.delivery, Verdict(Code.REJECTED, unwatched))
+            self._end(self._active.delivery, MotionResult(Code.REJECTED, unwatched))
 
     def _change(self, now: float, speed: float, paused: bool) -> None:
         self._now = now
@@ -196,15 +196,15 @@ class Dispatcher:
         wrong = off_start(delivery, ready.positions, kinds, settings.start_tolerance)
         wrong = wrong or too_slow(delivery, self.speed, settings.max_duration)
         if wrong:
-            self._end(delivery, Verdict(Code.REJECTED, wrong))
+            self._end(delivery, MotionResult(Code.REJECTED, wrong))
             return
-        self._active = ActiveDelivery(
+        self._active = ActiveExecution(
             delivery, self._gateway, settings, ready.positions, self.speed, self._now
         )
         self.tally.sent += 1
         self._gateway.send(delivery)
 
-    def _end(self, delivery: Delivery, verdict: Verdict) -> None:
+    def _end(self, delivery: ExecutionRequest, verdict: MotionResult) -> None:
         code, text = verdict
         duration = self._now - delivery.begun_at if delivery.stage is Stage.SENT else 0.0
         if delivery is self.current:
@@ -214,5 +214,5 @@ class Dispatcher:
         else:
             self.tally.arrived += 1
         self.tally.last_failure = text if code else ""
-        delivery.end(DeliveryReport(int(code), text, duration))
+        delivery.end(ExecutionReport(int(code), text, duration))
         self._on_end(delivery)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from robomech_ros.execution.client.delivery import Delivery
-from robomech_ros.execution.client.position_check import apart
+from robomech_ros.execution.client.execution_request import ExecutionRequest
+from robomech_ros.execution.client.position_check import joint_distance
 from robomech_ros.execution.joints import JointKinds
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.typing import Array
@@ -20,7 +20,7 @@ class Excursion:
 
     Parameters
     ----------
-    delivery : Delivery
+    delivery : ExecutionRequest
         What was sent.
     curve : PiecewisePolynomial
         What the robot should follow, from where it is.
@@ -32,20 +32,20 @@ class Excursion:
 
     def __init__(
         self,
-        delivery: Delivery,
+        delivery: ExecutionRequest,
         curve: PiecewisePolynomial,
         position: Array,
         kinds: JointKinds,
     ) -> None:
         self._names, self._kinds, self._start = delivery.names, kinds, position
         places = curve.sample(np.linspace(0.0, float(curve.breaks[-1]), _PLACES)).position
-        self._planned = np.max(apart(places, position, kinds.continuous), axis=0)
-        self._back = apart(delivery.goal, position, kinds.continuous)
+        self._planned = np.max(joint_distance(places, position, kinds.continuous), axis=0)
+        self._back = joint_distance(delivery.goal, position, kinds.continuous)
         self._seen = np.zeros(len(position))
 
     def look(self, position: Array) -> None:
         """Note where the robot is, rad or m."""
-        away = apart(position, self._start, self._kinds.continuous)
+        away = joint_distance(position, self._start, self._kinds.continuous)
         self._seen = np.maximum(self._seen, away)
 
     def missing(self, tolerance: float) -> str:

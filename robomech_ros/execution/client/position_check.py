@@ -2,16 +2,16 @@
 
 import numpy as np
 
-from robomech_ros.execution.client.delivery import Delivery
+from robomech_ros.execution.client.execution_request import ExecutionRequest
 from robomech_ros.execution.joints import JointKinds
-from robomech_ros.execution.refusals import start_mismatch
+from robomech_ros.execution.rejections import start_mismatch
 from robomech_ros.typing import Array, BoolArray
 
 # A robot whose joints move by less than this (rad, m) between two looks stands.
 STILL = 1e-3
 
 
-def apart(first: Array, second: Array, continuous: BoolArray) -> Array:
+def joint_distance(first: Array, second: Array, continuous: BoolArray) -> Array:
     """Return the distance of joint positions, without whole turns of continuous joints.
 
     Parameters
@@ -32,12 +32,14 @@ def apart(first: Array, second: Array, continuous: BoolArray) -> Array:
     return distance
 
 
-def off_start(delivery: Delivery, positions: Array, kinds: JointKinds, tolerance: float) -> str:
+def off_start(
+    delivery: ExecutionRequest, positions: Array, kinds: JointKinds, tolerance: float
+) -> str:
     """Say how a robot is off the start of a delivery.
 
     Parameters
     ----------
-    delivery : Delivery
+    delivery : ExecutionRequest
         What is to be executed.
     positions : ndarray, shape (n,)
         Where the robot is, rad or m.
@@ -53,7 +55,7 @@ def off_start(delivery: Delivery, positions: Array, kinds: JointKinds, tolerance
     """
     if delivery.start is None:
         return ""
-    distance = apart(delivery.start, positions, kinds.continuous)
+    distance = joint_distance(delivery.start, positions, kinds.continuous)
     worst = int(np.argmax(distance))
     if distance[worst] <= tolerance:
         return ""
@@ -63,7 +65,7 @@ def off_start(delivery: Delivery, positions: Array, kinds: JointKinds, tolerance
 
 
 def off_goal(
-    delivery: Delivery,
+    delivery: ExecutionRequest,
     positions: Array,
     kinds: JointKinds,
     tolerance: float,
@@ -83,7 +85,7 @@ def off_goal(
     str
         Joint and amount; empty if the robot is there.
     """
-    distance = apart(delivery.goal, positions, kinds.continuous)
+    distance = joint_distance(delivery.goal, positions, kinds.continuous)
     worst = int(np.argmax(distance))
     if distance[worst] <= tolerance:
         return ""
@@ -94,7 +96,7 @@ def off_goal(
         f"allowed is {tolerance:.3g}{unit}"
     )
     start = delivery.start
-    if start is not None and np.max(apart(start, positions, kinds.continuous)) <= STILL:
+    if start is not None and np.max(joint_distance(start, positions, kinds.continuous)) <= STILL:
         still = "the robot has not moved, the controller's log may say why"
         text += f"; {'the robot is back at its start' if moved else still}"
     return text

@@ -1,13 +1,13 @@
 """The desired state of a follower's joints, now or at some time."""
 
-from robomech_ros.execution.controller.follower import Follower, Phase
+from robomech_ros.execution.controller.follower import Phase, TrajectoryFollower
 from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
 from robomech_ros.execution.joints import State, at_rest
-from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.execution.stopping import slowed_down
 
 
-def past_the_end(follower: Follower, ahead: float) -> float:
+def past_the_end(follower: TrajectoryFollower, ahead: float) -> float:
     """Return how long (s) after the end of its trajectory a time from now is; 0 if it is not."""
     waiting, goal = follower.waiting, follower.active
     if waiting is not None and follower.now + ahead >= waiting.begin:
@@ -17,12 +17,12 @@ def past_the_end(follower: Follower, ahead: float) -> float:
     return max(goal.time + follower.motion.pace * ahead - goal.curve.duration, 0.0)
 
 
-def desired_state(follower: Follower, ahead: float) -> State:
+def desired_state(follower: TrajectoryFollower, ahead: float) -> State:
     """Return the state that is planned for some time from now, if nothing comes between.
 
     Parameters
     ----------
-    follower : Follower
+    follower : TrajectoryFollower
         What follows trajectories; it has been advanced to the present time.
     ahead : float
         How far from now, s; negative for the past of the trajectory under way.
@@ -62,7 +62,7 @@ def _sampled(goal: TrajectoryGoal, time: float) -> State:
     return State(sample.position, sample.velocity, sample.acceleration)
 
 
-def _while_stopping(follower: Follower, goal: TrajectoryGoal, ahead: float) -> State:
+def _while_stopping(follower: TrajectoryFollower, goal: TrajectoryGoal, ahead: float) -> State:
     time, pace, drop = slowed_down(
         goal.curve, goal.time, follower.motion.pace, ahead, follower.joints.acceleration
     )

@@ -9,15 +9,15 @@ from dataclasses import replace
 from enum import Enum
 
 from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.execution.controller.catching_up import Belt
+from robomech_ros.execution.controller.acceleration_ratio import STREAM, acceleration_ratio_of
 from robomech_ros.execution.controller.curve_motion import CurveMotion
+from robomech_ros.execution.controller.entry_path import EntryPath, entry_path
 from robomech_ros.execution.controller.follower_settings import FollowerSettings
+from robomech_ros.execution.controller.late_start import ScheduleShift
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
-from robomech_ros.execution.controller.smoothing import braking_time
-from robomech_ros.execution.controller.strain import STREAM, strain_of
-from robomech_ros.execution.controller.supervision import verdict
+from robomech_ros.execution.controller.tolerance_check import verdict
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
-from robomech_ros.execution.controller.way_onto import Way, way_onto
+from robomech_ros.execution.controller.transitions import braking_time
 from robomech_ros.execution.joints import Joints, State
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.outcomes import Code
@@ -42,7 +42,7 @@ class Phase(Enum):
     STOPPING = "stopping"
 
 
-class Follower:
+class TrajectoryFollower:
     """Moves simulated joints along trajectories.
 
     Parameters
@@ -146,7 +146,7 @@ class Follower:
         present = self.desired
         if delay > 0.0 and self.active is not None and self.phase is Phase.MOVING:
             present = self.motion.state_ahead(self.active, delay)
-        way = self._way_onto(waypoints, present, late, self.now, streamed)
+        way = self._find_entry_path(waypoints, present, late, self.now, streamed)
         strain = self._strain(waypoints, present, late) if judged else ""
         if way.blocked:
             self._let_go_by(way)
@@ -244,40 +244,42 @@ class Follower:
         self.active, self.phase = goal, Phase.MOVING
         self.motion.begin()
 
-    def _way_onto(
+    def _find_entry_path(
         self, waypoints: Waypoints, present: State, late: float, at: float, streamed: bool
-    ) -> Way:
+    ) -> EntryPath:
         """Find the way at a time (s), up to which the robot has moved."""
         unsettled = streamed and self.now < self._unsettled_until
         before = self._belt(at) if late > 0.0 or unsettled else None
         if unsettled and before is not None and not before.in_time:
             self._unsettled_until = self.now + _UNSETTLED
-        return way_onto(waypoints, present, self.joints, self.settings, late, before, unsettled)
+        return entry_path(waypoints, present, self.joints, self.settings, late, before, unsettled)
 
     def _strain(self, waypoints: Waypoints, present: State, late: float) -> str:
         """Refuse what is far too hard on a joint, and say what is a little so."""
         if not self.settings.interpolate:
             return ""
-        strain = strain_of(waypoints, present, self.joints, late)
+        strain = acceleration_ratio_of(waypoints, present, self.joints, late)
         if strain is None or not strain.remarkable:
             return ""
         strain.require(self.settings.max_acceleration_ratio)
         return str(strain)
 
-    def _belt(self, at: float) -> Belt | None:
+    def _belt(self, at: float) -> ScheduleShift | None:
         """Return what is followed, on a clock that is 0 at a time; None for nothing, or slowed."""
         goal = self.active
         if goal is None or self.phase is not Phase.MOVING:
             return None
         if abs(at - goal.begin - goal.time) > _IN_STEP:
             return None
-        belt = goal.belt or Belt(goal.curve)
+        belt = goal.belt or ScheduleShift(goal.curve)
         return belt.since(goal.time)
 
     def _begin_waiting(self, goal: TrajectoryGoal) -> None:
         self.waiting = None
         try:
-            way = self._way_onto(goal.waypoints, self.desired, goal.late, goal.begin, goal.streamed)
+            way = self._find_entry_path(
+                goal.waypoints, self.desired, goal.late, goal.begin, goal.streamed
+            )
         except RobomechError as error:
             text = f"when its time had come: {error}"
             goal.finish(End.ABORTED, Code.REJECTED, text, self.actual.position)
@@ -290,7 +292,7 @@ class Follower:
         goal.curve, goal.belt = way.curve, way.belt
         self._begin(goal, "preempted by a trajectory that was to begin now")
 
-    def _let_go_by(self, way: Way) -> None:
+    def _let_go_by(self, way: EntryPath) -> None:
         """Remember the path of a trajectory that cannot be followed yet."""
         goal = self.active
         if goal is not None and way.belt is not None:

@@ -7,14 +7,14 @@ import numpy as np
 
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.execution.controller.curve_parts import peak_accelerations, peak_jerks
-from robomech_ros.execution.controller.smoothing import (
+from robomech_ros.execution.controller.transitions import (
     delayed,
     fading_time,
     with_braking,
     with_fading,
 )
 from robomech_ros.execution.joints import Joints, State
-from robomech_ros.execution.refusals import StartMismatchError, TrajectoryOverError
+from robomech_ros.execution.rejections import StartMismatchError, TrajectoryOverError
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.plans.verification import first_violation

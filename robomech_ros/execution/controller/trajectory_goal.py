@@ -6,7 +6,7 @@ from enum import IntEnum, auto
 
 import numpy as np
 
-from robomech_ros.execution.controller.catching_up import Belt
+from robomech_ros.execution.controller.late_start import ScheduleShift
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.waypoints import Waypoints
@@ -71,7 +71,7 @@ class TrajectoryGoal:
         What else the result is to say.
     strain : str
         By how much it is over the limits of acceleration; empty if it is not.
-    belt : Belt or None
+    belt : ScheduleShift or None
         Where the trajectory is, if it came late and the robot catches up with it.
     streamed : bool
         Whether it came by a topic, and may be one of a stream.
@@ -89,7 +89,7 @@ class TrajectoryGoal:
     arrived: bool = False
     remark: str = ""
     strain: str = ""
-    belt: Belt | None = None
+    belt: ScheduleShift | None = None
     streamed: bool = False
 
     @property

@@ -14,7 +14,7 @@ from robomech_ros.execution.joints import (
     State,
 )
 from robomech_ros.trajectory.limits import Limits
-from robomech_ros.trajectory.profiles.moving_ends import state_to_state
+from robomech_ros.trajectory.profiles.state_to_state import state_to_state
 from robomech_ros.trajectory.waypoints import Waypoints, discretise
 from robomech_ros.typing import Array, BoolArray
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.controller.follower import Follower
+from robomech_ros.execution.controller.follower import TrajectoryFollower
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
 from robomech_ros.execution.gripper.finger_motion import (
     FingerCommand,
@@ -45,7 +45,7 @@ class Fingers:
 
     Parameters
     ----------
-    follower : Follower
+    follower : TrajectoryFollower
         What moves the n joints.
     plant : FingerPlant
         The joints themselves.
@@ -62,7 +62,11 @@ class Fingers:
     """
 
     def __init__(
-        self, follower: Follower, plant: FingerPlant, limits: Limits, settings: GripSettings
+        self,
+        follower: TrajectoryFollower,
+        plant: FingerPlant,
+        limits: Limits,
+        settings: GripSettings,
     ) -> None:
         self.settings = settings
         self.motion: FingerMotion | None = None

@@ -17,7 +17,7 @@ from robomech_ros.kinematics.inverse.branch_names import (
     distinct_names,
     numbered_names,
 )
-from robomech_ros.kinematics.inverse.nearly_named import named_branches
+from robomech_ros.kinematics.inverse.near_branch_names import named_branches
 from robomech_ros.kinematics.inverse.singular_marks import singular_marks
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.task import FULL_TASK

@@ -181,7 +181,7 @@ def reach_map(
         Number of points along x, y and z, in place of the spacing; the last is at ``upper``.
     orientations : int or array_like, shape (k, 3, 3), optional
         ``R_base_tip`` to try at each point, or how many to spread evenly by
-        :func:`even_rotations`.
+        :func:`uniform_rotations`.
     respect_limits : bool, optional
         Whether only postures inside the joint limits count.
     length : float, optional

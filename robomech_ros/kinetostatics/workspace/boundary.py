@@ -261,7 +261,7 @@ def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Wo
 
     See Also
     --------
-    extreme_reach : how far and how near the tip comes.
+    reach_limits : how far and how near the tip comes.
     orientation_workspace : which orientations there are at a point.
 
     References

@@ -11,7 +11,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.joint_values import check_chain
-from robomech_ros.kinetostatics.rotation_sets import even_rotations
+from robomech_ros.kinetostatics.rotation_sets import uniform_rotations
 from robomech_ros.kinetostatics.workspace.point_postures import solve_poses
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
@@ -64,7 +64,7 @@ def orientation_workspace(
 ) -> OrientationWorkspace:
     """Find which orientations the tip can take at a point.
 
-    The samples are those of :func:`even_rotations`, the same every time; the error of the share
+    The samples are those of :func:`uniform_rotations`, the same every time; the error of the share
     falls about as ``samples ** (-2 / 3)``.
 
     Parameters
@@ -93,7 +93,7 @@ def orientation_workspace(
     point = as_finite("position", position, (3,))
     if point.ndim != 1:
         raise WrongSizeError("position", point.shape, (3,))
-    rotations = even_rotations(samples)
+    rotations = uniform_rotations(samples)
     T = np.zeros((len(rotations), 4, 4))
     T[:, :3, :3] = rotations
     T[:, :3, 3] = point

@@ -21,7 +21,7 @@ _SWEEPS = 300
 _SETTLED = 1e-13
 
 
-def extreme_reach(chain: SerialChain) -> tuple[float, float]:
+def reach_limits(chain: SerialChain) -> tuple[float, float]:
     """Find how near to its first joint an arm can bring its tip, and how far away.
 
     The square of the distance is of first order in cosine and sine of every angle, and of second

@@ -9,7 +9,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from robomech_ros.nodes.calibration.messages import stamped_transform
-from robomech_ros.nodes.calibration.samples import Placed
+from robomech_ros.nodes.calibration.samples import PublishedFrame
 from robomech_ros.nodes.frames.listener import FrameListener
 from robomech_ros.nodes.frames.tree import NoTransformError
 from robomech_ros.spatial.poses import rigid_inverse
@@ -35,7 +35,7 @@ class ResultBroadcaster:
     def __init__(self, node: Node, listener: FrameListener) -> None:
         self._clock, self._listener = node.get_clock(), listener
         #: What tf was told last; None if nothing.
-        self.placed: Placed | None = None
+        self.placed: PublishedFrame | None = None
         self._publisher: Any = None
         if not listener.missing:
             from tf2_msgs.msg import TFMessage
@@ -60,9 +60,9 @@ class ResultBroadcaster:
             top, pose = self._top(parent, sensor)
         except NoTransformError as error:
             return str(error)
-        return self.place(Placed(parent, top, T @ rigid_inverse(pose)))
+        return self.place(PublishedFrame(parent, top, T @ rigid_inverse(pose)))
 
-    def place(self, placed: Placed) -> str:
+    def place(self, placed: PublishedFrame) -> str:
         """Publish this, whatever tf has; says why it was not, else ""."""
         if self._publisher is None:
             return self._listener.missing
@@ -84,10 +84,10 @@ class ResultBroadcaster:
         tree = self._listener.tree
         if sensor not in tree:
             return sensor, np.eye(4)
-        way = tree.way_up(sensor)
+        way = tree.path_to_root(sensor)
         own = self.placed.child if self.placed is not None else ""
         top = own if own in way else way[-1]
-        if top != own and parent in tree and tree.way_up(parent)[-1] == top:
+        if top != own and parent in tree and tree.path_to_root(parent)[-1] == top:
             raise NoTransformError(
                 f"tf has the sensor's frame {sensor!r} below {way[1] if len(way) > 1 else top!r} "
                 "already, by somebody else: stop that, or calibrate another frame"

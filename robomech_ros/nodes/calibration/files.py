@@ -12,7 +12,7 @@ import numpy as np
 import yaml
 
 from robomech_ros.errors import BadValueError, RobotDescriptionError
-from robomech_ros.nodes.calibration.samples import Placed, Solution
+from robomech_ros.nodes.calibration.samples import PublishedFrame, Solution
 from robomech_ros.nodes.calibration.settings import MOUNT_OF_TYPE, is_plain_name
 from robomech_ros.regular_files import read_regular
 from robomech_ros.robots.documents.guarded_yaml import parse_yaml
@@ -28,7 +28,7 @@ _LARGEST_FILE = 5_000_000
 POSITION_FIRST = (3, 4, 5, 0, 1, 2)
 
 
-def load(folder: str, name: str) -> Placed:
+def load(folder: str, name: str) -> PublishedFrame:
     """Read what tf was told when a calibration was saved.
 
     Parameters
@@ -62,16 +62,16 @@ def load(folder: str, name: str) -> Placed:
     except (OSError, ValueError, TypeError, KeyError) as error:
         why = getattr(error, "strerror", None) or f"{error}"
         raise BadValueError("the parameter saved", name, f"{expected} ({why})") from None
-    return Placed(parent, child, pose)
+    return PublishedFrame(parent, child, pose)
 
 
-def save(solution: Solution, placed: Placed | None, folder: str, name: str) -> list[Path]:
+def save(solution: Solution, placed: PublishedFrame | None, folder: str, name: str) -> list[Path]:
     """Write the three files of a calibration; gives their paths.
 
     Parameters
     ----------
     solution : Solution
-    placed : Placed or None
+    placed : PublishedFrame or None
         What tf was told of it.
     folder : str
         Is made where it is missing; files of the name are replaced.
@@ -135,7 +135,7 @@ def _write(path: Path, text: str) -> None:
         part.unlink(missing_ok=True)
 
 
-def _full(solution: Solution, placed: Placed | None, name: str) -> dict[str, Any]:
+def _full(solution: Solution, placed: PublishedFrame | None, name: str) -> dict[str, Any]:
     """Return all that is known, in m and rad; quaternions are x y z w."""
     found, frames = solution.result, solution.frames
     samples = [

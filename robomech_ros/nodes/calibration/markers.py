@@ -12,8 +12,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 from robomech_ros.nodes.calibration.samples import Frames, Samples
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
 from robomech_ros.nodes.common.robot_description import LATCHED
-from robomech_ros.rvs.model.live_robot import SeenMarker
-from robomech_ros.rvs.model.seen_calibration import calibration_markers, sample_markers
+from robomech_ros.rvs.model.calibration_view import calibration_markers, sample_markers
+from robomech_ros.rvs.model.live_robot import ViewMarker
 
 _KINDS = {
     "box": Marker.CUBE,
@@ -45,14 +45,14 @@ class CalibrationMarkers:
         self._publisher.publish(_message(drawn, base))
 
 
-def _message(drawn: Sequence[SeenMarker], base: str) -> MarkerArray:
+def _message(drawn: Sequence[ViewMarker], base: str) -> MarkerArray:
     """Make one message of what replaces all that was shown before."""
     clear = Marker(action=Marker.DELETEALL)
     clear.header.frame_id = base
     return MarkerArray(markers=[clear, *(_marker(one) for one in drawn)])
 
 
-def _marker(drawn: SeenMarker) -> Any:
+def _marker(drawn: ViewMarker) -> Any:
     marker = Marker(ns=drawn.name, type=_KINDS[drawn.kind], action=Marker.ADD, text=drawn.text)
     marker.header.frame_id = drawn.link
     marker.pose = pose_from_matrix(drawn.pose)

@@ -25,7 +25,8 @@ from robomech_ros.nodes.calibration.messages import (
     fill_list,
     poses_from_array,
 )
-from robomech_ros.nodes.calibration.samples import Frames, Placed, Samples, Solution
+from robomech_ros.nodes.calibration.pose_history import PoseTrack, TfTrack, TopicTrack
+from robomech_ros.nodes.calibration.samples import Frames, PublishedFrame, Samples, Solution
 from robomech_ros.nodes.calibration.sampling import Sampler
 from robomech_ros.nodes.calibration.settings import (
     LONGEST_WAIT,
@@ -33,7 +34,6 @@ from robomech_ros.nodes.calibration.settings import (
     CalibrationSettings,
     check_settings,
 )
-from robomech_ros.nodes.calibration.tracks import PoseTrack, TfTrack, TopicTrack
 from robomech_ros.nodes.common.error_codes import answer, guarded
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.parameters import NodeParameters
@@ -42,7 +42,7 @@ from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.frames.listener import FrameListener
-from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.process.run import run_node
 
 _MOUNTS = {
@@ -81,7 +81,7 @@ class CalibrationNode(Node):
         settings = self._table.settings
         self._base, self._hand = base.removeprefix("/"), hand.removeprefix("/")
         self._samples = Samples()
-        self._placed: Placed | None = None
+        self._placed: PublishedFrame | None = None
         self._listener = FrameListener(self)
         self._broadcaster = ResultBroadcaster(self, self._listener)
         self._markers = CalibrationMarkers(self)
@@ -126,7 +126,7 @@ class CalibrationNode(Node):
             raise BadValueError("timeout", patience, f"at most {LONGEST_WAIT:g} s")
         self._check_frames(settings)
         robot, tracking = await self._sampler.take(patience)
-        most = settings.largest_count
+        most = settings.max_samples
         response.index = self._samples.add(robot[None], tracking[None], most)
         response.count = len(self._samples)
         response.robot = stamped_pose(robot, self._base)
@@ -144,7 +144,7 @@ class CalibrationNode(Node):
 
     @guarded
     def _add_samples(self, request: Any, response: Any) -> Any:
-        most, sensor = self._table.settings.largest_count, self._tracking.parent
+        most, sensor = self._table.settings.max_samples, self._tracking.parent
         robot = poses_from_array(request.robot, self._base, "robot", most)
         tracking = poses_from_array(request.tracking, sensor, "tracking", most)
         response.first_index = self._samples.add(robot, tracking, most)
@@ -171,7 +171,7 @@ class CalibrationNode(Node):
 
     @guarded
     def _solve(self, request: Any, response: Any) -> Any:
-        samples, most = self._samples, self._table.settings.largest_count
+        samples, most = self._samples, self._table.settings.max_samples
         candidates = poses_from_array(request.candidates, self._base, "candidates", most)
         result = hand_eye(
             samples.robot,

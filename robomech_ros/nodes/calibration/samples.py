@@ -22,7 +22,7 @@ class Frames:
     target: str
 
 
-class Placed(NamedTuple):
+class PublishedFrame(NamedTuple):
     """A frame in another one, as tf is told: the sensor's, or the uppermost one above it."""
 
     parent: str
@@ -98,7 +98,7 @@ class Samples:
         if first + len(robot) > most:
             raise WrongSizeError(
                 "list of samples", first + len(robot), f"at most {most}, the parameter "
-                "largest_count; ~/remove_sample makes room"
+                "max_samples; ~/remove_sample makes room"
             )  # fmt: skip
         self.robot = np.concatenate((self.robot, robot))
         self.tracking = np.concatenate((self.tracking, tracking))

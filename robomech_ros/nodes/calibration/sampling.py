@@ -9,11 +9,11 @@ import numpy as np
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.calibration.pose_history import PoseTrack
 from robomech_ros.nodes.calibration.settings import CalibrationSettings
-from robomech_ros.nodes.calibration.tracks import PoseTrack
+from robomech_ros.nodes.common.cooperative_wait import pause
 from robomech_ros.nodes.common.error_codes import FrameUnavailableError, NoStateError
 from robomech_ros.nodes.common.message_fields import NANO
-from robomech_ros.nodes.common.pauses import pause
 from robomech_ros.nodes.frames.tree import NoTransformError
 from robomech_ros.spatial import pose_error
 from robomech_ros.typing import Array

@@ -63,7 +63,7 @@ class CalibrationSettings(RobotSettings):
     still_angle: float = parameter(
         2e-3, "Largest rotation of the hand in that time", 0.0, 3.2, "rad", read_only=False
     )
-    largest_count: int = parameter(
+    max_samples: int = parameter(
         500, "Largest number of samples", 3, 2000, "samples", read_only=False
     )
     name: str = parameter("calibration", "File name of save, for requests without one")

@@ -15,15 +15,15 @@ from typing import Any
 
 from robomech_ros.cli.kind_options import note_kinds, refuse_options
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.process.kind_nodes import KIND_NODES, REFUSED, KindNodes
+from robomech_ros.nodes.process.discovery_range import ports_left, reach, stay_on_this_machine
+from robomech_ros.nodes.process.entry_points import EXIT_CANNOT_START, NODE_MODULES
 from robomech_ros.nodes.process.launch_options import OPTIONAL_NODES, LaunchOptions
+from robomech_ros.nodes.process.nodes_by_kind import KIND_NODES, REFUSED, NodesOfKind
 from robomech_ros.nodes.process.process_group import ProcessGroup
-from robomech_ros.nodes.process.reach import ports_left, reach, stay_on_this_machine
-from robomech_ros.nodes.process.start import EXIT_CANNOT_START, NODE_MODULES
-from robomech_ros.parallel import DescribedRobot, load_described
-from robomech_ros.robots import main_chain, semantics_of
+from robomech_ros.parallel import DescribedRobot, load_tree_description
+from robomech_ros.robots import load_semantics, main_chain
 from robomech_ros.robots.documents.numbers_in_text import integer, number
-from robomech_ros.robots.kinds import ARM, KINDS, check_name, kind_of
+from robomech_ros.robots.robot_kinds import ARM, KINDS, check_name, kind_of
 
 EXIT_CHILD_FAILED = 1
 # Only arms have a servo to be left out; without one the option is harmless.
@@ -147,7 +147,7 @@ def launch_options(args: argparse.Namespace) -> LaunchOptions:
 
 
 def refuse_of_kind(
-    args: argparse.Namespace, kind: KindNodes, besides: tuple[str, ...] = ()
+    args: argparse.Namespace, kind: NodesOfKind, besides: tuple[str, ...] = ()
 ) -> None:
     """Refuse options that a kind of robot has no use for, and others that a command names.
 
@@ -174,7 +174,7 @@ def _check_parallel(args: argparse.Namespace, robot: DescribedRobot) -> None:
 
 def _load(args: argparse.Namespace) -> DescribedRobot:
     """Load the robot here, so that a fault in it is reported once and not by every node."""
-    robot = load_described(args.robot)
+    robot = load_tree_description(args.robot)
     if robot.mechanism is not None:
         return robot
     description = robot.description
@@ -183,7 +183,7 @@ def _load(args: argparse.Namespace) -> DescribedRobot:
 
         description = read_joint_limits(args.joint_limits).on(description)
     if args.srdf or not args.group:
-        known = semantics_of(description, args.srdf)
+        known = load_semantics(description, args.srdf)
         main_chain(description, known, args.base_link, args.tip_link, args.group)
     return robot
 

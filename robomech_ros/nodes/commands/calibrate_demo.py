@@ -63,13 +63,15 @@ def run(args: argparse.Namespace) -> int:
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     warm(silent_if_quick=True)
     from robomech_ros.nodes.demonstration.calibration_session import (
-        Wanted,
+        DemoOptions,
         demonstrate_calibration,
     )
-    from robomech_ros.nodes.demonstration.failure import DemoFailedError
+    from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
 
     try:
-        demonstrate_calibration(Wanted(args.robot, args.type, args.samples, noise), args.output)
+        demonstrate_calibration(
+            DemoOptions(args.robot, args.type, args.samples, noise), args.output
+        )
     except DemoFailedError as error:
         print(f"robomech calibrate-demo failed: {error}", file=sys.stderr)
         return EXIT_FAILED

@@ -11,9 +11,9 @@ from robomech_ros.cli.kind_options import note_kinds, refuse_options
 from robomech_ros.cli.warmup import warm
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.commands.bringup import refuse_of_kind
-from robomech_ros.nodes.process.kind_nodes import KIND_NODES, REFUSED, KindNodes
+from robomech_ros.nodes.process.nodes_by_kind import KIND_NODES, REFUSED, NodesOfKind
 from robomech_ros.robots.documents.numbers_in_text import number
-from robomech_ros.robots.kinds import ARM, check_name, kind_of
+from robomech_ros.robots.robot_kinds import ARM, check_name, kind_of
 
 EXIT_FAILED = 1
 # As the controller's parameter payload_mass, kg.
@@ -54,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     note_kinds(parser, {"parallel robots": REFUSED["parallel robots"], **others})
 
 
-def _kind(args: argparse.Namespace) -> KindNodes | None:
+def _kind(args: argparse.Namespace) -> NodesOfKind | None:
     """Look up what is done with a robot that neither is an arm nor parallel; None for the others.
 
     Raises
@@ -99,7 +99,7 @@ def run(args: argparse.Namespace) -> int:
     # Contexts are left in order on SIGTERM, too: no node outlives the demonstration.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     warm(silent_if_quick=True)
-    from robomech_ros.nodes.demonstration.failure import DemoFailedError
+    from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
     from robomech_ros.nodes.demonstration.limits import Which
     from robomech_ros.nodes.demonstration.session import demonstrate
 

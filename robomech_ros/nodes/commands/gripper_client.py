@@ -15,9 +15,9 @@ from robomech_ros.nodes.commands.service_client import NoAnswerError, answer_of,
 from robomech_ros.nodes.common.gripper_goals import gripper_goal, gripper_outcome
 from robomech_ros.nodes.common.gripper_names import GripperNames, known_finger_joints, known_gripper
 from robomech_ros.nodes.common.robot_description import LATCHED, TOPIC, RobotModel
-from robomech_ros.nodes.common.semantic_source import SemanticSource
-from robomech_ros.nodes.middleware.deep_queues import ask_action
-from robomech_ros.parallel.described import load_described
+from robomech_ros.nodes.common.srdf_source import SemanticSource
+from robomech_ros.nodes.middleware.queue_depth import ask_action
+from robomech_ros.parallel.tree_description import load_tree_description
 from robomech_ros.robots.gripper import GripperModel
 
 OPEN, CLOSE = "open", "close"
@@ -105,7 +105,7 @@ def _model(node: Node, settings: GripperNames, deadline: float, timeout: float) 
             topic = node.resolve_topic_name(TOPIC)
             raise NoAnswerError(f"nothing received on '{topic}' within {timeout:g} s")
         rclpy.spin_once(node, timeout_sec=_POLL)
-    loaded = load_described(received[0].data)
+    loaded = load_tree_description(received[0].data)
     source = SemanticSource(
         node, settings.robot_description_semantic, settings.groups, settings.group
     )

@@ -15,8 +15,8 @@ from robomech_ros.nodes.commands.message_yaml import (
     interface_class,
     without_types,
 )
-from robomech_ros.nodes.middleware.deep_queues import ask
-from robomech_ros.nodes.middleware.questions import Question
+from robomech_ros.nodes.middleware.queue_depth import ask
+from robomech_ros.nodes.middleware.retrying_client import RetriedRequest
 from robomech_ros.nodes.process.memory import bounded_memory
 
 _POLL = 0.02
@@ -97,7 +97,7 @@ def answer_of(node: Node, name: str, kind: str, values: Mapping[str, Any], timeo
     client = ask(node, interface, service)
     if not client.wait_for_service(timeout_sec=max(0.0, deadline - time.monotonic())):
         raise NoAnswerError(f"service '{service}' is not there after {timeout:g} s")
-    question = Question(client, interface, request)
+    question = RetriedRequest(client, interface, request)
     while not question.answered.done():
         left = deadline - time.monotonic()
         if left < 0.0:

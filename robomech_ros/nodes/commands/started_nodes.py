@@ -16,11 +16,11 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.commands.bringup import node_class
 from robomech_ros.nodes.commands.policy_xml import NodeRights, rights_of
 from robomech_ros.nodes.common.robot_description import TOPIC
-from robomech_ros.nodes.common.semantic_source import SEMANTIC_TOPIC
+from robomech_ros.nodes.common.srdf_source import SEMANTIC_TOPIC
 from robomech_ros.nodes.display.robot_display import AUTO
+from robomech_ros.nodes.process.discovery_range import stay_on_this_machine
 from robomech_ros.nodes.process.free_domain import free_domain
 from robomech_ros.nodes.process.launch_options import LaunchOptions
-from robomech_ros.nodes.process.reach import stay_on_this_machine
 from robomech_ros.nodes.process.run import Spinner
 from robomech_ros.nodes.rvs.node import RvsNode
 

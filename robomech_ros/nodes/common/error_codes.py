@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from robomech_ros import errors
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.hands.conic_solver import ConicSolverUnavailableError
 from robomech_ros.outcomes import Code
 
@@ -99,8 +99,8 @@ _CODES: dict[type[BaseException], Code] = {
     errors.WrongSizeError: Code.WRONG_SIZE,
     errors.MissingLimitsError: Code.MISSING_LIMITS,
     errors.MissingInertiaError: Code.MISSING_INERTIA,
-    errors.UndeterminedError: Code.UNDETERMINED,
-    errors.ContradictionError: Code.CONTRADICTORY,
+    errors.UnderdeterminedError: Code.UNDETERMINED,
+    errors.InconsistentDataError: Code.CONTRADICTORY,
     errors.SingularPostureError: Code.SINGULAR,
     errors.LimitExceededError: Code.LIMIT,
     errors.DurationTooShortError: Code.LIMIT,

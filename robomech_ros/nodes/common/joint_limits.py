@@ -27,9 +27,9 @@ from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.documents.guarded_yaml import (
     LARGEST_YAML,
     check_keys,
+    describe_value,
     parse_yaml,
     read_flag,
-    shown,
 )
 from robomech_ros.robots.documents.yaml_rows import read_number, read_positive
 from robomech_ros.robots.joint import Joint
@@ -109,7 +109,7 @@ class JointLimitsFile:
         if not isinstance(section, dict):
             raise RobotDescriptionError(place, "expected joint names, each with its limits")
         notes = [
-            f"{place}: no joint {shown(name)} in {description.where}, which has: "
+            f"{place}: no joint {describe_value(name)} in {description.where}, which has: "
             f"{', '.join([*moving][:40])}; it is left out"
             for name in section
             if name not in moving

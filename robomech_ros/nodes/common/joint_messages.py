@@ -8,7 +8,7 @@ from builtin_interfaces.msg import Time
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from robomech_ros.errors import NonFiniteError, UnknownJointError, WrongSizeError, shown
+from robomech_ros.errors import NonFiniteError, UnknownJointError, WrongSizeError, format_value
 from robomech_ros.nodes.common.message_fields import NANO, duration_from_seconds, floats
 from robomech_ros.servo.motion import Samples
 from robomech_ros.typing import Array
@@ -80,7 +80,7 @@ def _matched(
     by_name = dict(zip(names, positions, strict=True))
     if len(by_name) != len(names):
         twice = next(name for i, name in enumerate(names) if name in names[:i])
-        expected = f"every name once; {shown(twice)} is repeated"
+        expected = f"every name once; {format_value(twice)} is repeated"
         raise WrongSizeError(f"{what}.name", len(names), expected)
     known = {*joint_names, *others}
     for name in names:

@@ -8,9 +8,9 @@ import numpy as np
 from sensor_msgs.msg import JointState
 
 from robomech_ros.errors import WrongSizeError
+from robomech_ros.nodes.common.closed_loop_positions import ClosedLoopPositions
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.loop_positions import LoopPositions
 from robomech_ros.nodes.common.parameters import parameter
 from robomech_ros.nodes.common.robot_description import FrameSettings, RobotModel
 from robomech_ros.robots import SerialChain
@@ -44,8 +44,8 @@ class JointPositions:
     A state without names has one position for every joint of the configured chain, in its order,
     whichever link it serves; for the chain to another link it may also have one for every joint
     of that chain.  One with the name of a posture in the place of a joint's, and no position, is
-    that posture.  Of a parallel robot states are read by :class:`LoopPositions`, whatever part of
-    its joints is asked for.
+    that posture.  Of a parallel robot states are read by :class:`ClosedLoopPositions`, whatever
+    part of its joints is asked for.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ class JointPositions:
         self._model = model
         self._monitor = monitor
         #: Reads postures of a parallel robot; None for other robots.
-        self.loops = None if model.mechanism is None else LoopPositions(model.mechanism)
+        self.loops = None if model.mechanism is None else ClosedLoopPositions(model.mechanism)
 
     def read(self, chain: Way, state: JointState, what: str) -> Array:
         """Read the positions, shape (n,), that a request must give."""

@@ -14,10 +14,10 @@ from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 
-from robomech_ros.errors import shown
+from robomech_ros.errors import format_value
+from robomech_ros.nodes.common.cooperative_wait import pause
 from robomech_ros.nodes.common.error_codes import NoStateError, RobotMovesError
-from robomech_ros.nodes.common.pauses import pause
-from robomech_ros.nodes.middleware.polled_subscription import Unattended
+from robomech_ros.nodes.middleware.polled_subscription import ManualSubscription
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 from robomech_ros.typing import Array
 
@@ -32,7 +32,7 @@ _MOST_JOINTS = 1000
 _MOST_LISTED = 10
 
 
-class _Seen(NamedTuple):
+class _JointSample(NamedTuple):
     """Position and velocity of a joint from a message (rad or m, and per s); NaN if missing."""
 
     position: float
@@ -50,12 +50,12 @@ class JointStateMonitor:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._states: dict[str, _Seen] = {}
+        self._states: dict[str, _JointSample] = {}
         self._looks = 0
         self._heard_in: dict[str, int] = {}
         self._fault = ""
         self._subscription = node.create_subscription(
-            JointState, TOPIC, self._store, _QOS, callback_group=Unattended(), raw=True
+            JointState, TOPIC, self._store, _QOS, callback_group=ManualSubscription(), raw=True
         )
 
     def positions(self, joint_names: Sequence[str]) -> Array | None:
@@ -77,11 +77,11 @@ class JointStateMonitor:
 
         A joint whose velocity is not known stands.
         """
-        unknown = _Seen(math.nan, math.nan)
+        unknown = _JointSample(math.nan, math.nan)
         speeds = np.array([self._states.get(name, unknown).velocity for name in joint_names])
         return np.where(np.isfinite(speeds), speeds, 0.0)
 
-    def heard(self, joint_names: Sequence[str]) -> int:
+    def update_count(self, joint_names: Sequence[str]) -> int:
         """Return a number that has grown when every one of the joints was heard of anew.
 
         It counts as of the last look at positions.
@@ -181,7 +181,7 @@ class JointStateMonitor:
     def _take_all(self, joint_names: Sequence[str]) -> None:
         # Newest first, until every joint ever heard of was seen: most messages stay packed.
         wanted = {*joint_names, *self._states}
-        seen: dict[str, _Seen] = {}
+        seen: dict[str, _JointSample] = {}
         newest_fault = ""
         for data in reversed(list(self._waiting())):
             states, fault = _read(data)
@@ -205,7 +205,7 @@ class JointStateMonitor:
         """Keep one message; serves executors that do not honour callback groups."""
         self._keep(*_read(data))
 
-    def _keep(self, seen: dict[str, _Seen], fault: str) -> None:
+    def _keep(self, seen: dict[str, _JointSample], fault: str) -> None:
         self._looks += 1
         self._fault = fault or self._fault
         for name, state in seen.items():
@@ -213,7 +213,7 @@ class JointStateMonitor:
                 self._states[name], self._heard_in[name] = state, self._looks
 
 
-def _read(data: bytes) -> tuple[dict[str, _Seen], str]:
+def _read(data: bytes) -> tuple[dict[str, _JointSample], str]:
     """Return the states of joints with a finite position in a message, and its faults."""
     try:
         message = unpack(data, JointState)
@@ -224,7 +224,7 @@ def _read(data: bytes) -> tuple[dict[str, _Seen], str]:
     states = _states_in(message)
     usable = {name: state for name, state in states.items() if math.isfinite(state.position)}
     for name in states.keys() - usable.keys():
-        fault = f"the position of {shown(name)} is {states[name].position}"
+        fault = f"the position of {format_value(name)} is {states[name].position}"
     return usable, fault
 
 
@@ -235,16 +235,16 @@ def _fault_of(message: JointState) -> str:
         return f"{len(positions)} positions for {len(names)} names"
     if len(set(names)) < len(names):
         twice = next(name for i, name in enumerate(names) if name in names[:i])
-        return f"{shown(twice)} is in it twice"
+        return f"{format_value(twice)} is in it twice"
     return ""
 
 
-def _states_in(message: JointState) -> dict[str, _Seen]:
+def _states_in(message: JointState) -> dict[str, _JointSample]:
     """Read the states of all joints in a message."""
     positions, velocities = message.position, message.velocity
     if len(velocities) != len(positions):
         velocities = [math.nan] * len(positions)
     return {
-        name: _Seen(position, velocity)
+        name: _JointSample(position, velocity)
         for name, position, velocity in zip(message.name, positions, velocities, strict=True)
     }

@@ -8,7 +8,7 @@ from rclpy.clock import Clock, ClockType, JumpThreshold, TimeJump
 from rclpy.duration import Duration
 from rclpy.node import Node
 
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 
 _NANO = 1e-9
 # Simulated time that goes on by more than this (s) from one message to the next has jumped, and so
@@ -49,7 +49,7 @@ class MotionClock:
 
     def __init__(self, node: Node) -> None:
         self._ros = node.get_clock()
-        self._log = SparingLog(node.get_logger())
+        self._log = ThrottledLog(node.get_logger())
         self.simulated = bool(node.get_parameter("use_sim_time").value)
         self.clock = self._ros if self.simulated else Clock(clock_type=ClockType.STEADY_TIME)
         self._listeners: list[Callable[[float], None]] = []

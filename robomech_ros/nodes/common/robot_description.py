@@ -78,7 +78,7 @@ class RobotSettings:
 class FrameSettings(RobotSettings):
     """Parameters of a node whose requests may name frames that tf knows."""
 
-    frame_age: float = parameter(
+    max_transform_age: float = parameter(
         10.0,
         "Largest age of a /tf transform for requests without a time stamp",
         0.01,

@@ -9,13 +9,13 @@ from std_msgs.msg import String
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.robot_description import LATCHED, TOPIC, RobotModel, RobotSettings
-from robomech_ros.nodes.common.semantic_source import SEMANTIC_TOPIC, SemanticSource
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
-from robomech_ros.parallel.described import load_described
+from robomech_ros.nodes.common.srdf_source import SEMANTIC_TOPIC, SemanticSource
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
+from robomech_ros.parallel.tree_description import load_tree_description
 from robomech_ros.robots import RobotDescription
 from robomech_ros.robots.documents.reported_notes import report_once
-from robomech_ros.robots.kinds import ARM, check_name, kind_of
 from robomech_ros.robots.library import is_document
+from robomech_ros.robots.robot_kinds import ARM, check_name, kind_of
 
 # The log of the node says the same, and goes to /rosout as well.
 logging.getLogger(report_once.__module__).addHandler(logging.NullHandler())
@@ -71,7 +71,7 @@ def when_robot_known(
         if kind_of(robot) == "walking":
             begin_to_walk(robot)
             return
-        loaded = load_described(robot)
+        loaded = load_tree_description(robot)
         described = loaded.description
         if loaded.robot is not None and not (parallel and supplemented is None):
             _refuse(node, described.name, parallel)
@@ -128,7 +128,7 @@ class _WaitingNode:
         begin: Callable[[str], None],
     ) -> None:
         self._node = node
-        self._complaints = SparingLog(node.get_logger())
+        self._complaints = ThrottledLog(node.get_logger())
         self._source = source
         self._begin = begin
         self._done = False

@@ -12,7 +12,7 @@ _DEPTH = 10
 
 
 @dataclass(frozen=True)
-class NodeCondition:
+class NodeHealth:
     """How a node is.
 
     Attributes
@@ -46,7 +46,7 @@ class StatusReport:
     """
 
     def __init__(
-        self, node: Node, part: str, hardware: str, describe: Callable[[], NodeCondition]
+        self, node: Node, part: str, hardware: str, describe: Callable[[], NodeHealth]
     ) -> None:
         self._clock = node.get_clock()
         self._describe = describe

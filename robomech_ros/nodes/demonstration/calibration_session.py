@@ -33,7 +33,7 @@ from robomech_ros.rvs import ViewUnavailableError, write_calibration
 
 
 @dataclass(frozen=True)
-class Wanted:
+class DemoOptions:
     """Options of the demonstration.
 
     Parameters
@@ -53,12 +53,12 @@ class Wanted:
     noise: tuple[float, float]
 
 
-def demonstrate_calibration(wanted: Wanted, output: Path) -> None:
+def demonstrate_calibration(wanted: DemoOptions, output: Path) -> None:
     """Find a simulated camera with a simulated robot, and tell how near the truth that is.
 
     Parameters
     ----------
-    wanted : Wanted
+    wanted : DemoOptions
     output : Path
         Folder for the picture and the files of the calibration.
 
@@ -76,7 +76,7 @@ def demonstrate_calibration(wanted: Wanted, output: Path) -> None:
 
 
 def _session(
-    which: Which, chain: SerialChain, wanted: Wanted, output: Path, reporter: Reporter
+    which: Which, chain: SerialChain, wanted: DemoOptions, output: Path, reporter: Reporter
 ) -> None:
     mount = MOUNT_OF_TYPE[wanted.calibration_type]
     reporter.heading(f"{chain.name}: where is the camera? ({mount})")
@@ -112,7 +112,7 @@ def _tf_is_there() -> bool:
     return True
 
 
-def _commands(which: Which, wanted: Wanted, output: Path, on_tf: bool) -> dict[str, list[str]]:
+def _commands(which: Which, wanted: DemoOptions, output: Path, on_tf: bool) -> dict[str, list[str]]:
     options = LaunchOptions(which.robot, servo=False, calibration=True)
     commands = options.commands()
     parameters = {

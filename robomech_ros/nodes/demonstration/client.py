@@ -15,10 +15,10 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import Execute
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.demonstration.failure import DemoFailedError
+from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
 from robomech_ros.nodes.demonstration.suite import Suite, running_suite
-from robomech_ros.nodes.middleware.deep_queues import ask
-from robomech_ros.nodes.middleware.questions import Question
+from robomech_ros.nodes.middleware.queue_depth import ask
+from robomech_ros.nodes.middleware.retrying_client import RetriedRequest
 from robomech_ros.nodes.process.run import Spinner
 from robomech_ros.outcomes import name_of
 from robomech_ros.typing import Array
@@ -48,7 +48,7 @@ class DemoClient:
     ----------
     suite : Suite
         The running nodes.
-    robot : SerialChain or RobotToShow
+    robot : SerialChain or DemoRobot
         Whose joints are to be recorded.
     """
 
@@ -141,7 +141,7 @@ class DemoClient:
         DemoFailedError
             It did not answer.
         """
-        question = Question(self._clients[service], self._kinds[service], request)
+        question = RetriedRequest(self._clients[service], self._kinds[service], request)
         if self.wait(question.answered.done, _CALL_SECONDS, question.repeat_if_due):
             return question.answer()
         question.give_up()
@@ -177,7 +177,9 @@ class DemoClient:
         """
         execution = None
         if by is not None:
-            execution = Question(self._clients[EXECUTE], Execute, Execute.Request(trajectory=by))
+            execution = RetriedRequest(
+                self._clients[EXECUTE], Execute, Execute.Request(trajectory=by)
+            )
 
         def arrived() -> bool:
             if execution is not None and execution.answered.done():

@@ -5,12 +5,12 @@ from typing import Protocol
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.demonstration.postures import pick_and_place
-from robomech_ros.nodes.demonstration.report import Way
+from robomech_ros.nodes.demonstration.report import TipPath
 from robomech_ros.robots import PRISMATIC, SerialChain
 from robomech_ros.typing import Array
 
 
-class RobotToShow(Protocol):
+class DemoRobot(Protocol):
     """A robot of n joints."""
 
     @property
@@ -46,14 +46,14 @@ class RobotToShow(Protocol):
     def targets(self) -> tuple[Array, Array]:
         """Poses (4, 4) where to pick and where to place."""
 
-    def way_to_place(self, pick: Array, place: Array) -> Way | None:
+    def path_to_place(self, pick: Array, place: Array) -> TipPath | None:
         """Return the path of the tip from pick to place; None where only the joints matter."""
 
-    def way_on(self, place: Array) -> Way | None:
+    def path_onward(self, place: Array) -> TipPath | None:
         """Return a path of the tip that begins at place; None for no more."""
 
 
-class ArmToShow:
+class DemoArm:
     """An arm.
 
     Parameters
@@ -82,8 +82,8 @@ class ArmToShow:
         pick, place = pick_and_place(self._chain)
         return self.pose(pick), self.pose(place)
 
-    def way_to_place(self, pick: Array, place: Array) -> Way | None:
+    def path_to_place(self, pick: Array, place: Array) -> TipPath | None:
         """Leave the way to the joints."""
 
-    def way_on(self, place: Array) -> Way | None:
+    def path_onward(self, place: Array) -> TipPath | None:
         """End at place."""

@@ -7,8 +7,8 @@ from robomech_ros.robots import (
     RobotDescription,
     SerialChain,
     load_description,
+    load_semantics,
     main_chain,
-    semantics_of,
 )
 
 
@@ -32,7 +32,7 @@ class Which:
 
     def chain_of(self, description: RobotDescription) -> SerialChain:
         """Return the chain that moves; its home is that of the SRDF."""
-        return main_chain(description, semantics_of(description, self.srdf), group=self.group)
+        return main_chain(description, load_semantics(description, self.srdf), group=self.group)
 
 
 def chain_with_limits(which: Which) -> tuple[SerialChain, str]:

@@ -9,10 +9,10 @@ from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.demonstration.client import DemoClient
-from robomech_ros.nodes.demonstration.demo_robots import RobotToShow
-from robomech_ros.nodes.demonstration.failure import DemoFailedError
+from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
+from robomech_ros.nodes.demonstration.demo_robots import DemoRobot
 from robomech_ros.nodes.demonstration.load import TRACKED, Load
-from robomech_ros.nodes.demonstration.report import Leg, Reporter, Way
+from robomech_ros.nodes.demonstration.report import Leg, Reporter, TipPath
 from robomech_ros.robots.semantic import HOME
 from robomech_ros.rvs import Choice, NamedPosture
 from robomech_ros.spatial import pose_error
@@ -35,7 +35,7 @@ class PickAndPlace:
     ----------
     client : DemoClient
         Connected to the running suite.
-    robot : RobotToShow
+    robot : DemoRobot
     reporter : Reporter
         Where to tell what happens.
     load : Load, optional
@@ -46,7 +46,7 @@ class PickAndPlace:
     def __init__(
         self,
         client: DemoClient,
-        robot: RobotToShow,
+        robot: DemoRobot,
         reporter: Reporter,
         load: Load | None = None,
     ) -> None:
@@ -68,7 +68,7 @@ class PickAndPlace:
             A step went wrong.
         """
         pick, place = self._robot.targets()
-        over, on = self._robot.way_to_place(pick, place), self._robot.way_on(place)
+        over, on = self._robot.path_to_place(pick, place), self._robot.path_onward(place)
         self._leg("pick", "RUCKIG", pick)
         if self._load is not None:
             self._load.grip()
@@ -112,7 +112,7 @@ class PickAndPlace:
         self._check(leg, T)
         self.legs.append(leg)
 
-    def _along(self, way: Way) -> None:
+    def _along(self, way: TipPath) -> None:
         """Move the tip along a path, to where it ends."""
         T = way.waypoints[-1]
         count = len(way.waypoints)

@@ -22,7 +22,7 @@ def _joints(q: Array) -> str:
     return " ".join(f"{value:+.3f}" for value in q)
 
 
-class Way(NamedTuple):
+class TipPath(NamedTuple):
     """A path of the tip.
 
     Attributes

@@ -14,7 +14,7 @@ from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.rolling_paths import paths_for
 from robomech_ros.nodes.mobile_base.drives import INTERFACES
 from robomech_ros.nodes.process.launch_options import LaunchOptions
-from robomech_ros.plotting.drives import plot_ways
+from robomech_ros.plotting.drives import plot_paths
 from robomech_ros.rolling import RollingRobot, WheelJoints, rolling_description, rolling_robot
 from robomech_ros.rolling.tree import BASE_JOINTS
 from robomech_ros.rvs import Choice, Motion, ViewUnavailableError, write_motion
@@ -76,7 +76,7 @@ def demonstrate(robot: str, output: Path) -> None:
 def _plot(name: str, task: DriveTask, driven: list[Driven], output: Path) -> Path:
     places = task.places
     ways = [places[(places[:, 0] >= one.begin) & (places[:, 0] <= one.end), 1:] for one in driven]
-    return plot_ways(
+    return plot_paths(
         output / f"{name}.png",
         [one.path.name for one in driven],
         [one.path.places for one in driven],

@@ -8,13 +8,13 @@ import numpy as np
 from robomech_interfaces.srv import Execute, PlanCartesian, PlanJoint, SolveFK, SolveIK
 from robomech_ros.dynamics import mass_matrix
 from robomech_ros.nodes.demonstration.client import EXECUTE, DemoClient, running_client
-from robomech_ros.nodes.demonstration.demo_robots import ArmToShow, RobotToShow
+from robomech_ros.nodes.demonstration.demo_robots import DemoArm, DemoRobot
 from robomech_ros.nodes.demonstration.limits import Which, chain_with_limits
 from robomech_ros.nodes.demonstration.load import CARRYING, TRACKED, Load
 from robomech_ros.nodes.demonstration.pick_and_place import PickAndPlace
 from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.process.launch_options import LaunchOptions
-from robomech_ros.parallel import Mechanism, ParallelDynamics, load_described
+from robomech_ros.parallel import Mechanism, ParallelDynamics, load_tree_description
 from robomech_ros.plotting.joint_motions import plot_motion
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs import Motion, ViewUnavailableError, write_motion
@@ -49,13 +49,13 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
     """
     reporter = Reporter()
     start = time.perf_counter()
-    mechanism = load_described(which.robot).mechanism
+    mechanism = load_tree_description(which.robot).mechanism
     if mechanism is not None:
-        from robomech_ros.nodes.demonstration.platform_to_show import PlatformToShow
+        from robomech_ros.nodes.demonstration.demo_platform import DemoPlatform
 
         if payload is not None:
             ParallelDynamics(mechanism).mass_matrix(mechanism.home())
-        platform = PlatformToShow(mechanism)
+        platform = DemoPlatform(mechanism)
         written = _session(which, platform, mechanism, output, reporter, payload)
     else:
         chain, notice = chain_with_limits(which)
@@ -64,7 +64,7 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
         if payload is not None:
             # A robot that cannot be simulated is refused here, once, instead of by a node.
             mass_matrix(chain, chain.midrange())
-        written = _session(which, ArmToShow(chain), chain, output, reporter, payload)
+        written = _session(which, DemoArm(chain), chain, output, reporter, payload)
     for line in written:
         reporter.say(line)
     reporter.say(f"everything worked, in {time.perf_counter() - start:.1f} s")
@@ -72,7 +72,7 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
 
 def _session(
     which: Which,
-    robot: RobotToShow,
+    robot: DemoRobot,
     moved: SerialChain | Mechanism,
     output: Path,
     reporter: Reporter,
@@ -125,7 +125,7 @@ def _page(
     title = f"{moved.name}: pick and place"
     path = output / f"{moved.name}.html"
     try:
-        write_motion(path, load_described(which.robot).description, motion, title=title)
+        write_motion(path, load_tree_description(which.robot).description, motion, title=title)
     except ViewUnavailableError as error:
         return f"no page: {error}"
     return f"page: {path}"
@@ -136,7 +136,7 @@ def _start(task: PickAndPlace) -> float:
     return max(task.marks[0][0] - _LEAD_SECONDS, 0.0)
 
 
-def _plot(robot: RobotToShow, client: DemoClient, task: PickAndPlace, output: Path) -> Path:
+def _plot(robot: DemoRobot, client: DemoClient, task: PickAndPlace, output: Path) -> Path:
     times, q, qd = client.recording()
     start = _start(task)
     keep, shown = times >= start, list(robot.shown)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from robomech_ros.nodes.demonstration.failure import DemoFailedError
+from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
 from robomech_ros.nodes.process.free_domain import free_domain
 from robomech_ros.nodes.process.process_group import ProcessGroup
 

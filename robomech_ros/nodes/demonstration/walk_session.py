@@ -11,7 +11,7 @@ import numpy as np
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.demonstration.client import DemoClient, running_client
 from robomech_ros.nodes.demonstration.closed_paths import ClosedPath, figure_of_eight
-from robomech_ros.nodes.demonstration.failure import DemoFailedError
+from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
 from robomech_ros.nodes.demonstration.path_follower import PathFollower
 from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.walk import Walk

@@ -6,10 +6,10 @@ from pathlib import Path
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.robot_description import TOPIC
-from robomech_ros.nodes.common.semantic_source import SEMANTIC_TOPIC
+from robomech_ros.nodes.common.srdf_source import SEMANTIC_TOPIC
 from robomech_ros.nodes.display.description_publisher import DescriptionPublisher
 from robomech_ros.nodes.display.frame_publisher import FramePublisher
-from robomech_ros.nodes.display.shared_frames import SharedFrames
+from robomech_ros.nodes.display.unclaimed_frames import UnclaimedFrames
 from robomech_ros.robots import RobotDescription, load_description, urdf_from_description
 from robomech_ros.robots.urdf.mesh_urls import with_mesh_urls
 
@@ -91,5 +91,5 @@ def _frame_publisher(
     if wanted == ALWAYS:
         publisher.choose(publisher.moving, publisher.fixed)
     else:
-        SharedFrames(node, publisher, shown.name, rate)
+        UnclaimedFrames(node, publisher, shown.name, rate)
     return publisher

@@ -3,7 +3,7 @@
 import numpy as np
 
 from robomech_ros.dynamics import ChainDynamics, DynamicSystem
-from robomech_ros.execution.refusals import JointMismatchError
+from robomech_ros.execution.rejections import JointMismatchError
 from robomech_ros.nodes.common.joint_positions import JointPositions, Way
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.typing import Array
@@ -71,7 +71,7 @@ class Drives:
 
         Raises
         ------
-        OpenLoopsError
+        LoopClosureError
             All joints are given, and leave loops open.
         OutcomeError
             The drives can hold the platform nowhere, or a singular posture is in their way.

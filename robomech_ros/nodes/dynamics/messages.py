@@ -47,7 +47,7 @@ class Motions:
     qd: Array
     qdd: Array
 
-    def as_asked(self, rows: Array) -> Array:
+    def in_request_order(self, rows: Array) -> Array:
         """Put columns of drives in the order of the request's names; joints without one get 0."""
         result = np.zeros((*rows.shape[:-1], self.width))
         result[..., self.order] = rows
@@ -194,7 +194,7 @@ def payload_body(inertia: Inertia, frame: str, chain: SerialChain) -> Body | Non
     body = Body(inertia.m, _vector(inertia.com, "payload.inertia.com"), moments)
     if fault := body.fault():
         raise BadValueError("payload.inertia", moments.tolist(), f"those of a body; {fault}")
-    return body.seen_from(inverse_pose(chain.link_frame(chain.tip).offset) @ link.offset)
+    return body.expressed_in(inverse_pose(chain.link_frame(chain.tip).offset) @ link.offset)
 
 
 def _vector(given: Vector3, what: str) -> Array:

@@ -40,7 +40,7 @@ from robomech_ros.nodes.dynamics.messages import (
 from robomech_ros.nodes.dynamics.settings import DynamicsSettings, check_settings
 from robomech_ros.nodes.dynamics.torques import instants, torque_shares
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
-from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.typing import Array
@@ -98,7 +98,7 @@ class DynamicsNode(Node):
         wrench = await self._wrench(request, states.q)
         shares = torque_shares(system, states, self._gravity(request), wrench)
         for field, rows in shares.items():
-            setattr(response, field, floats(states.as_asked(rows)))
+            setattr(response, field, floats(states.in_request_order(rows)))
         return answer(response)
 
     @guarded
@@ -134,7 +134,7 @@ class DynamicsNode(Node):
     async def _summarize_torques(self, request: Any, response: Any) -> Any:
         system, drives, settings = self._loaded, self._drives, self._table.settings
         message = received_trajectory(request.trajectory)
-        limits = settings.largest_batch, settings.max_duration
+        limits = settings.max_batch_size, settings.max_duration
         names = drives.named(list(message.joint_names))
         waypoints = read_waypoints(message, names, *limits, to_rest=False)
         times = instants(waypoints.times, settings.summary_period)
@@ -177,9 +177,9 @@ class DynamicsNode(Node):
         return gravity_vector(request.gravity, np.array(self._table.settings.gravity))
 
     def _check_size(self, what: str, count: int) -> None:
-        largest = self._table.settings.largest_batch
+        largest = self._table.settings.max_batch_size
         if count > largest:
-            expected = f"at most {largest}, the parameter largest_batch"
+            expected = f"at most {largest}, the parameter max_batch_size"
             raise WrongSizeError(what, count, expected)
 
 

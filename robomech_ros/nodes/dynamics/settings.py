@@ -18,7 +18,7 @@ class DynamicsSettings(StateSettings):
         "m/s^2",
         read_only=False,
     )
-    largest_batch: int = parameter(
+    max_batch_size: int = parameter(
         10_000,
         "Largest number of points in one InverseDynamics or SummarizeTorques request",
         1,

@@ -17,7 +17,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from robomech_ros.nodes.common.message_fields import NANO
 from robomech_ros.nodes.frames.history import Sample
 from robomech_ros.nodes.frames.tree import FrameTree
-from robomech_ros.nodes.middleware.polled_subscription import Unattended
+from robomech_ros.nodes.middleware.polled_subscription import ManualSubscription
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 
 # Between two looks, the latest so many are kept: some seconds of robot_state_publisher.
@@ -79,7 +79,12 @@ class FrameListener:
             return
         self._kind = TFMessage
         self._moving = node.create_subscription(
-            TFMessage, "/tf", self._take_moving, _MOVING, callback_group=Unattended(), raw=True
+            TFMessage,
+            "/tf",
+            self._take_moving,
+            _MOVING,
+            callback_group=ManualSubscription(),
+            raw=True,
         )
         self._static = node.create_subscription(
             TFMessage, "/tf_static", self._take_static, _STATIC, raw=True

@@ -11,14 +11,14 @@ from rclpy.node import Node
 
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.common.cooperative_wait import pause
 from robomech_ros.nodes.common.error_codes import FrameUnavailableError
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.message_fields import NANO
-from robomech_ros.nodes.common.pauses import pause
 from robomech_ros.nodes.common.robot_description import FrameSettings, RobotModel
 from robomech_ros.nodes.frames.history import WINDOW
 from robomech_ros.nodes.frames.listener import FrameListener
-from robomech_ros.nodes.frames.tree import Found, NoTransformError
+from robomech_ros.nodes.frames.tree import NoTransformError, TransformResult
 from robomech_ros.robots import SerialChain
 from robomech_ros.typing import Array
 
@@ -33,7 +33,7 @@ _NOWHERE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class FrameAttachment:
     """Location of a frame, as far as joints do not move it.
 
     Attributes
@@ -70,7 +70,7 @@ class Place:
         return T if self.offset is None else T @ self.offset
 
 
-_BASE = Place(None, None)
+_BASE = FrameAttachment(None, None)
 
 
 class RobotFrames:
@@ -102,7 +102,7 @@ class RobotFrames:
         self._settings = settings
         self._listener = FrameListener(node)
 
-    def find(self, frame: str, stamp: Time | None = None) -> Place:
+    def find(self, frame: str, stamp: Time | None = None) -> FrameAttachment:
         """Find a frame in what is known now.
 
         Parameters
@@ -123,7 +123,9 @@ class RobotFrames:
         except NoTransformError as error:
             raise self._unavailable(frame, error) from None
 
-    async def place(self, frame: str, patience: float, stamp: Time | None = None) -> Place:
+    async def place(
+        self, frame: str, patience: float, stamp: Time | None = None
+    ) -> FrameAttachment:
         """Find a frame as `find` does, and wait for it, up to `patience` (s).
 
         A frame that is nowhere in tf is waited for no longer than half a second, as soon as tf has
@@ -181,7 +183,7 @@ class RobotFrames:
         present = self._monitor.require(missing).tolist()
         return place.pose({**given, **dict(zip(missing, present, strict=True))})
 
-    def _find(self, frame: str, instant: int | None) -> Place:
+    def _find(self, frame: str, instant: int | None) -> FrameAttachment:
         model, tree = self._model, self._listener.tree
         link = model.link_of(frame)
         if not link or link == model.chain.base:
@@ -196,34 +198,34 @@ class RobotFrames:
         virtual, root = model.virtual_frames.get(known_as), self._root_of(known_as)
         # Whoever publishes where the robot stands goes before its SRDF.
         if virtual is not None and (root is None or root != self._root_of(model.base_frame)):
-            return Place(None, virtual)
+            return FrameAttachment(None, virtual)
         if self._listener.missing:
             raise NoTransformError(self._listener.missing, may_come=False)
         return self._by_tf(known_as, instant)
 
-    def _place_of_link(self, link: str) -> Place | None:
+    def _place_of_link(self, link: str) -> FrameAttachment | None:
         """Find a link of the robot; None for what is none, or has no chain from the base."""
         fixed = self._model.fixed_frames
         if link in fixed:
-            return Place(None, fixed[link])
+            return FrameAttachment(None, fixed[link])
         if link not in self._model.description.links:
             return None
         try:
-            return Place(self._model.chain_to(link), None)
+            return FrameAttachment(self._model.chain_to(link), None)
         except RobotDescriptionError:
             return None
 
-    def _place_in_tf(self, frame: str) -> Place | None:
+    def _place_in_tf(self, frame: str) -> FrameAttachment | None:
         """Find a link of the robot by its frame in tf; None for the frames of others."""
         prefix = self._model.frame_prefix
         if not frame.startswith(prefix):
             return None
         return self._place_of_link(frame.removeprefix(prefix))
 
-    def _by_tf(self, frame: str, instant: int | None) -> Place:
+    def _by_tf(self, frame: str, instant: int | None) -> FrameAttachment:
         """Find a frame of tf by the links of the robot that tf connects with it."""
         tree, model = self._listener.tree, self._model
-        way = tree.way_up(frame, instant)
+        way = tree.path_to_root(frame, instant)
         fixed = [model.base_frame, *map(model.frame_of, model.fixed_frames)]
         # Now is told best by the joints and the link that carries the frame, the past by tf alone.
         others = [*way, *fixed] if instant is None else [*fixed, *way]
@@ -235,13 +237,13 @@ class RobotFrames:
         for other, pose in model.virtual_frames.items():
             if self._root_of(other, instant) == way[-1]:
                 found = tree.between(other, frame, instant)
-                return self._carried(Place(None, pose), found, instant)
+                return self._carried(FrameAttachment(None, pose), found, instant)
         raise NoTransformError(self._not_connected(way))
 
     def _root_of(self, frame: str, instant: int | None = None) -> str | None:
         """Return the root of a frame in tf; None for an unknown frame, or a circle."""
         try:
-            return self._listener.tree.way_up(frame, instant)[-1]
+            return self._listener.tree.path_to_root(frame, instant)[-1]
         except NoTransformError:
             return None
 
@@ -257,15 +259,17 @@ class RobotFrames:
             other = "tf has no link of the robot"
         return f"tf does not connect it with the robot: it hangs on {way[-1]!r}, {other}"
 
-    def _carried(self, place: Place, found: Found, instant: int | None) -> Place:
+    def _carried(
+        self, place: FrameAttachment, found: TransformResult, instant: int | None
+    ) -> FrameAttachment:
         """Add to the place of a link what tf found in it, unless that is too old or to come."""
         if found.stamp is not None and instant is None:
             age = (self._listener.now - found.stamp) / NANO
-            most = self._settings().frame_age
+            most = self._settings().max_transform_age
             if age > most:
                 raise NoTransformError(
                     f"what tf last said of {found.slowest!r} is {age:.4g} s old, expected at most "
-                    f"{most:g} s, the parameter frame_age"
+                    f"{most:g} s, the parameter max_transform_age"
                 )
             if age < -_AHEAD:
                 raise NoTransformError(
@@ -273,7 +277,7 @@ class RobotFrames:
                     f"here, expected at most {_AHEAD:g} s: two clocks differ"
                 )
         offset = found.pose if place.offset is None else place.offset @ found.pose
-        return Place(place.chain, offset)
+        return FrameAttachment(place.chain, offset)
 
     def _unavailable(self, frame: str, error: NoTransformError) -> FrameUnavailableError:
         """Say what was not found, and what there is."""

@@ -36,7 +36,7 @@ class NoTransformError(RobomechError):
         super().__init__(why)
 
 
-class Found(NamedTuple):
+class TransformResult(NamedTuple):
     """Pose of a frame in another one.
 
     Attributes
@@ -136,7 +136,7 @@ class FrameTree:
         self._histories = {child: h for child, h in self._histories.items() if h.static}
         self._count = len(self._histories)
 
-    def way_up(self, frame: str, stamp: int | None = None) -> list[str]:
+    def path_to_root(self, frame: str, stamp: int | None = None) -> list[str]:
         """List a frame, its parent and so on up to the root of its tree.
 
         Parameters
@@ -168,7 +168,7 @@ class FrameTree:
             return "tf has no frames yet"
         return f"tf has no frame {frame[:200]!r}"
 
-    def between(self, target: str, source: str, stamp: int | None = None) -> Found:
+    def between(self, target: str, source: str, stamp: int | None = None) -> TransformResult:
         """Find where a frame is in another one.
 
         Parameters
@@ -186,7 +186,7 @@ class FrameTree:
         up, down = self._ways(target, source, stamp)
         moving = [frame for frame in (*up, *down) if not self._histories[frame].static]
         if not moving:
-            return Found(self._pose(up, down, 0), None, "")
+            return TransformResult(self._pose(up, down, 0), None, "")
         slowest = min(moving, key=lambda frame: self._histories[frame].last.stamp)
         if stamp is None:
             stamp = self._histories[slowest].last.stamp
@@ -194,12 +194,12 @@ class FrameTree:
             up, down = self._ways(target, source, stamp)
         else:
             self._check_kept(moving, slowest, stamp)
-        return Found(self._pose(up, down, stamp), stamp, slowest)
+        return TransformResult(self._pose(up, down, stamp), stamp, slowest)
 
     def _ways(self, target: str, source: str, stamp: int | None) -> tuple[list[str], list[str]]:
         """List the frames from the source and from the target to below where they meet."""
-        from_source = self.way_up(source, stamp)
-        from_target = self.way_up(target, stamp)
+        from_source = self.path_to_root(source, stamp)
+        from_target = self.path_to_root(target, stamp)
         shared = set(from_source).intersection(from_target)
         if not shared:
             raise NoTransformError(

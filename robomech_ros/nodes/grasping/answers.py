@@ -98,7 +98,7 @@ def analysed(
     origin: Array,
     length: float,
     tolerance: float,
-    most_points: int,
+    max_wrenches: int,
     made_by: tuple[Hand, Array, Sequence[int] | None] | None,
 ) -> GraspAnalysis:
     """Analyse contacts.
@@ -108,7 +108,7 @@ def analysed(
     contacts : sequence of Contact
     matrix : ndarray, shape (6, m), or (3, m) in the plane
         Their grasp matrix about the origin.
-    origin, length, tolerance, most_points
+    origin, length, tolerance, max_wrenches
         As for :func:`grasp_quality`.
     made_by : tuple or None
         The hand, its joint positions, and which finger makes each contact.
@@ -119,7 +119,7 @@ def analysed(
         Contacts that the hand cannot make, or a tolerance or length that is none.
     """
     quality = grasp_quality(
-        contacts, length=length, origin=origin, tolerance=tolerance, most_points=most_points
+        contacts, length=length, origin=origin, tolerance=tolerance, max_wrenches=max_wrenches
     )
     found = (
         is_force_closed(contacts),

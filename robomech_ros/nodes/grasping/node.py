@@ -15,20 +15,20 @@ from robomech_ros.hands import (
     ForceStatus,
     contact_forces,
     grasp_matrix,
+    hand_postures,
     load_hand,
     tip_postures,
-    whole_postures,
 )
 from robomech_ros.hands.conic_solver import ConicSolverUnavailableError
 from robomech_ros.hands.contacts import span
 from robomech_ros.hands.forces import SMALLEST
 from robomech_ros.hands.postures import MOST_POSTURES
 from robomech_ros.hands.quality import SHORTEST
+from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.error_codes import ShutdownError, guarded
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_positions import is_empty
 from robomech_ros.nodes.common.parameters import NodeParameters
-from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.grasping.answers import (
@@ -45,7 +45,7 @@ from robomech_ros.nodes.grasping.requests import (
     read_points,
 )
 from robomech_ros.nodes.grasping.settings import GraspingSettings, check_settings
-from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.process.run import run_node
 
 _TOLERANCE = 1e-4
@@ -102,10 +102,10 @@ class GraspingNode(Node):
             origin=origin,
             length=request.length or min(max(span(contacts, origin), SHORTEST), LARGEST_LENGTH),
             tolerance=request.tolerance or _TOLERANCE,
-            most_points=self._table.settings.most_points,
+            max_wrenches=self._table.settings.max_wrenches,
             made_by=None if q is None else (self._hand.required(), q, fingers),
         )
-        found = await self._analyses.do(work, self._table.settings.longest_wait)
+        found = await self._analyses.do(work, self._table.settings.max_queue_time)
         return found.fill(self._hand.frame(request.frame_id), response)
 
     @guarded
@@ -139,7 +139,7 @@ class GraspingNode(Node):
         if most > MOST_POSTURES:
             raise BadValueError("max_solutions", most, f"0 to {MOST_POSTURES}")
         found = tip_postures(hand, points, fingers=numbers, seed=seed, respect_limits=respected)
-        whole = whole_postures(hand, found, fingers=numbers, seed=seed, most=most)
+        whole = hand_postures(hand, found, fingers=numbers, seed=seed, most=most)
         owners = range(len(points)) if numbers is None else numbers
         return fill_postures(hand, found, owners, whole, response)
 

@@ -15,7 +15,7 @@ class GraspingSettings:
         "contacts are analysed",
     )
     frame_prefix: str = parameter("", "Prefix of the hand's frames in headers, such as left/")
-    most_points: int = parameter(
+    max_wrenches: int = parameter(
         2000,
         "Largest number of wrenches used for the quality bounds; then these are returned as they "
         "are",
@@ -23,7 +23,7 @@ class GraspingSettings:
         5000,
         read_only=False,
     )
-    longest_wait: float = parameter(
+    max_queue_time: float = parameter(
         30.0,
         "Longest wait of analyze_grasp for earlier requests; then it fails with code 205",
         1e-9,

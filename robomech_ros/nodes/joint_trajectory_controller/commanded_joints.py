@@ -9,7 +9,7 @@ import numpy as np
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.controller.follower import Follower
+from robomech_ros.execution.controller.follower import TrajectoryFollower
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.controller.state_check import Margin, StateCheck
 from robomech_ros.execution.controller.trajectory_goal import (
@@ -20,11 +20,11 @@ from robomech_ros.execution.controller.trajectory_goal import (
 from robomech_ros.execution.joints import Joints, State, at_rest
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.execution.received_trajectory import read_waypoints
-from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.nodes.common.error_codes import OutcomeError, code_of
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.received_trajectory import received_trajectory
-from robomech_ros.nodes.common.refusals import trajectory_label
+from robomech_ros.nodes.common.rejection_status import trajectory_label
 from robomech_ros.nodes.joint_trajectory_controller.constraints import default_tolerances
 from robomech_ros.nodes.joint_trajectory_controller.motion_counts import MotionCounts
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
@@ -75,7 +75,7 @@ class CommandedJoints:
         Their names.
     counts : MotionCounts
         What has become of trajectories so far.
-    follower : Follower
+    follower : TrajectoryFollower
         What moves them.
     tolerances : Tolerances
         Of trajectories that bring none.
@@ -108,7 +108,9 @@ class CommandedJoints:
         self._settings = settings
         self._clock = clock
         self.tolerances = default_tolerances(settings, self.joint_names, {})
-        self.follower = Follower(joints, simulated_joints, follower_settings(settings), clock.now())
+        self.follower = TrajectoryFollower(
+            joints, simulated_joints, follower_settings(settings), clock.now()
+        )
         clock.on_jump(self.follower.clock_jumped)
         self._start = simulated_joints.position if start is None else start
         self._at = np.array([list(self.shown_names).index(name) for name in joints.names])

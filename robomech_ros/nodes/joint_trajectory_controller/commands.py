@@ -12,9 +12,9 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult
 from robomech_ros.nodes.common.error_codes import code_of
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
-from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.middleware.reliable_topics import subscribe_reliably
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.outcomes import Code, name_of
 
 _TOPIC = "joint_trajectory"
@@ -41,7 +41,7 @@ class TrajectoryTopic:
     """
 
     def __init__(self, node: Node, joints: CommandedJoints, on_refused: Callable[[], None]) -> None:
-        self._log = SparingLog(node.get_logger())
+        self._log = ThrottledLog(node.get_logger())
         self._joints = joints
         self._on_refused = on_refused
         # Where the last message of the topic ended, and when it came (s).
@@ -85,7 +85,7 @@ class TrajectoryTopic:
             log_end(self._log, "trajectory", result)
 
 
-def log_end(log: SparingLog, what: str, result: GoalResult) -> None:
+def log_end(log: ThrottledLog, what: str, result: GoalResult) -> None:
     """Log a motion that ended early: what somebody asked for is no warning."""
     text = f"{what} ended early: {result.text}"
     (log.info if result.code == Code.PREEMPTED else log.warning)(text)

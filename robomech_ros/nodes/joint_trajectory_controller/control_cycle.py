@@ -7,12 +7,12 @@ from rclpy.node import Node
 
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.display.robot_display import RobotDisplay
+from robomech_ros.nodes.joint_trajectory_controller.action_base import ActionBase
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.control_interfaces import ControlInterfaces
-from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 from robomech_ros.nodes.joint_trajectory_controller.state_publisher import StatePublisher
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.outcomes import Code
 
 
@@ -31,7 +31,7 @@ class ControlCycle:
         Which rates there are.
     control : ControlInterfaces
         Gets its states.
-    servers : sequence of ServedAction
+    servers : sequence of ActionBase
         Get their feedback.
     on_moved : callable
         Called in every cycle when the robot has moved on; the robot's lock is held.
@@ -49,10 +49,10 @@ class ControlCycle:
         model: RobotModel,
         settings: ControllerSettings,
         control: ControlInterfaces,
-        servers: Sequence[ServedAction],
+        servers: Sequence[ActionBase],
         on_moved: Callable[[], None],
     ) -> None:
-        self._log = SparingLog(node.get_logger())
+        self._log = ThrottledLog(node.get_logger())
         self._robot, self._commanded = commanded[0], commanded
         self.states = StatePublisher(node, model, commanded)
         given = bool(settings.robot_description_semantic)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 
 _NANO = 1_000_000_000
 _STOP_SECONDS = 3.0
@@ -37,7 +37,7 @@ class Cycles:
     def __init__(
         self, node: Node, clock: MotionClock, rate: float, work: Callable[[], None]
     ) -> None:
-        self._node, self._log = node, SparingLog(node.get_logger())
+        self._node, self._log = node, ThrottledLog(node.get_logger())
         self._work = work
         self._period = round(_NANO / rate)
         self._over = threading.Event()

@@ -1,14 +1,14 @@
 """How the simulated robot is, for the diagnostics."""
 
 from robomech_ros.execution.controller.follower import Phase
-from robomech_ros.nodes.common.refusals import refusal_values
-from robomech_ros.nodes.common.status_report import NodeCondition
+from robomech_ros.nodes.common.rejection_status import refusal_values
+from robomech_ros.nodes.common.status_report import NodeHealth
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
 
 
-def robot_condition(robot: SimulatedRobot) -> NodeCondition:
+def robot_condition(robot: SimulatedRobot) -> NodeHealth:
     """Describe the robot.
 
     A warning while the last trajectory that came was refused, while its state may not be published,
@@ -20,14 +20,14 @@ def robot_condition(robot: SimulatedRobot) -> NodeCondition:
             values["at effort limits"] = saturation
         wrong = [part for part in (robot.fault, saturation) if part]
         summary = "; ".join((_summary(robot), *wrong))
-        return NodeCondition(summary, bool(robot.counts.refusal.text or wrong), values)
+        return NodeHealth(summary, bool(robot.counts.refusal.text or wrong), values)
 
 
-def gripper_condition(gripper: Gripper) -> NodeCondition:
+def gripper_condition(gripper: Gripper) -> NodeHealth:
     """Describe the gripper; a warning while what came last was refused."""
     with gripper.lock:
         values = {**_values(gripper), "pressing": ", ".join(gripper.pressing())}
-        return NodeCondition(_summary(gripper), bool(gripper.counts.refusal.text), values)
+        return NodeHealth(_summary(gripper), bool(gripper.counts.refusal.text), values)
 
 
 def _values(joints: CommandedJoints) -> dict[str, object]:

@@ -13,7 +13,7 @@ from robomech_ros.errors import BadValueError, RobomechError, UnknownJointError
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.motion_tolerances import NONE, Tolerances
-from robomech_ros.execution.refusals import (
+from robomech_ros.execution.rejections import (
     JointMismatchError,
     StartMismatchError,
     TrajectoryOverError,

@@ -17,11 +17,11 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.motion_tolerances import Tolerances
-from robomech_ros.nodes.common.pauses import wake
+from robomech_ros.nodes.common.cooperative_wait import wake
+from robomech_ros.nodes.joint_trajectory_controller.action_base import ActionBase
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.commands import log_end
-from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.outcomes import Code
 
 
@@ -54,7 +54,7 @@ class ActionMessages(Protocol):
         """Tell how far a motion has come."""
 
 
-class GoalServer(ServedAction[TrajectoryGoal]):
+class GoalServer(ActionBase[TrajectoryGoal]):
     """Serves the action.
 
     Parameters
@@ -70,7 +70,7 @@ class GoalServer(ServedAction[TrajectoryGoal]):
     def __init__(self, node: Node, robot: CommandedJoints, messages: ActionMessages) -> None:
         self._robot = robot
         self._messages = messages
-        self._log = SparingLog(node.get_logger())
+        self._log = ThrottledLog(node.get_logger())
         name = f"{robot.place}/{messages.name}"
         super().__init__(node, robot, messages.kind, name)
 

@@ -4,7 +4,7 @@ import time
 from dataclasses import dataclass, field
 
 from robomech_ros.execution.controller.trajectory_goal import GoalResult
-from robomech_ros.nodes.common.refusals import Refusal
+from robomech_ros.nodes.common.rejection_status import Refusal
 
 
 def _nothing() -> Refusal:

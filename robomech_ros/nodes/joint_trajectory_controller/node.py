@@ -12,6 +12,7 @@ from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.common.status_report import StatusReport
+from robomech_ros.nodes.joint_trajectory_controller.action_base import ActionBase
 from robomech_ros.nodes.joint_trajectory_controller.commands import Commands, TrajectoryTopic
 from robomech_ros.nodes.joint_trajectory_controller.constraints import (
     CONSTRAINTS,
@@ -35,7 +36,6 @@ from robomech_ros.nodes.joint_trajectory_controller.robot import (
     legged_robot,
     serial_robot,
 )
-from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
     ControllerSettings,
     check_simulation,
@@ -50,7 +50,7 @@ class JointTrajectoryControllerNode(Node):
     SETTINGS = ControllerSettings
 
     def __init__(self, **options: Any) -> None:
-        self._servers: list[ServedAction] = []
+        self._servers: list[ActionBase] = []
         self._robot: SimulatedRobot | None = None
         self._gripper: Gripper | None = None
         self._cycles: Cycles | None = None

@@ -10,12 +10,12 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.state_check import Margin
 from robomech_ros.execution.joints import State
-from robomech_ros.execution.refusals import JointMismatchError
+from robomech_ros.execution.rejections import JointMismatchError
+from robomech_ros.nodes.common.closed_loop_positions import ClosedLoopPositions
 from robomech_ros.nodes.common.error_codes import OutcomeError
-from robomech_ros.nodes.common.loop_positions import LoopPositions
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import ParameterError
-from robomech_ros.nodes.joint_trajectory_controller.loop_checks import checked_drives
+from robomech_ros.nodes.joint_trajectory_controller.loop_feasibility import checked_drives
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot, dynamic_plant
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
     ControllerSettings,
@@ -133,7 +133,7 @@ def _initial_posture(settings: ControllerSettings, mechanism: Mechanism) -> Arra
     if not given:
         return mechanism.home()
     try:
-        q = LoopPositions(mechanism).read(JointState(position=given), "initial_positions")
+        q = ClosedLoopPositions(mechanism).read(JointState(position=given), "initial_positions")
     except RobomechError as error:
         raise ParameterError("initial_positions", list(given), str(error)) from None
     for name, value, low, high, unit in zip(

@@ -7,7 +7,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from robomech_ros.execution.controller.follower import Phase
-from robomech_ros.nodes.common.pauses import wake
+from robomech_ros.nodes.common.cooperative_wait import wake
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.outcomes import Code
 

@@ -10,13 +10,13 @@ from rclpy.node import Node
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.desired_state import desired_state, past_the_end
 from robomech_ros.execution.joints import State
-from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.messages import point_from_state
-from robomech_ros.nodes.middleware.deep_queues import serve
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 
 _DEPTH = 10
 
@@ -77,7 +77,7 @@ class SpeedScaling:
 
     def __init__(self, node: Node, robot: CommandedJoints) -> None:
         self._robot = robot
-        self._log = SparingLog(node.get_logger())
+        self._log = ThrottledLog(node.get_logger())
         node.create_subscription(SpeedScalingFactor, "~/speed_scaling_input", self._take, _DEPTH)
 
     def _take(self, message: SpeedScalingFactor) -> None:

@@ -9,8 +9,8 @@ import numpy as np
 
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.selection import family_of
+from robomech_ros.nodes.common.cooperative_wait import TimeSlices
 from robomech_ros.nodes.common.message_fields import append_numbers
-from robomech_ros.nodes.common.pauses import Turns
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import SerialChain
 from robomech_ros.typing import Array, IntArray
@@ -82,7 +82,7 @@ async def solve_in_turns(
     chain: SerialChain,
     T: Array,
     allowed: float,
-    turns: Turns,
+    turns: TimeSlices,
     **options: Any,
 ) -> tuple[BatchLists, int]:
     """Solve many poses and let others work in between.
@@ -95,7 +95,7 @@ async def solve_in_turns(
         Wanted poses of the tip in the base (m).
     allowed : float
         Time (s) after which the poses that are left get the code TIMED_OUT.
-    turns : Turns
+    turns : TimeSlices
         Those of the node that does it.
     **options
         Of `inverse_kinematics_batch`.

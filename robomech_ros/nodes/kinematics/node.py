@@ -23,12 +23,12 @@ from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinematics.inverse.first_solution import first_solution
 from robomech_ros.kinetostatics import point_jacobian
 from robomech_ros.kinetostatics.singularities.report import posture_report
+from robomech_ros.nodes.common.cooperative_wait import TimeSlices, Worker
 from robomech_ros.nodes.common.error_codes import ShutdownError, answer, guarded
 from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.parameters import NodeParameters
-from robomech_ros.nodes.common.pauses import Turns, Worker
 from robomech_ros.nodes.common.pose_messages import (
     linear_rows_first,
     matrices_from_pose_rows,
@@ -52,10 +52,10 @@ from robomech_ros.nodes.kinematics.messages import (
     wants_first,
     workspace_cloud,
 )
-from robomech_ros.nodes.kinematics.reachable_space import ReachableSpace, SpaceFinder
 from robomech_ros.nodes.kinematics.settings import KinematicsSettings
+from robomech_ros.nodes.kinematics.workspace_cache import ReachableSpace, SpaceFinder
 from robomech_ros.nodes.kinematics.workspace_query import WorkspaceQuery
-from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.moveit.add_services import add_moveit_services
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.robots import SerialChain
@@ -194,7 +194,7 @@ class KinematicsNode(Node):
         patience = self._table.settings.state_timeout
         rows = await self._joints.rows(ways, request.states, patience)
         poses = [forward_kinematics(way, q) for way, q in zip(ways, rows, strict=True)]
-        base, turns = self._model.base_frame, Turns(self)
+        base, turns = self._model.base_frame, TimeSlices(self)
         for of_state in zip(*poses, strict=True):
             for T in of_state:
                 response.poses.append(stamped_pose(T, base))
@@ -226,14 +226,14 @@ class KinematicsNode(Node):
             "respect_limits": not request.ignore_limits,
             "max_solutions": 1 if is_nearest(request.mode) else None,
         }
-        lists, done = await solve_in_turns(chain, T, allowed, Turns(self), **options)
+        lists, done = await solve_in_turns(chain, T, allowed, TimeSlices(self), **options)
         lists.fill(response)
         return answer_in_time(response, done, len(T), allowed)
 
     def _check_size(self, what: str, poses: int) -> None:
-        largest = self._table.settings.largest_batch
+        largest = self._table.settings.max_batch_size
         if poses > largest:
-            expected = f"at most {largest} poses, the parameter largest_batch"
+            expected = f"at most {largest} poses, the parameter max_batch_size"
             raise WrongSizeError(what, poses, expected)
 
     @guarded

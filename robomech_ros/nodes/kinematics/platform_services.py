@@ -13,11 +13,11 @@ from sensor_msgs.msg import JointState, PointCloud2
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import point_jacobian
+from robomech_ros.nodes.common.cooperative_wait import TimeSlices, Worker
 from robomech_ros.nodes.common.error_codes import OutcomeError, answer, code_of, guarded
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.message_fields import append_numbers, floats
-from robomech_ros.nodes.common.pauses import Turns, Worker
 from robomech_ros.nodes.common.pose_messages import (
     linear_rows_first,
     matrices_from_pose_rows,
@@ -111,7 +111,7 @@ class PlatformServices:
             text = ""
         else:
             rows, text = self._rows(request.states)
-        base, turns = self._model.base_frame, Turns(self._node)
+        base, turns = self._model.base_frame, TimeSlices(self._node)
         for q in rows:
             at = dict(zip(self.mechanism.joint_names, q, strict=True))
             for way in ways:
@@ -181,7 +181,7 @@ class PlatformServices:
                 ("orientation_errors", "d"),
             )
         }
-        turns, began, done = Turns(self._node), time.monotonic(), 0
+        turns, began, done = TimeSlices(self._node), time.monotonic(), 0
         while done < len(T) and time.monotonic() - began < allowed:
             found = self._solutions_or_code(
                 T[done], seed, respect_limits=not request.ignore_limits, max_solutions=most
@@ -244,7 +244,12 @@ class PlatformServices:
         length = await self._worker.do(lambda: platform_length(self._robot))
         count, reason = np.zeros(len(T), np.int64), np.full(len(T), Code.TIMED_OUT, np.int64)
         condition = np.full(len(T), np.inf)
-        turns, began, done, seed = Turns(self._node), time.monotonic(), 0, self.mechanism.home()
+        turns, began, done, seed = (
+            TimeSlices(self._node),
+            time.monotonic(),
+            0,
+            self.mechanism.home(),
+        )
         while done < len(T) and time.monotonic() - began < allowed:
             found = self._solutions_or_code(T[done], seed)
             if isinstance(found, PlatformSolutions):

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.common.pauses import Worker
+from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.parallel import (
     Mechanism,
     ParallelRobot,

@@ -10,7 +10,7 @@ from robomech_ros.nodes.common.parameters import parameter
 class KinematicsSettings(StateSettings):
     """Parameters of the node."""
 
-    largest_batch: int = parameter(
+    max_batch_size: int = parameter(
         10_000,
         "Largest number of poses in one request of SolveIKBatch or QueryWorkspace, and in one "
         "answer of SolveFK",

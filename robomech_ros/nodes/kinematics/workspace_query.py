@@ -11,9 +11,9 @@ from rclpy.node import Node
 from robomech_ros.kinematics import inverse_kinematics, inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinetostatics import condition_number
+from robomech_ros.nodes.common.cooperative_wait import TimeSlices, Worker
 from robomech_ros.nodes.common.message_fields import append_numbers
-from robomech_ros.nodes.common.pauses import Turns, Worker
-from robomech_ros.nodes.kinematics.reachable_space import ReachableSpace
+from robomech_ros.nodes.kinematics.workspace_cache import ReachableSpace
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import SerialChain
 from robomech_ros.typing import Array
@@ -49,7 +49,7 @@ class WorkspaceQuery:
         """Judge the poses in turns with others; give how many were, in the time allowed (s)."""
         if self._space.boundary is not None and len(self._T):
             await worker.do(self._measure)
-        turns, began, done = Turns(node), time.monotonic(), 0
+        turns, began, done = TimeSlices(node), time.monotonic(), 0
         fast = self._mask is None and family_of(self._chain).closed_form
         size = _PORTION if fast else _PORTION_SEARCHED
         while done < len(self._T) and time.monotonic() - began < allowed:

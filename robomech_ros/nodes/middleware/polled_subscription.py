@@ -8,10 +8,10 @@ from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 
 
-class Unattended(CallbackGroup):
+class ManualSubscription(CallbackGroup):
     """Keeps a subscription out of the executor: its messages are taken by hand.
 
     Attributes
@@ -59,9 +59,9 @@ class Inbox:
     def __init__(
         self, node: Node, kind: type, topic: str, depth: int, wake: Callable[[], None]
     ) -> None:
-        self._log = SparingLog(node.get_logger())
+        self._log = ThrottledLog(node.get_logger())
         self._kind, self._depth, self._wake = kind, depth, wake
-        self._group = Unattended(attended=True)
+        self._group = ManualSubscription(attended=True)
         self._early: list[bytes] = []
         qos = QoSProfile(
             depth=depth,

@@ -8,7 +8,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 
 
 def subscribe_reliably(
@@ -28,7 +28,7 @@ def subscribe_reliably(
     qos : QoSProfile or int
         Reliable; a depth alone is that.
     """
-    sparing = SparingLog(node.get_logger())
+    sparing = ThrottledLog(node.get_logger())
 
     def log(event: Any) -> None:
         name = node.resolve_topic_name(topic)

@@ -13,9 +13,9 @@ from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.pose_messages import require_finite
 from robomech_ros.nodes.common.readiness import Readiness
-from robomech_ros.nodes.common.status_report import NodeCondition, StatusReport
-from robomech_ros.nodes.common.twist_intake import TwistIntake
-from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.common.status_report import NodeHealth, StatusReport
+from robomech_ros.nodes.common.twist_input import TwistInput
+from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.mobile_base.drives import INTERFACES, chosen_robot
 from robomech_ros.nodes.mobile_base.mobile_base import BaseOptions, MobileBase
 from robomech_ros.nodes.mobile_base.publication import BasePublication
@@ -64,7 +64,7 @@ class MobileBaseNode(Node):
         )
         self._motion_clock = MotionClock(self)
         self._base.time = self._motion_clock.now()
-        self._intake = TwistIntake(self, interface.command, self._base.take, self._motion_clock)
+        self._intake = TwistInput(self, interface.command, self._base.take, self._motion_clock)
         self._publication = BasePublication(self, self._base, joints, settings)
         self._updates_per_state = max(round(settings.update_rate / settings.publish_rate), 1)
         self._updates = 0
@@ -120,7 +120,7 @@ class MobileBaseNode(Node):
         response.success = True
         return response
 
-    def _condition(self) -> NodeCondition:
+    def _condition(self) -> NodeHealth:
         base, slip = self._base, self._base.odometry.slip
         limits = ", ".join((*base.motion.saturated, *base.simulated.saturated))
         moves = bool(base.motion.twist.any())
@@ -136,7 +136,7 @@ class MobileBaseNode(Node):
             "ignored commands": self._intake.refused,
             "last ignored": self._intake.refusal,
         }
-        return NodeCondition(f"{summary}; {trouble}" if trouble else summary, bool(trouble), values)
+        return NodeHealth(f"{summary}; {trouble}" if trouble else summary, bool(trouble), values)
 
 
 def main(args: Sequence[str] | None = None) -> int:

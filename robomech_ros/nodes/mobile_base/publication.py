@@ -19,9 +19,9 @@ from robomech_ros.nodes.common.odometry_frame import (
     full_covariance,
     odometry_frame,
 )
+from robomech_ros.nodes.mobile_base.base_display import BaseDisplay
 from robomech_ros.nodes.mobile_base.mobile_base import MobileBase
 from robomech_ros.nodes.mobile_base.settings import MobileBaseSettings
-from robomech_ros.nodes.mobile_base.shown_base import ShownBase
 from robomech_ros.rolling import WheelJoints
 from robomech_ros.typing import Array
 
@@ -72,7 +72,7 @@ class BasePublication:
         self._frames = None
         if settings.enable_odom_tf:
             self._frames = odometry_frame(node, base.interface.frames)
-        self._shown = ShownBase(node, base.robot, joints, settings, prefix)
+        self._shown = BaseDisplay(node, base.robot, joints, settings, prefix)
 
     def publish_commands(self, stamp: int) -> None:
         """Publish what the wheels are commanded, at a ROS time (ns)."""

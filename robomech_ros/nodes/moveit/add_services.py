@@ -5,8 +5,8 @@ from typing import Any
 
 from rclpy.node import Node
 
+from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 

@@ -11,9 +11,9 @@ from moveit_msgs.msg import MoveItErrorCodes
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.request_sizes import check_waypoints
-from robomech_ros.nodes.frames.robot_frames import Place
-from robomech_ros.nodes.moveit.conditions import Conditions, frames_of
-from robomech_ros.nodes.moveit.refusals import refused_as
+from robomech_ros.nodes.frames.robot_frames import FrameAttachment
+from robomech_ros.nodes.moveit.constraints import Conditions, frames_of
+from robomech_ros.nodes.moveit.moveit_errors import refused_as
 from robomech_ros.nodes.moveit.serving import chain_of, refuse_collision_checks
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.robots import SerialChain
@@ -98,7 +98,7 @@ async def read_question(
 
     Raises
     ------
-    RefusedError
+    RejectedError
         It cannot be served as it is; the code says by which part of it.
     """
     chain = chain_of(robot.model, request.group_name, request.link_name)
@@ -139,7 +139,7 @@ async def read_question(
 
 def _in_base(
     poses: list[Array],
-    frame: Place,
+    frame: FrameAttachment,
     chain: SerialChain,
     positions: Positions,
     robot: WholeRobot,

@@ -13,24 +13,24 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from robomech_ros.cartesian import (
-    FollowedPath,
-    PathBounds,
+    PathFollowingResult,
+    PathStopLimits,
     Sampling,
-    broken_condition,
     follow_path,
     link_speed_limit,
-    path_through,
     plan_followed,
     relative_jump,
+    stop_on_condition,
     waypoint_fraction,
+    waypoint_path,
 )
 from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.joint_messages import joint_trajectory
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.pauses import Worker
-from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.moveit.cartesian_request import CartesianQuestion, read_question
-from robomech_ros.nodes.moveit.refusals import refused_as
+from robomech_ros.nodes.moveit.moveit_errors import refused_as
 from robomech_ros.nodes.moveit.serving import answering
 from robomech_ros.nodes.moveit.whole_robot import WholeRobot
 from robomech_ros.outcomes import Code
@@ -154,7 +154,7 @@ def _solved(question: CartesianQuestion, settings: Any) -> _Found:
     with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
         start = forward_kinematics(question.chain, question.start)
         mask = _POSITION if settings.position_only_ik else None
-        path = path_through(start, question.waypoints, task_mask=mask)
+        path = waypoint_path(start, question.waypoints, task_mask=mask)
     if path is None:
         return _Found(_standstill(question, settings), 1.0, int(MoveItErrorCodes.SUCCESS), "")
     followed = _followed(question, path, mask)
@@ -176,7 +176,7 @@ def _solved(question: CartesianQuestion, settings: Any) -> _Found:
 
 def _followed(
     question: CartesianQuestion, path: PosePath, task_mask: tuple[bool, ...] | None
-) -> FollowedPath:
+) -> PathFollowingResult:
     """Follow the path until joints jump, leave their limits, or a constraint breaks."""
     chain, step = question.chain, question.step
     checks = [relative_jump(chain, step, question.relative_jump)]
@@ -186,14 +186,14 @@ def _followed(
             moved = zip(chain.joint_names, q.tolist(), strict=True)
             return question.conditions.broken({**question.positions, **dict(moved)})
 
-        checks.append(broken_condition(broken, step))
+        checks.append(stop_on_condition(broken, step))
     jumps = question.revolute_jump, question.prismatic_jump
-    bounds = PathBounds(math.inf, step, *jumps, checks)
+    bounds = PathStopLimits(math.inf, step, *jumps, checks)
     with refused_as(MoveItErrorCodes.START_STATE_INVALID):
         return follow_path(chain, path, question.start, task_mask=task_mask, bounds=bounds)
 
 
-def _speed_limits(question: CartesianQuestion, followed: FollowedPath) -> list[SpeedLimit]:
+def _speed_limits(question: CartesianQuestion, followed: PathFollowingResult) -> list[SpeedLimit]:
     if math.isinf(question.speed) or followed.joints is None:
         return []
     return [
@@ -214,7 +214,7 @@ def _standstill(question: CartesianQuestion, settings: Any) -> SampledPlan:
     )
 
 
-def _outcome(followed: FollowedPath, fraction: float) -> tuple[int, str]:
+def _outcome(followed: PathFollowingResult, fraction: float) -> tuple[int, str]:
     stop = followed.stop
     if stop is None:
         return int(MoveItErrorCodes.SUCCESS), ""

@@ -9,8 +9,8 @@ from moveit_msgs.msg import MoveItErrorCodes
 
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
-from robomech_ros.nodes.moveit.conditions import Conditions, frames_of
-from robomech_ros.nodes.moveit.refusals import RefusedError, refused_as
+from robomech_ros.nodes.moveit.constraints import Conditions, frames_of
+from robomech_ros.nodes.moveit.moveit_errors import RejectedError, refused_as
 from robomech_ros.nodes.moveit.serving import chain_of, refuse_collision_checks
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.robots import SerialChain
@@ -34,7 +34,7 @@ class IkTarget(NamedTuple):
 
 
 @dataclass(frozen=True)
-class IkQuestion:
+class IkRequest:
     """Checked content of an inverse kinematics request.
 
     Attributes
@@ -55,7 +55,7 @@ class IkQuestion:
     timeout: float | None
 
 
-async def read_ik_request(request: Any, robot: WholeRobot, patience: float) -> IkQuestion:
+async def read_ik_request(request: Any, robot: WholeRobot, patience: float) -> IkRequest:
     """Read a request.
 
     Parameters
@@ -67,7 +67,7 @@ async def read_ik_request(request: Any, robot: WholeRobot, patience: float) -> I
 
     Raises
     ------
-    RefusedError
+    RejectedError
         It cannot be served as it is; the code says by which part of it.
     """
     links, wanted = _links_and_poses(request, len(robot.joint_names))
@@ -100,7 +100,7 @@ async def read_ik_request(request: Any, robot: WholeRobot, patience: float) -> I
         IkTarget(chain, _in_base(chain, T if in_base is None else in_base @ T, robot, positions))
         for chain, T, in_base in zip(chains, poses, in_bases, strict=True)
     ]
-    return IkQuestion(tuple(targets), positions, conditions, timeout)
+    return IkRequest(tuple(targets), positions, conditions, timeout)
 
 
 def _in_base(chain: SerialChain, pose: Array, robot: WholeRobot, positions: Positions) -> Array:
@@ -117,10 +117,10 @@ def _links_and_poses(request: Any, most: int) -> tuple[list[str], list[Any]]:
     links = list(request.ik_link_names) or [request.ik_link_name]
     if len(links) != len(poses):
         reason = f"{len(links)} names in ik_link_names for {len(poses)} poses, expected one of each"
-        raise RefusedError(MoveItErrorCodes.INVALID_LINK_NAME, reason)
+        raise RejectedError(MoveItErrorCodes.INVALID_LINK_NAME, reason)
     if len(poses) > most:
         reason = f"pose_stamped_vector has {len(poses)} poses, expected at most one a joint: {most}"
-        raise RefusedError(MoveItErrorCodes.INVALID_LINK_NAME, reason)
+        raise RejectedError(MoveItErrorCodes.INVALID_LINK_NAME, reason)
     return links, poses
 
 
@@ -134,4 +134,4 @@ def _check_apart(chains: Sequence[SerialChain], robot: WholeRobot) -> None:
                 f"ik_link_names: joint '{shared}' moves both '{one.tip}' and '{other.tip}', "
                 "expected links that have no joint in common"
             )
-            raise RefusedError(MoveItErrorCodes.INVALID_LINK_NAME, reason)
+            raise RejectedError(MoveItErrorCodes.INVALID_LINK_NAME, reason)

@@ -12,11 +12,11 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
-from robomech_ros.nodes.common.pauses import Turns
+from robomech_ros.nodes.common.cooperative_wait import TimeSlices
 from robomech_ros.nodes.common.pose_messages import stamped_pose
-from robomech_ros.nodes.middleware.deep_queues import serve
-from robomech_ros.nodes.moveit.ik_request import IkQuestion, IkTarget, read_ik_request
-from robomech_ros.nodes.moveit.refusals import RefusedError, code_of_outcome, refused_as
+from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.moveit.ik_request import IkRequest, IkTarget, read_ik_request
+from robomech_ros.nodes.moveit.moveit_errors import RejectedError, code_of_outcome, refused_as
 from robomech_ros.nodes.moveit.serving import answering
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.spatial import inverse_pose
@@ -88,7 +88,7 @@ class MoveItServices:
             positions = await self._robot.with_needed(given, needed, patience)
         in_base = place.pose(positions)
         to_frame = np.eye(4) if in_base is None else inverse_pose(in_base)
-        where, turns = self._robot.model.full_frame(frame), Turns(self._node)
+        where, turns = self._robot.model.full_frame(frame), TimeSlices(self._node)
         poses = {}
         for link in joints:
             poses[link] = stamped_pose(to_frame @ self._robot.pose(link, positions), where)
@@ -106,12 +106,12 @@ class MoveItServices:
             try:
                 with refused_as(MoveItErrorCodes.INVALID_LINK_NAME):
                     joints[link] = self._robot.joints_to(link)
-            except RefusedError as error:
+            except RejectedError as error:
                 faults.append(error.reason)
         return joints, faults
 
 
-def _solved(target: IkTarget, question: IkQuestion) -> InverseKinematicsResult:
+def _solved(target: IkTarget, question: IkRequest) -> InverseKinematicsResult:
     """Find the solution nearest to the seed, or all of them where conditions have to hold."""
     chain = target.chain
     seed = np.array([question.positions[name] for name in chain.joint_names])
@@ -129,7 +129,7 @@ def _solved(target: IkTarget, question: IkQuestion) -> InverseKinematicsResult:
 
 
 def _first_that_holds(
-    question: IkQuestion, results: Sequence[InverseKinematicsResult]
+    question: IkRequest, results: Sequence[InverseKinematicsResult]
 ) -> tuple[Positions, str]:
     """Find the nearest solutions that break no condition, as positions of all joints.
 

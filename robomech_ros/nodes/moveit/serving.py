@@ -9,8 +9,8 @@ from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
-from robomech_ros.nodes.moveit.refusals import RefusedError, fill_code, refused_as
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
+from robomech_ros.nodes.moveit.moveit_errors import RejectedError, fill_code, refused_as
 from robomech_ros.robots import SerialChain
 
 _Callback = Callable[[Any, Any], Awaitable[Any]]
@@ -21,7 +21,7 @@ def answering(node: Node, callback: _Callback) -> _Callback:
 
     The callback fills the response and returns one of MoveItErrorCodes and a text.
     """
-    source, log = node.get_fully_qualified_name(), SparingLog(node.get_logger())
+    source, log = node.get_fully_qualified_name(), ThrottledLog(node.get_logger())
 
     async def call(request: Any, response: Any) -> Any:
         try:
@@ -48,7 +48,7 @@ def chain_of(model: RobotModel, group: str, link: str) -> SerialChain:
     if group and group not in model.groups:
         listed = " or ".join(f"'{one}'" for one in model.groups)
         why = model.semantic.left_out.get(group)
-        raise RefusedError(
+        raise RejectedError(
             MoveItErrorCodes.INVALID_GROUP_NAME,
             f"group_name is {group[:200]!r}, expected {listed}, or empty for the configured chain"
             f"{f'; that group was left out: {why}' if why else ''}",
@@ -56,7 +56,7 @@ def chain_of(model: RobotModel, group: str, link: str) -> SerialChain:
     with refused_as(MoveItErrorCodes.INVALID_LINK_NAME):
         chain = model.chain_of(group, link)
     if not chain.n:
-        raise RefusedError(
+        raise RejectedError(
             MoveItErrorCodes.INVALID_LINK_NAME,
             f"link '{link}' is not moved by any joint: it is fixed to '{chain.base}'",
         )
@@ -66,7 +66,7 @@ def chain_of(model: RobotModel, group: str, link: str) -> SerialChain:
 def refuse_collision_checks(request: Any) -> None:
     """Refuse a request that wants collisions to be avoided."""
     if request.avoid_collisions:
-        raise RefusedError(
+        raise RejectedError(
             MoveItErrorCodes.COLLISION_CHECKING_UNAVAILABLE,
             "avoid_collisions is true, expected false: this node knows no collisions",
         )

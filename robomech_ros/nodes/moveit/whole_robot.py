@@ -11,14 +11,14 @@ from robomech_ros.errors import (
     NonFiniteError,
     UnknownJointError,
     WrongSizeError,
-    shown,
+    format_value,
 )
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.frames.robot_frames import Place, RobotFrames
-from robomech_ros.nodes.moveit.refusals import RefusedError
+from robomech_ros.nodes.frames.robot_frames import FrameAttachment, RobotFrames
+from robomech_ros.nodes.moveit.moveit_errors import RejectedError
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose
 from robomech_ros.typing import Array
@@ -62,14 +62,14 @@ class WholeRobot:
 
         Raises
         ------
-        RefusedError
+        RejectedError
             It contains objects that the robot carries.
         UnknownJointError
             What it says of joints is not to be understood.
         """
         if state.attached_collision_objects:
             carried = ", ".join(_object_name(one) for one in state.attached_collision_objects[:5])
-            raise RefusedError(
+            raise RejectedError(
                 MoveItErrorCodes.COLLISION_CHECKING_UNAVAILABLE,
                 f"{what}.attached_collision_objects has {carried}, expected none: this node "
                 "knows no collisions",
@@ -91,7 +91,7 @@ class WholeRobot:
         values = dict(zip(names, positions, strict=True))
         if len(values) < len(names):
             twice = next(name for i, name in enumerate(names) if name in names[:i])
-            expected = f"every name once; {shown(twice)} is repeated"
+            expected = f"every name once; {format_value(twice)} is repeated"
             raise WrongSizeError(f"{what}.joint_state.name", len(names), expected)
         for name, value in values.items():
             if name not in self._middle and name not in self._followers:
@@ -157,7 +157,7 @@ class WholeRobot:
             return ()
         return self.model.chain_to(frame).joint_names
 
-    async def places(self, frames: Iterable[str], patience: float) -> dict[str, Place]:
+    async def places(self, frames: Iterable[str], patience: float) -> dict[str, FrameAttachment]:
         """Find the frames of poses; as in MoveIt where they are now, whatever their stamps.
 
         Parameters
@@ -181,7 +181,7 @@ class WholeRobot:
         if chain.base in self.model.fixed_frames:
             return ()
         description = self.model.description
-        up, down = description.parted_way(self.model.chain.base, chain.base)
+        up, down = description.joints_between(self.model.chain.base, chain.base)
         leaders = {name: one.leader for name, one in description.followers.items()}
         moving = [joint.name for joint in (*up, *down) if joint.moves]
         return tuple(dict.fromkeys(leaders.get(name, name) for name in moving))

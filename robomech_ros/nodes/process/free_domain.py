@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.shared_memory import FOLDER, dead_ports, ports_of_domain
+from robomech_ros.fastdds_shared_memory import FOLDER, dead_ports, ports_of_domain
 
 # High enough to be nobody's choice by hand, low enough to be a valid domain everywhere.
 _DOMAINS = range(70, 100)

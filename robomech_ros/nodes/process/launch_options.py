@@ -11,9 +11,9 @@ from typing import Any
 
 import yaml
 
-from robomech_ros.nodes.process.kind_nodes import KIND_NODES
+from robomech_ros.nodes.process.entry_points import NODE_MODULES
+from robomech_ros.nodes.process.nodes_by_kind import KIND_NODES
 from robomech_ros.nodes.process.process_group import node_command
-from robomech_ros.nodes.process.start import NODE_MODULES
 from robomech_ros.robots import robot_folders
 
 # Options choose these nodes; a robot runs on when one of them ends.

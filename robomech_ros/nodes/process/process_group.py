@@ -20,7 +20,7 @@ _PR_SET_PDEATHSIG = 1
 def node_command(node: str, ros_args: Sequence[str] = ()) -> list[str]:
     """Return the command line of a node's process."""
     tail = ["--ros-args", *ros_args] if ros_args else []
-    return [sys.executable, "-m", "robomech_ros.nodes.process.start", node, *tail]
+    return [sys.executable, "-m", "robomech_ros.nodes.process.entry_points", node, *tail]
 
 
 class ProcessGroup:

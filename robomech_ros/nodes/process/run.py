@@ -30,10 +30,10 @@ from rclpy.utilities import remove_ros_args
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.process.clean_pages import release_clean_pages
+from robomech_ros.nodes.process.duplicate_nodes import watch_for_duplicate_nodes
+from robomech_ros.nodes.process.entry_points import EXIT_CANNOT_START
 from robomech_ros.nodes.process.memory import bound_memory, give_back_regularly
-from robomech_ros.nodes.process.namesakes import watch_for_namesakes
 from robomech_ros.nodes.process.simulated_clock import watch_for_simulated_time
-from robomech_ros.nodes.process.start import EXIT_CANNOT_START
 
 EXIT_FAILED = 1
 
@@ -187,7 +187,7 @@ def run_nodes(factories: Sequence[Callable[[], Node]], args: Sequence[str] | Non
             nodes.append(factory())
     except Exception as error:
         return _end(nodes, _start_failed(program, error))
-    watch_for_namesakes(nodes)
+    watch_for_duplicate_nodes(nodes)
     watch_for_simulated_time(nodes)
     release_clean_pages()
     give_back_regularly()

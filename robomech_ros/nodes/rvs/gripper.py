@@ -9,7 +9,7 @@ from rclpy.node import Node
 from robomech_ros.nodes.common.gripper_goals import gripper_goal, gripper_outcome
 from robomech_ros.nodes.common.gripper_names import known_gripper
 from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.middleware.deep_queues import ask_action
+from robomech_ros.nodes.middleware.queue_depth import ask_action
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.rvs.model.live_robot import LiveView
 

@@ -11,10 +11,10 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.rvs.held_jog import HeldJog
+from robomech_ros.nodes.rvs.jog_thread import JogThread
 from robomech_ros.nodes.rvs.messages import joint_jog, twist_jog
 from robomech_ros.nodes.rvs.settings import RvsSettings
-from robomech_ros.rvs.model.jog import Beat, JogDirection
+from robomech_ros.rvs.model.jog import HoldHeartbeat, JogDirection
 
 # How often the servo is commanded (s): well within the time after which it brakes by itself.
 _PERIOD = 0.02
@@ -57,8 +57,8 @@ class Jogger:
         servo = settings.servo
         self._twists = node.create_publisher(TwistStamped, f"{servo}/delta_twist_cmds", 10)
         self._joints = node.create_publisher(JointState, f"{servo}/joint_velocity_cmds", 10)
-        self._held = HeldJog[_Jog](
-            settings.jog_silence,
+        self._held = JogThread[_Jog](
+            settings.jog_timeout,
             _PERIOD,
             self._send,
             lambda jog: self._missing(jog.direction),
@@ -66,7 +66,7 @@ class Jogger:
             node.get_logger(),
         )
 
-    def hold(self, beat: Beat, frame: str, speed: float) -> None:
+    def hold(self, beat: HoldHeartbeat, frame: str, speed: float) -> None:
         """Go on with a press, or begin one; see ``LiveRobot``."""
         self._held.hold(_Jog(beat.direction, frame, speed), beat)
 

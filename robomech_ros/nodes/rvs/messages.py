@@ -17,7 +17,7 @@ from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.robots import PRISMATIC, SerialChain
 from robomech_ros.rvs import Motion
 from robomech_ros.rvs.model.jog import JogDirection
-from robomech_ros.rvs.model.live_robot import SeenMarker, ServoNews
+from robomech_ros.rvs.model.live_robot import ServoNews, ViewMarker
 from robomech_ros.typing import Array
 
 # Of one plan, and of one marker; more would hold the page up.
@@ -118,7 +118,7 @@ def twist_jog(frame: str, direction: JogDirection, linear: float, angular: float
     return message
 
 
-def seen_marker(model: RobotModel, marker: Marker) -> SeenMarker:
+def read_marker(model: RobotModel, marker: Marker) -> ViewMarker:
     """Read a marker that is to be drawn.
 
     Raises
@@ -153,7 +153,7 @@ def seen_marker(model: RobotModel, marker: Marker) -> SeenMarker:
     shade = tuple(np.clip((colour.r, colour.g, colour.b, colour.a), 0.0, 1.0).tolist())
     text = marker.text[:_LONGEST_TEXT] if kind == "text" else ""
     name = f"{marker.ns}/{marker.id}"
-    return SeenMarker(name, link, kind, pose, measures, points, shade, text)
+    return ViewMarker(name, link, kind, pose, measures, points, shade, text)
 
 
 def _points(marker: Marker, kind: str) -> Array:

@@ -15,10 +15,10 @@ from robomech_interfaces.srv import Execute, PlanJoint
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
-from robomech_ros.nodes.middleware.deep_queues import ask
+from robomech_ros.nodes.middleware.queue_depth import ask
 from robomech_ros.nodes.rvs.requests import Requests
 from robomech_ros.nodes.rvs.settings import RvsSettings
-from robomech_ros.nodes.rvs.stopping import Stopping
+from robomech_ros.nodes.rvs.stop_client import StopClient
 from robomech_ros.outcomes import name_of
 from robomech_ros.rvs.model.live_robot import LiveView
 from robomech_ros.typing import Array
@@ -62,7 +62,7 @@ class Motions:
         self._reader = ask(node, GetParameters, f"{publisher}/get_parameters")
         self._writer = ask(node, SetParameters, f"{publisher}/set_parameters")
         self._requests = Requests(node)
-        self._stopping = Stopping(self._requests, cancel, hold, view)
+        self._stopping = StopClient(self._requests, cancel, hold, view)
         # Held while something is decided and sent, so that nothing is sent after a stop.
         self._lock = threading.RLock()
         # Number of the latest request; whether the parameter is being asked for.

@@ -9,14 +9,14 @@ from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
-from robomech_ros.nodes.common.status_report import NodeCondition, StatusReport
+from robomech_ros.nodes.common.status_report import NodeHealth, StatusReport
 from robomech_ros.nodes.process.run import run_node
-from robomech_ros.nodes.rvs.moving.movers import MOVERS, Mover
-from robomech_ros.nodes.rvs.moving.running_mover import RunningMover
+from robomech_ros.nodes.rvs.mobile.mobile_robots import MOVERS, MobileRobot
+from robomech_ros.nodes.rvs.mobile.running_mobile_robot import RunningMobileRobot
 from robomech_ros.nodes.rvs.running_robot import RunningRobot
 from robomech_ros.nodes.rvs.settings import RvsSettings
-from robomech_ros.robots.kinds import ARM, check_name, kind_of
-from robomech_ros.rvs.opening import live_page_of, mover_page_of, require_viser
+from robomech_ros.robots.robot_kinds import ARM, check_name, kind_of
+from robomech_ros.rvs.opening import live_page_of, mobile_page_of, require_viser
 
 # How often it is looked whether who is to answer is still there (s).
 _LOOK = 1.0
@@ -36,7 +36,7 @@ class RvsNode(Node):
         if load is None:
             when_robot_known(self, self._settings, self._serve, parallel=True)
             return
-        self._serve_mover(load(self._settings))
+        self._serve_mobile_robot(load(self._settings))
         Readiness(self)
 
     def _serve(self, model: RobotModel) -> None:
@@ -44,17 +44,17 @@ class RvsNode(Node):
         robot = RunningRobot(self, model, settings)
         described = model.description, model.robot or model.chain
         self._page = live_page_of(*described, robot, port=settings.port, host=settings.host)
-        self._robot: RunningRobot | RunningMover = robot
+        self._robot: RunningRobot | RunningMobileRobot = robot
         self.create_timer(_LOOK, robot.look)
         self._tell(model.chain.name, len(model.commanded.joint_names))
 
-    def _serve_mover(self, mover: Mover) -> None:
+    def _serve_mobile_robot(self, mobile_robot: MobileRobot) -> None:
         """Show a robot that moves over the ground."""
-        robot, settings = RunningMover(self, mover, self._settings), self._settings
+        robot, settings = RunningMobileRobot(self, mobile_robot, self._settings), self._settings
         where: dict[str, Any] = {"port": settings.port, "host": settings.host}
-        self._page = mover_page_of(mover.followed, robot, **where)
+        self._page = mobile_page_of(mobile_robot.followed, robot, **where)
         self._robot = robot
-        self._tell(mover.name, len(mover.followed.joints))
+        self._tell(mobile_robot.name, len(mobile_robot.followed.joints))
 
     def _tell(self, name: str, joints: int) -> None:
         StatusReport(self, "view", name, self._condition)
@@ -74,7 +74,7 @@ class RvsNode(Node):
         self._robot.want_markers(True)
         return [self.resolve_topic_name(topic) for topic in self._settings.marker_topics]
 
-    def _condition(self) -> NodeCondition:
+    def _condition(self) -> NodeHealth:
         browsers, fault = self._page.browsers, self._robot.condition
         summary = f"{browsers} browsers" if browsers else "nobody looks"
         values = {
@@ -83,7 +83,7 @@ class RvsNode(Node):
             "jogging": self._robot.jogs,
             "joint states": fault or "as they come",
         }
-        return NodeCondition(f"{summary}; {fault}" if fault else summary, bool(fault), values)
+        return NodeHealth(f"{summary}; {fault}" if fault else summary, bool(fault), values)
 
     def stop(self) -> None:
         """End a jog; a motion that was sent goes on."""

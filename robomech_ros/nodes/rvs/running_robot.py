@@ -10,16 +10,16 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.rvs.gripper import GripperClient
 from robomech_ros.nodes.rvs.jogging import Jogger
-from robomech_ros.nodes.rvs.messages import motion_from_trajectory, seen_marker
+from robomech_ros.nodes.rvs.messages import motion_from_trajectory, read_marker
 from robomech_ros.nodes.rvs.motions import Motions
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.rvs.state_feed import StateFeed
 from robomech_ros.robots.gripper import GripperModel
-from robomech_ros.rvs.model.jog import Beat
-from robomech_ros.rvs.model.live_robot import LiveView, SeenMarker
+from robomech_ros.rvs.model.jog import HoldHeartbeat
+from robomech_ros.rvs.model.live_robot import LiveView, ViewMarker
 from robomech_ros.typing import Array
 
 # Markers that are drawn at the most, and points of all of them.
@@ -41,9 +41,9 @@ class RunningRobot:
 
     def __init__(self, node: Node, model: RobotModel, settings: RvsSettings) -> None:
         self._node, self._model, self._settings = node, model, settings
-        self._log = SparingLog(node.get_logger())
+        self._log = ThrottledLog(node.get_logger())
         self._listening: list[Subscription] = []
-        self._markers: dict[str, dict[str, SeenMarker]] = {}
+        self._markers: dict[str, dict[str, ViewMarker]] = {}
 
     def begin(self, view: LiveView) -> None:
         """Tell this page, from now on."""
@@ -103,7 +103,7 @@ class RunningRobot:
         """Listen to markers, or not."""
         self._soon(lambda: self._listen(wanted))
 
-    def hold(self, beat: Beat, frame: str, speed: float) -> None:
+    def hold(self, beat: HoldHeartbeat, frame: str, speed: float) -> None:
         """Jog while this is said again and again; see ``LiveRobot``."""
         self._jogger.hold(beat, frame, speed)
 
@@ -113,7 +113,7 @@ class RunningRobot:
 
     def look(self) -> None:
         """Look from time to time whether all is as it was."""
-        if self._view.wait_until_seen(0.0):
+        if self._view.wait_for_viewer(0.0):
             self._motions.look()
 
     def close(self) -> None:
@@ -169,7 +169,7 @@ class RunningRobot:
             try:
                 read += len(marker.points)
                 _check_points(read)
-                new = seen_marker(self._model, marker)
+                new = read_marker(self._model, marker)
                 _check_points(points + len(new.points))
             except RobomechError as error:
                 self._log.error(f"marker '{name}' cannot be shown: {error}")

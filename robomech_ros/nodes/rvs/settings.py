@@ -43,7 +43,7 @@ class RvsSettings(GripperNames):
         ("kinematics/markers", "calibration/markers"),
         "Topics of visualization_msgs/MarkerArray that the page can show",
     )
-    jog_silence: float = parameter(
+    jog_timeout: float = parameter(
         0.4,
         "Time without a heartbeat before a jogged robot stops; the page sends ten a second while "
         "a jog button is pressed",

@@ -10,8 +10,8 @@ from robomech_ros.nodes.common.error_codes import NoStateError
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
-from robomech_ros.nodes.rvs.feed import Feed
 from robomech_ros.nodes.rvs.messages import servo_news
+from robomech_ros.nodes.rvs.poll_thread import PollThread
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.servo.status import status_topic
 from robomech_ros.rvs.model.live_robot import LiveView, ServoNews
@@ -24,7 +24,7 @@ _SERVO_GONE = 3.0
 _DEPTH = 10
 
 
-class StateFeed(Feed):
+class StateFeed(PollThread):
     """Reads joint states and the servo's status by hand, from a thread of its own.
 
     Parameters
@@ -73,7 +73,7 @@ class StateFeed(Feed):
     def look(self, now: float) -> None:
         """Show what has come, and say what is wrong with it."""
         self.positions = self._monitor.known_positions(self._joints)
-        heard = self._monitor.heard(self._chain)
+        heard = self._monitor.update_count(self._chain)
         if heard > self._heard:
             self._heard, self._heard_at = heard, now
             self._view.show_joints(self.positions)

@@ -10,7 +10,7 @@ from sensor_msgs.msg import JointState
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.servo.command_reader import CommandReader
 from robomech_ros.nodes.servo.settings import ServoNodeSettings
 from robomech_ros.servo.commands import Command
@@ -46,7 +46,7 @@ class CommandIntake:
         on_message: Callable[[], None],
     ) -> None:
         self._servo, self._settings = servo, settings
-        self._log = SparingLog(node.get_logger())
+        self._log = ThrottledLog(node.get_logger())
         self._refusal, self._refused_until = "", -math.inf
         # The kind of commands that was chosen; None as long as none was.
         self._chosen: type[Command] | None = None

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from rclpy.node import Node
 
-from robomech_ros.nodes.common.hold_up_watch import HELD_UP, HoldUpWatch
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.joint_watch import Fault, JointWatch
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.stall_monitor import HELD_UP, StallMonitor
+from robomech_ros.nodes.common.tracking_monitor import Fault, TrackingMonitor
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.servo.command_intake import CommandIntake
 from robomech_ros.nodes.servo.command_reader import CommandReader
@@ -22,7 +22,7 @@ from robomech_ros.servo.servo import Servo
 
 if TYPE_CHECKING:
     from robomech_ros.nodes.servo.moveit_interface import MoveItInterface
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 
 # How long the robot is left alone after it did not follow (s).
 _LEFT_ALONE = 0.5
@@ -59,13 +59,13 @@ class Driver:
         settings: Callable[[], ServoNodeSettings],
     ) -> None:
         self._servo, self._clock, self._settings = servo, clock, settings
-        self._log = SparingLog(node.get_logger())
+        self._log = ThrottledLog(node.get_logger())
         self._repeats = 0
         self._fault: Fault | None = None
         # Until when at least the robot is left alone, and it is looked for commands (s).
         self._left_alone_until = self._awake_until = 0.0
         # It is looked for commands, or at rest for what to tell.
-        self._hold_ups = HoldUpWatch()
+        self._hold_ups = StallMonitor()
         self._hold_ups.look(clock.now())
         frames = RobotFrames(node, model, monitor, settings)
         self._stream = StreamPublisher(node, servo, clock, model.chain.joint_names, settings())
@@ -83,7 +83,7 @@ class Driver:
         if (moveit := _moveit_interface(node, self._choose)) is not None:
             self._status.also = moveit.publish
         given = settings()
-        self._joints = JointWatch(
+        self._joints = TrackingMonitor(
             model.chain, monitor, given.tracking_tolerance, given.tracking_delay
         )
         self._timer = node.create_timer(self._stream.period, self._tick, clock=clock.clock)

@@ -8,8 +8,8 @@ from moveit_msgs.srv import ServoCommandType
 from rclpy.node import Node
 
 from robomech_interfaces.msg import ServoStatus
-from robomech_ros.nodes.middleware.deep_queues import serve
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.servo.status import MOVEIT_STATUS
 from robomech_ros.servo.commands import Command, JointCommand, PoseCommand, TwistCommand
 
@@ -32,7 +32,7 @@ class MoveItInterface:
     """
 
     def __init__(self, node: Node, choose: Callable[[type[Command]], None]) -> None:
-        self._log, self._choose = SparingLog(node.get_logger()), choose
+        self._log, self._choose = ThrottledLog(node.get_logger()), choose
         self._publisher = node.create_publisher(MoveItStatus, MOVEIT_STATUS, 10)
         serve(node, ServoCommandType, "~/switch_command_type", self._switch)
 

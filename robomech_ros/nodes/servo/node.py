@@ -16,7 +16,7 @@ from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
-from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.process.clean_pages import release_clean_pages
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.servo.driver import Driver

@@ -93,7 +93,7 @@ class ServoNodeSettings(FrameSettings):
         20,
         "periods",
     )
-    longest_lead: int = parameter(
+    max_lead: int = parameter(
         10,
         "Largest lead while points are late, as on a busy machine. It falls by one period a "
         "second after 10 s without late points. Values up to lead = constant lead",
@@ -147,9 +147,9 @@ def check_settings(settings: ServoNodeSettings) -> None:
         raise ParameterError("free_directions", free, allowed)
 
 
-def longest_lead(settings: ServoNodeSettings) -> int:
+def max_lead(settings: ServoNodeSettings) -> int:
     """Return how many periods the stream may be ahead at most."""
-    return max(settings.lead, settings.longest_lead)
+    return max(settings.lead, settings.max_lead)
 
 
 def core_settings(settings: ServoNodeSettings) -> ServoSettings:
@@ -159,5 +159,5 @@ def core_settings(settings: ServoNodeSettings) -> ServoSettings:
         slow_from=settings.lower_singularity_threshold,
         stop_at=settings.hard_stop_singularity_threshold,
         length=settings.characteristic_length or None,
-        lead=longest_lead(settings),
+        lead=max_lead(settings),
     )

@@ -7,7 +7,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.nodes.common.joint_messages import stream_message
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.servo.settings import ServoNodeSettings, longest_lead
+from robomech_ros.nodes.servo.settings import ServoNodeSettings, max_lead
 from robomech_ros.servo.lead import AdaptiveLead
 from robomech_ros.servo.motion import Samples
 from robomech_ros.servo.report import ServoReport
@@ -51,7 +51,7 @@ class StreamPublisher:
         settings: ServoNodeSettings,
     ) -> None:
         self._servo, self._clock, self._names = servo, clock, names
-        self._most, self._period = longest_lead(settings), 1.0 / settings.publish_rate
+        self._most, self._period = max_lead(settings), 1.0 / settings.publish_rate
         self.lead = AdaptiveLead(self._period, settings.lead, self._most)
         self._logger, self._said = node.get_logger(), False
         # The time of the latest knot (s).
@@ -113,7 +113,7 @@ class StreamPublisher:
             self._logger.warning(
                 f"points for the controller come up to {1e3 * lead.latest:.0f} ms late, as on a "
                 f"busy machine: while that goes on, the lead rises to {self._most} periods "
-                f"(longest_lead) at most; lead: {enough} would have been enough from the start"
+                f"(max_lead) at most; lead: {enough} would have been enough from the start"
             )
 
     def has_news(self) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 
 from robomech_interfaces.srv import PlanCartesian
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
-from robomech_ros.cartesian import CartesianPlan, PathBounds, path_through
+from robomech_ros.cartesian import CartesianPlan, PathStopLimits, waypoint_path
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.nodes.common.error_codes import answer
 from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
@@ -41,7 +41,7 @@ class PathRequest:
     waypoints : ndarray, shape (m, 4, 4)
         Poses (m).
     kind : str
-        Of the path, as `path_through` knows it.
+        Of the path, as `waypoint_path` knows it.
     options : dict
         Keywords of `plan_along`.
     """
@@ -52,7 +52,7 @@ class PathRequest:
 
     def path_from(self, pose: Array) -> PosePath:
         """Lay the path from a pose (4, 4); refuse waypoints that all are that pose."""
-        path = path_through(pose, self.waypoints, self.kind, self.options["task_mask"])
+        path = waypoint_path(pose, self.waypoints, self.kind, self.options["task_mask"])
         if path is None:
             found = f"{len(self.waypoints)} poses equal to the start"
             raise BadValueError("waypoints", found, "at least one other pose")
@@ -132,7 +132,7 @@ def _check_near(k: int, pose: Array) -> None:
         raise BadValueError(f"waypoints[{k}].position", far, expected)
 
 
-def _path_bounds(request: Any, settings: PlannerSettings) -> PathBounds:
+def _path_bounds(request: Any, settings: PlannerSettings) -> PathStopLimits:
     """Read what ends a path; zeros stand for the node's parameters of the same names."""
     named("at_singularity", request.at_singularity, _AT_SINGULARITY)
     condition, step, revolute, prismatic = (
@@ -146,7 +146,7 @@ def _path_bounds(request: Any, settings: PlannerSettings) -> PathBounds:
     )
     if request.at_singularity == PlanCartesian.Request.SLOW:
         condition = math.inf
-    return PathBounds(condition, step, revolute, prismatic)
+    return PathStopLimits(condition, step, revolute, prismatic)
 
 
 def _tip_speeds(request: Any) -> TipSpeeds:

@@ -13,7 +13,8 @@ from sensor_msgs.msg import JointState
 from robomech_interfaces.srv import PlanCartesian, PlanJoint
 from robomech_ros.cartesian import Sampling
 from robomech_ros.errors import MissingLimitsError, RobomechError
-from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.execution.rejections import TrajectoryRefusedError
+from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.error_codes import answer, guarded
 from robomech_ros.nodes.common.joint_limits import (
     NoLimitsForPlanError,
@@ -24,11 +25,10 @@ from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.joint_positions import JointPositions, is_empty
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.parameters import NodeParameters
-from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
-from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.moveit.add_services import add_cartesian_path_service
 from robomech_ros.nodes.process.clean_pages import release_clean_pages
 from robomech_ros.nodes.process.run import run_node

@@ -6,8 +6,8 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
-from robomech_ros.execution.client.delivery import Delivery
-from robomech_ros.nodes.common.refusals import read_refusal, trajectory_label
+from robomech_ros.execution.client.execution_request import ExecutionRequest
+from robomech_ros.nodes.common.rejection_status import read_refusal, trajectory_label
 from robomech_ros.nodes.common.status_report import TOPIC
 
 _DEPTH = 10
@@ -27,15 +27,15 @@ class ControllerRefusals:
     """
 
     def __init__(
-        self, node: Node, controller: str, on_refused: Callable[[Delivery, int, str], None]
+        self, node: Node, controller: str, on_refused: Callable[[ExecutionRequest, int, str], None]
     ) -> None:
         self._name = f"{node.resolve_service_name(controller).lstrip('/')}: motion"
         self._on_refused = on_refused
         self._run, self._count = "", 0
-        self._sent: tuple[Delivery, str, tuple[str, int]] | None = None
+        self._sent: tuple[ExecutionRequest, str, tuple[str, int]] | None = None
         node.create_subscription(DiagnosticArray, TOPIC, self._take, _DEPTH)
 
-    def expect(self, delivery: Delivery, message: JointTrajectory) -> None:
+    def expect(self, delivery: ExecutionRequest, message: JointTrajectory) -> None:
         """Note the message that is sent now."""
         self._sent = delivery, trajectory_label(message), (self._run, self._count)
 

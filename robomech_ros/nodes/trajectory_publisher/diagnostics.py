@@ -1,10 +1,10 @@
 """How the execution goes, for the diagnostics."""
 
 from robomech_ros.execution.client.dispatcher import Dispatcher
-from robomech_ros.nodes.common.status_report import NodeCondition
+from robomech_ros.nodes.common.status_report import NodeHealth
 
 
-def execution_condition(dispatcher: Dispatcher, refusal: str, program: str) -> NodeCondition:
+def execution_condition(dispatcher: Dispatcher, refusal: str, program: str) -> NodeHealth:
     """Describe what is executed.
 
     Parameters
@@ -18,7 +18,7 @@ def execution_condition(dispatcher: Dispatcher, refusal: str, program: str) -> N
 
     Returns
     -------
-    NodeCondition
+    NodeHealth
         A warning while trajectories wait for the controller, and after a failure or a refusal.
     """
     tally, stalled = dispatcher.tally, dispatcher.queue.stalled
@@ -35,4 +35,4 @@ def execution_condition(dispatcher: Dispatcher, refusal: str, program: str) -> N
         "last refusal": refusal,
         "program": program,
     }
-    return NodeCondition(f"{summary}; {trouble}" if trouble else summary, bool(trouble), values)
+    return NodeHealth(f"{summary}; {trouble}" if trouble else summary, bool(trouble), values)

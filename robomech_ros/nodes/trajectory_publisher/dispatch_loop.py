@@ -3,12 +3,12 @@
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
-from robomech_ros.execution.client.delivery import Delivery
 from robomech_ros.execution.client.dispatcher import Dispatcher
+from robomech_ros.execution.client.execution_request import ExecutionRequest
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.process.simulated_clock import missing_time
-from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
+from robomech_ros.nodes.trajectory_publisher.controller_client import ControllerClient
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings, dispatch_settings
 from robomech_ros.outcomes import Code, name_of
 
@@ -22,7 +22,7 @@ class DispatchLoop:
         Owner of the timer, and whose log tells how deliveries end.
     clock : MotionClock
         The time.
-    link : ControllerLink
+    link : ControllerClient
         The way to the controller.
     settings : PublisherSettings
         How often it looks, and what the dispatcher needs.
@@ -36,9 +36,9 @@ class DispatchLoop:
     """
 
     def __init__(
-        self, node: Node, clock: MotionClock, link: ControllerLink, settings: PublisherSettings
+        self, node: Node, clock: MotionClock, link: ControllerClient, settings: PublisherSettings
     ) -> None:
-        self._node, self._log = node, SparingLog(node.get_logger())
+        self._node, self._log = node, ThrottledLog(node.get_logger())
         self.clock = clock
         given = dispatch_settings(settings)
         self.dispatcher = Dispatcher(link, given, self._log_end, self._log_stall)
@@ -51,7 +51,7 @@ class DispatchLoop:
         # A timer that has not fired since it was reset would wait until its old time comes again.
         clock.on_jump(self._take_jump)
 
-    def offer(self, delivery: Delivery) -> None:
+    def offer(self, delivery: ExecutionRequest) -> None:
         """Queue a delivery.
 
         Raises
@@ -62,7 +62,7 @@ class DispatchLoop:
         self.dispatcher.offer(delivery, self.clock.now())
         self.watch()
 
-    def conclude(self, delivery: Delivery, code: int, text: str) -> None:
+    def conclude(self, delivery: ExecutionRequest, code: int, text: str) -> None:
         """Take the controller's result of a delivery sent by action."""
         self.dispatcher.conclude(delivery, code, text, self.clock.now())
 
@@ -89,7 +89,7 @@ class DispatchLoop:
         self.dispatcher.clock_jumped(by, self.clock.now())
         self.watch()
 
-    def _log_end(self, delivery: Delivery) -> None:
+    def _log_end(self, delivery: ExecutionRequest) -> None:
         report = delivery.report
         assert report is not None
         if report.code:

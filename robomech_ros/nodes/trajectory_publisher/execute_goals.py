@@ -5,9 +5,9 @@ from typing import Any
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.action import ExecuteTrajectory
-from robomech_ros.execution.verdict import Verdict
+from robomech_ros.execution.motion_result import MotionResult
 from robomech_ros.nodes.common.message_fields import duration_from_seconds
-from robomech_ros.nodes.trajectory_publisher.action_link import AskedTolerances
+from robomech_ros.nodes.trajectory_publisher.action_transport import AskedTolerances
 
 
 class ExecuteGoals:
@@ -26,6 +26,6 @@ class ExecuteGoals:
             goal_time_tolerance=duration_from_seconds(tolerances.goal_time),
         )
 
-    def verdict(self, status: int, result: Any, began: bool) -> Verdict:
+    def verdict(self, status: int, result: Any, began: bool) -> MotionResult:
         """Return code and text, which the result has."""
-        return Verdict(int(result.error_code), str(result.error_msg))
+        return MotionResult(int(result.error_code), str(result.error_msg))

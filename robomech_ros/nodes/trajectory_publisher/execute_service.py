@@ -9,12 +9,16 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import Execute
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.client.delivery import Delivery, DeliveryReport, Transport
+from robomech_ros.execution.client.execution_request import (
+    ExecutionReport,
+    ExecutionRequest,
+    Transport,
+)
 from robomech_ros.execution.client.position_check import off_goal, off_start
 from robomech_ros.nodes.common.error_codes import NoStateError, answer, code_of
 from robomech_ros.nodes.common.message_fields import duration_from_seconds
-from robomech_ros.nodes.middleware.deep_queues import serve
-from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
+from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.trajectory_publisher.controller_client import ControllerClient
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
 from robomech_ros.nodes.trajectory_publisher.received_plans import ReceivedPlans
@@ -47,7 +51,7 @@ class ExecuteService:
         Makes deliveries.
     loop : DispatchLoop
         Executes them.
-    link : ControllerLink
+    link : ControllerClient
         Knows where the robot is.
     transport : Transport
         How trajectories reach the controller.
@@ -60,7 +64,7 @@ class ExecuteService:
         plans: ReceivedPlans,
         reader: DeliveryReader,
         loop: DispatchLoop,
-        link: ControllerLink,
+        link: ControllerClient,
         transport: Transport,
     ) -> None:
         self._settings = settings
@@ -84,7 +88,7 @@ class ExecuteService:
         done_before = before and not report.code
         return answer(response, report.code, _DONE_BEFORE if done_before else report.text)
 
-    def _delivery(self, trajectory: JointTrajectory) -> Delivery:
+    def _delivery(self, trajectory: JointTrajectory) -> ExecutionRequest:
         """Find the delivery that a request means: a new one, or the latest plan's.
 
         A client that gives the latest plan, which is executed anyway, means that one.
@@ -100,16 +104,16 @@ class ExecuteService:
         self._loop.offer(self._plans.latest)
         return self._plans.latest
 
-    def _offered(self, trajectory: JointTrajectory) -> Delivery:
+    def _offered(self, trajectory: JointTrajectory) -> ExecutionRequest:
         delivery = self._plans.asked = self._reader.read(trajectory, self._transport)
         self._loop.offer(delivery)
         return delivery
 
-    def _in_hand(self, delivery: Delivery) -> bool:
+    def _in_hand(self, delivery: ExecutionRequest) -> bool:
         dispatcher = self._loop.dispatcher
         return delivery is dispatcher.current or delivery in dispatcher.queue
 
-    def _stands_at_the_end_of(self, delivery: Delivery) -> bool:
+    def _stands_at_the_end_of(self, delivery: ExecutionRequest) -> bool:
         """Whether it was executed, and the robot is still where it ended and not at its start."""
         if delivery.report is None or delivery.report.code:
             return False
@@ -126,9 +130,9 @@ def _asks_for_latest(trajectory: JointTrajectory) -> bool:
     return not (trajectory.points or trajectory.joint_names)
 
 
-async def _end_of(delivery: Delivery) -> DeliveryReport:
+async def _end_of(delivery: ExecutionRequest) -> ExecutionReport:
     """Wait for the end of a delivery."""
     ended: Future = Future()
     delivery.listen(lambda report: ended.done() or ended.set_result(report))
-    report: DeliveryReport = await ended
+    report: ExecutionReport = await ended
     return report

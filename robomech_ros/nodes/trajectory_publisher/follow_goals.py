@@ -7,9 +7,9 @@ from control_msgs.action import FollowJointTrajectory
 from control_msgs.msg import JointTolerance
 from trajectory_msgs.msg import JointTrajectory
 
-from robomech_ros.execution.verdict import Verdict
+from robomech_ros.execution.motion_result import MotionResult
 from robomech_ros.nodes.common.message_fields import duration_from_seconds
-from robomech_ros.nodes.trajectory_publisher.action_link import AskedTolerances
+from robomech_ros.nodes.trajectory_publisher.action_transport import AskedTolerances
 from robomech_ros.outcomes import Code
 
 _RESULT = FollowJointTrajectory.Result
@@ -48,7 +48,7 @@ class FollowGoals:
             goal_time_tolerance=duration_from_seconds(tolerances.goal_time),
         )
 
-    def verdict(self, status: int, result: Any, began: bool) -> Verdict:
+    def verdict(self, status: int, result: Any, began: bool) -> MotionResult:
         """Translate a result.
 
         The same code, INVALID_GOAL, says that a goal is refused and that its motion was ended by
@@ -56,14 +56,14 @@ class FollowGoals:
         """
         given, text = int(result.error_code), str(result.error_string)
         if status == GoalStatus.STATUS_SUCCEEDED and given == _RESULT.SUCCESSFUL:
-            return Verdict(Code.NONE, "" if text == _NOTHING else text)
+            return MotionResult(Code.NONE, "" if text == _NOTHING else text)
         name = _NAMES.get(given, f"error code {given}")
         if status == GoalStatus.STATUS_CANCELED:
-            return Verdict(Code.PREEMPTED, text or "the goal was cancelled")
+            return MotionResult(Code.PREEMPTED, text or "the goal was cancelled")
         code = _CODES.get(given, Code.REJECTED)
         if began and given in _STOPPED:
             code = Code.PREEMPTED
-        return Verdict(code, f"{name}: {text}" if text else f"{name}, without a reason")
+        return MotionResult(code, f"{name}: {text}" if text else f"{name}, without a reason")
 
 
 def _for_each(value: float, names: list[str]) -> list[JointTolerance]:

@@ -7,7 +7,7 @@ from builtin_interfaces.msg import Time
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_ros.errors import UnknownJointError, WrongSizeError
-from robomech_ros.execution.client.delivery import Delivery, Transport
+from robomech_ros.execution.client.execution_request import ExecutionRequest, Transport
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
 from robomech_ros.nodes.common.motion_clock import MotionClock
@@ -41,7 +41,7 @@ class DeliveryReader:
         self._max_points = max_points
         self._max_duration = max_duration
 
-    def read(self, message: JointTrajectory, transport: Transport) -> Delivery:
+    def read(self, message: JointTrajectory, transport: Transport) -> ExecutionRequest:
         """Check a received trajectory, and make a delivery of it.
 
         Raises
@@ -59,15 +59,15 @@ class DeliveryReader:
             received_trajectory(message), names, self._max_points, self._max_duration
         )
         delay = self._clock.until(message.header.stamp, self._clock.now())
-        return Delivery(message, names, waypoints, transport, delay)
+        return ExecutionRequest(message, names, waypoints, transport, delay)
 
 
-def message_from_delivery(delivery: Delivery, now: int) -> JointTrajectory:
+def message_from_delivery(delivery: ExecutionRequest, now: int) -> JointTrajectory:
     """Make the message of a delivery.
 
     Parameters
     ----------
-    delivery : Delivery
+    delivery : ExecutionRequest
         What is to be sent.
     now : int
         ROS time of `sent_at`, ns; where the pace is changed on the way, the stamp counts from it.

@@ -5,18 +5,18 @@ from typing import Any
 
 from rclpy.node import Node
 
-from robomech_ros.execution.client.delivery import Delivery
+from robomech_ros.execution.client.execution_request import ExecutionRequest
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
-from robomech_ros.nodes.common.status_report import NodeCondition, StatusReport
-from robomech_ros.nodes.middleware.signs_of_life import SignsOfLife
+from robomech_ros.nodes.common.status_report import NodeHealth, StatusReport
+from robomech_ros.nodes.middleware.liveliness import LivelinessMonitor
 from robomech_ros.nodes.process.run import run_node
-from robomech_ros.nodes.trajectory_publisher.action_link import ActionLink
-from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
+from robomech_ros.nodes.trajectory_publisher.action_transport import ActionTransport
+from robomech_ros.nodes.trajectory_publisher.controller_client import ControllerClient
 from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals
 from robomech_ros.nodes.trajectory_publisher.diagnostics import execution_condition
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
@@ -47,7 +47,7 @@ class TrajectoryPublisherNode(Node):
         settings, clock = table.settings, MotionClock(self)
         transport = answering_transport(settings)
         limits = settings.max_points, settings.max_duration
-        action = ActionLink(
+        action = ActionTransport(
             self,
             settings.controller,
             action_goals(transport),
@@ -58,8 +58,8 @@ class TrajectoryPublisherNode(Node):
         action_name = f"{settings.controller}/{ExecuteGoals.name}"
         monitor = JointStateMonitor(self)
         # What a controller has said of its joints says nothing of those of the next.
-        life = SignsOfLife(self, action_name, settings.controller_lease, monitor.forget)
-        self._link = ControllerLink(
+        life = LivelinessMonitor(self, action_name, settings.controller_lease, monitor.forget)
+        self._link = ControllerClient(
             self, settings.controller, clock, action, refusals, life, monitor
         )
         self._loop = DispatchLoop(self, clock, self._link, settings)
@@ -86,10 +86,10 @@ class TrajectoryPublisherNode(Node):
         self._reader.robot_joints = tuple(model.joint_names)
         self._programs.model = model
 
-    def _take_result(self, delivery: Delivery, code: int, text: str) -> None:
+    def _take_result(self, delivery: ExecutionRequest, code: int, text: str) -> None:
         self._loop.conclude(delivery, code, text)
 
-    def _condition(self) -> NodeCondition:
+    def _condition(self) -> NodeHealth:
         refusal, program = self._plans.refusal, self._runner.condition
         return execution_condition(self._loop.dispatcher, refusal, program)
 

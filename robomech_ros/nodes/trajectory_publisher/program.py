@@ -22,7 +22,12 @@ from typing import Any
 from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.regular_files import read_regular
 from robomech_ros.robots import SemanticDescription, SerialChain
-from robomech_ros.robots.documents.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml, shown
+from robomech_ros.robots.documents.guarded_yaml import (
+    LARGEST_YAML,
+    check_keys,
+    describe_value,
+    parse_yaml,
+)
 
 _PROFILE = "poly345"
 _OPTIONS = ("profile", "duration", "velocity_scale", "acceleration_scale", "jerk_scale")
@@ -98,7 +103,8 @@ def read_program(path: Path, chain: SerialChain, semantic: SemanticDescription) 
     given = check_keys(parse_yaml(text, where), where, ("steps",), ("postures", "cycles"))
     cycles = given.get("cycles", 1)
     if type(cycles) is not int or not 0 <= cycles <= _MOST_CYCLES:
-        why = f"cycles is {shown(cycles)}, expected a whole number from 0 (until cancelled) on"
+        value = describe_value(cycles)
+        why = f"cycles is {value}, expected a whole number from 0 (until cancelled) on"
         raise RobotDescriptionError(where, f"{why} to {_MOST_CYCLES}")
     postures = _Postures(_postures(given.get("postures", {}), where, chain), chain, semantic)
     steps = given["steps"]
@@ -125,7 +131,9 @@ class _Postures:
         known = self.semantic.postures(self.chain)
         if name not in known:
             names = ", ".join(dict.fromkeys([*self.given, *known]))
-            raise RobotDescriptionError(where, f"no posture {shown(name)}; there are {names}")
+            raise RobotDescriptionError(
+                where, f"no posture {describe_value(name)}; there are {names}"
+            )
         try:
             return tuple(self.semantic.posture(self.chain, name).tolist())
         except RobomechError as error:
@@ -136,7 +144,7 @@ def _postures(given: object, where: str, chain: SerialChain) -> dict[str, tuple[
     if not isinstance(given, dict):
         raise RobotDescriptionError(where, "postures is no mapping of names to positions")
     return {
-        str(name): _positions(values, f"{where}: posture {shown(name)}", chain)
+        str(name): _positions(values, f"{where}: posture {describe_value(name)}", chain)
         for name, values in given.items()
     }
 
@@ -151,7 +159,7 @@ def _positions(given: object, where: str, chain: SerialChain) -> tuple[float, ..
         if not _is_number(value) or not low <= value <= high:
             expected = f"a number from {low:.6g} to {high:.6g} {unit}"
             raise RobotDescriptionError(
-                where, f"joint '{name}' is {shown(value)}, expected {expected}"
+                where, f"joint '{name}' is {describe_value(value)}, expected {expected}"
             )
     return tuple(float(value) for value in given)
 
@@ -161,7 +169,9 @@ def _step(given: object, where: str, postures: _Postures) -> Step:
         wait = check_keys(given, where, ("wait",), ())["wait"]
         if not _is_number(wait) or not 0.0 <= wait <= _LONGEST_WAIT:
             expected = f"a number from 0 to {_LONGEST_WAIT:g} s"
-            raise RobotDescriptionError(where, f"wait is {shown(wait)}, expected {expected}")
+            raise RobotDescriptionError(
+                where, f"wait is {describe_value(wait)}, expected {expected}"
+            )
         return Step(wait=float(wait))
     step = check_keys(given, where, ("move",), _OPTIONS)
     name = str(step["move"])
@@ -170,11 +180,12 @@ def _step(given: object, where: str, postures: _Postures) -> Step:
 
     options = {"profile": _PROFILE, **{key: step[key] for key in _OPTIONS if key in step}}
     if options["profile"] not in PROFILES:
-        why = f"profile is {shown(options['profile'])}, expected one of {', '.join(PROFILES)}"
+        profile = describe_value(options["profile"])
+        why = f"profile is {profile}, expected one of {', '.join(PROFILES)}"
         raise RobotDescriptionError(where, why)
     for key in _OPTIONS[1:]:
         if key in options and not (_is_number(options[key]) and options[key] > 0.0):
-            why = f"{key} is {shown(options[key])}, expected a number above 0"
+            why = f"{key} is {describe_value(options[key])}, expected a number above 0"
             raise RobotDescriptionError(where, why)
     return Step(posture=name, positions=positions, options=options)
 

@@ -8,10 +8,14 @@ from rclpy.node import Node
 from rclpy.timer import Timer
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.client.delivery import Delivery, DeliveryReport, Transport
+from robomech_ros.execution.client.execution_request import (
+    ExecutionReport,
+    ExecutionRequest,
+    Transport,
+)
+from robomech_ros.nodes.common.cooperative_wait import passing_timer
 from robomech_ros.nodes.common.joint_messages import joint_trajectory
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.common.pauses import passing_timer
 from robomech_ros.nodes.trajectory_publisher.program import Program, Step
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory.joint_points import nearest_turns
@@ -47,7 +51,7 @@ class ProgramRunner:
         self,
         node: Node,
         clock: MotionClock,
-        offer: Callable[[Delivery], None],
+        offer: Callable[[ExecutionRequest], None],
         transport: Transport,
         limits: tuple[int, float],
     ) -> None:
@@ -138,7 +142,7 @@ class ProgramRunner:
         self._drop_timer()
         self._next()
 
-    def _moved(self, report: DeliveryReport) -> None:
+    def _moved(self, report: ExecutionReport) -> None:
         if report.code and self.runs:
             self._end(f"{self.condition}: {report.text}")
         else:
@@ -159,10 +163,10 @@ class ProgramRunner:
         )
         return plan.waypoints
 
-    def _delivery(self, points: Waypoints) -> Delivery:
+    def _delivery(self, points: Waypoints) -> ExecutionRequest:
         names = list(self._chain.joint_names)
         rows: Any = (points.times, points.positions, points.velocities, points.accelerations)
-        return Delivery(joint_trajectory(names, *rows), names, points, self._transport)
+        return ExecutionRequest(joint_trajectory(names, *rows), names, points, self._transport)
 
     def _end(self, text: str) -> None:
         self._program = None

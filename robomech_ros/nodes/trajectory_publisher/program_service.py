@@ -9,13 +9,13 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.execution.rejections import TrajectoryRefusedError
+from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.error_codes import NoStateError
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
-from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.middleware.deep_queues import serve
-from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
+from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.trajectory_publisher.controller_client import ControllerClient
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.program import Program, read_program
 from robomech_ros.nodes.trajectory_publisher.program_file import program_file
@@ -38,7 +38,7 @@ class ProgramService:
         Runs it.
     loop : DispatchLoop
         Where nothing else may be under way.
-    link : ControllerLink
+    link : ControllerClient
         Knows where the robot is.
 
     Attributes
@@ -53,7 +53,7 @@ class ProgramService:
         table: NodeParameters[PublisherSettings],
         runner: ProgramRunner,
         loop: DispatchLoop,
-        link: ControllerLink,
+        link: ControllerClient,
     ) -> None:
         self.model: RobotModel | None = None
         self._table = table

@@ -9,12 +9,12 @@ from rclpy.task import Future
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.client.delivery import Delivery, Transport
+from robomech_ros.execution.client.execution_request import ExecutionRequest, Transport
+from robomech_ros.nodes.common.cooperative_wait import ended_within
 from robomech_ros.nodes.common.error_codes import code_of
 from robomech_ros.nodes.common.parameters import NodeParameters
-from robomech_ros.nodes.common.pauses import ended_within
 from robomech_ros.nodes.middleware.reliable_topics import subscribe_reliably
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
@@ -44,9 +44,9 @@ class ReceivedPlans:
 
     Attributes
     ----------
-    latest : Delivery or None
+    latest : ExecutionRequest or None
         The plan that came last.
-    asked : Delivery or None
+    asked : ExecutionRequest or None
         The trajectory that a request gave last.
     refusal : str
         Why the plan that came last was refused; empty if it was not.
@@ -61,15 +61,15 @@ class ReceivedPlans:
         reader: DeliveryReader,
         loop: DispatchLoop,
     ) -> None:
-        self._node, self._log = node, SparingLog(node.get_logger())
+        self._node, self._log = node, ThrottledLog(node.get_logger())
         self._started = time.time_ns()
         self._table = table
         self._reader = reader
         self._loop = loop
         self._next: Future | None = None
         self._waiting = self._given_up = 0
-        self.latest: Delivery | None = None
-        self.asked: Delivery | None = None
+        self.latest: ExecutionRequest | None = None
+        self.asked: ExecutionRequest | None = None
         self.refusal = ""
         self.topics = self._listen(table.settings.planner_topic)
 

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 
-from robomech_ros.execution.client.delivery import Transport
 from robomech_ros.execution.client.dispatch_settings import DispatchSettings
+from robomech_ros.execution.client.execution_request import Transport
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.robot_description import RobotSettings
-from robomech_ros.nodes.middleware.signs_of_life import SHORTEST_LEASE
-from robomech_ros.nodes.trajectory_publisher.action_link import ActionGoals, AskedTolerances
+from robomech_ros.nodes.middleware.liveliness import SHORTEST_LEASE
+from robomech_ros.nodes.trajectory_publisher.action_transport import ActionGoals, AskedTolerances
 from robomech_ros.nodes.trajectory_publisher.execute_goals import ExecuteGoals
 
 

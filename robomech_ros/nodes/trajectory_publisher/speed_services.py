@@ -11,7 +11,7 @@ from robomech_interfaces.srv import SetSpeed
 from robomech_ros.errors import BadValueError, NonFiniteError, RobomechError
 from robomech_ros.nodes.common.error_codes import answer, code_of
 from robomech_ros.nodes.common.message_fields import duration_from_seconds
-from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 
 CANCELLED = "cancelled by the service cancel"

@@ -12,9 +12,9 @@ from std_msgs.msg import String
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
-from robomech_ros.nodes.common.twist_intake import TwistIntake
+from robomech_ros.nodes.common.twist_input import TwistInput
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.outcomes import Code, name_of
 from robomech_ros.spatial import euler_angles_from_matrix
 from robomech_ros.walking import Walker
@@ -45,9 +45,9 @@ class CommandIntake:
     """
 
     def __init__(self, node: Node, walker: Walker, clock: MotionClock, duration: float) -> None:
-        self._log, self._walker, self._duration = SparingLog(node.get_logger()), walker, duration
+        self._log, self._walker, self._duration = ThrottledLog(node.get_logger()), walker, duration
         self.commanded, self.refusal, self.refused = False, "", 0
-        self.twists = TwistIntake(node, "cmd_vel", self._follow, clock)
+        self.twists = TwistInput(node, "cmd_vel", self._follow, clock)
         readers: list[tuple[type, str, Callable[[Any], None]]] = [
             (Pose, "body_pose", self._pose),
             (String, "~/gait", self._gait),

@@ -11,10 +11,10 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.nodes.common.joint_messages import stream_message
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.joint_watch import JointWatch
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.common.status_report import NodeCondition
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.common.status_report import NodeHealth
+from robomech_ros.nodes.common.tracking_monitor import TrackingMonitor
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.walker.command_intake import CommandIntake
 from robomech_ros.nodes.walker.publication import WalkPublication
 from robomech_ros.nodes.walker.settings import WalkerSettings
@@ -49,12 +49,12 @@ class Driver:
         self, node: Node, walker: Walker, clock: MotionClock, settings: WalkerSettings
     ) -> None:
         self._walker, self._clock, self._settings = walker, clock, settings
-        self._log, robot = SparingLog(node.get_logger()), walker.robot
+        self._log, robot = ThrottledLog(node.get_logger()), walker.robot
         self._names = robot.joint_names
         self._intake = CommandIntake(node, walker, clock, settings.body_pose_duration)
         monitor = JointStateMonitor(node)
         watched = settings.tracking_tolerance, settings.tracking_delay
-        self._joints = JointWatch(robot, monitor, *watched)
+        self._joints = TrackingMonitor(robot, monitor, *watched)
         self._stream = WalkStream(walker, settings.lead)
         self._publication = WalkPublication(node, robot, settings)
         self._publisher = node.create_publisher(JointTrajectory, settings.command_out_topic, 10)
@@ -144,7 +144,7 @@ class Driver:
         stamp = Time(nanoseconds=max(self._clock.stamp(begin), 0)).to_msg()
         self._publisher.publish(stream_message(self._names, samples, 0.0, stamp))
 
-    def condition(self) -> NodeCondition:
+    def condition(self) -> NodeHealth:
         """Describe the walk, for the diagnostics."""
         intake, walker = self._intake, self._walker
         part, self._part = self._part, 1.0
@@ -163,7 +163,7 @@ class Driver:
             "last ignored": refusal,
         }
         text = f"{summary}; {trouble}" if trouble else summary
-        return NodeCondition(text, bool(trouble or not self._stands), values)
+        return NodeHealth(text, bool(trouble or not self._stands), values)
 
     def _waits_for(self) -> str:
         if self._joints.position() is None:

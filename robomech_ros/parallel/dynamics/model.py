@@ -14,7 +14,7 @@ from robomech_ros.dynamics.model import body_rows
 from robomech_ros.errors import BadValueError, MissingInertiaError, SingularPostureError
 from robomech_ros.parallel.mechanism.loops import refuse_status
 from robomech_ros.parallel.mechanism.model import Mechanism
-from robomech_ros.robots import Body, combined
+from robomech_ros.robots import Body, combine_bodies
 from robomech_ros.typing import Array
 
 
@@ -43,9 +43,9 @@ def limb_bodies(mechanism: Mechanism) -> list[list[Body | None]]:
     body = platform_body(mechanism)
     rows: list[list[Body | None]] = [list(limb.chain.bodies) for limb in mechanism.limbs]
     first = mechanism.limbs[0].chain
-    platform = body.seen_from(first.transforms[-1])
+    platform = body.expressed_in(first.transforms[-1])
     own = rows[0][-1]
-    rows[0][-1] = platform if own is None else combined((own, platform))
+    rows[0][-1] = platform if own is None else combine_bodies((own, platform))
     return rows
 
 

@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.loops import dynamics as kernels
 from robomech_ros.dynamics import ConstrainedBodies
+from robomech_ros.dynamics.drive_control import CompiledServo, ServoLaw
 from robomech_ros.dynamics.friction import friction_model, friction_of_rates
 from robomech_ros.dynamics.model import GRAVITY, surroundings
-from robomech_ros.dynamics.servo import CompiledServo, ServoLaw
 from robomech_ros.dynamics.systems import CompiledForward, LostPostureError
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.outcomes import Code
@@ -28,10 +28,10 @@ from robomech_ros.parallel.dynamics.complement import (
     bodies_in_motion,
     joint_reactions,
 )
+from robomech_ros.parallel.dynamics.drive_control import loop_servo, mode_postures
 from robomech_ros.parallel.dynamics.model import limb_totals, platform_body, refuse
-from robomech_ros.parallel.dynamics.servo import loop_servo, mode_postures
 from robomech_ros.parallel.mechanism.model import Mechanism
-from robomech_ros.robots import Body, combined
+from robomech_ros.robots import Body, combine_bodies
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.typing import Array, IntArray
 
@@ -386,7 +386,7 @@ class ParallelDynamics:
             raise BadValueError("payload", payload, "a Body")
         if fault := payload.fault():
             raise BadValueError("payload", payload.mass, f"a possible body; {fault}")
-        whole = combined((platform_body(self.mechanism), payload))
+        whole = combine_bodies((platform_body(self.mechanism), payload))
         assert whole is not None
         return ParallelDynamics(self.mechanism.with_platform_body(whole))
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.parallel.arguments import platform_poses, pose_about_z
+from robomech_ros.parallel.argument_checks import platform_poses, pose_about_z
 from robomech_ros.parallel.delta import Delta
 from robomech_ros.parallel.kinetostatics.limb_wrenches import Wrenches, limb_wrenches
 from robomech_ros.parallel.library import ParallelRobot

@@ -68,6 +68,6 @@ def _held_postures(mechanism: Mechanism) -> Array:
     low = np.where(np.isfinite(low), low, home[driven] - free)
     high = np.where(np.isfinite(high), high, home[driven] + free)
     parts = (0.5 + np.arange(_POSTURES)[:, None] * low_discrepancy_strides(len(driven))) % 1.0
-    q = np.vstack([home, mechanism.half_ways(low + parts * (high - low))])
+    q = np.vstack([home, mechanism.midway_postures(low + parts * (high - low))])
     inside = ~(mechanism.limit_excess(q) > 0.0).any(axis=1)
     return q[inside] if inside.any() else q

@@ -136,7 +136,7 @@ def side_of_mechanism(mechanism: Mechanism, poses: Array, q: Array, centre: Arra
     return np.asarray(np.sign(np.linalg.det(K) * np.linalg.det(here.T @ motions)))
 
 
-def way_across(mechanism: Mechanism) -> float:
+def platform_span(mechanism: Mechanism) -> float:
     """Return how far the platform can be from the base (m); of endless slides, some sizes."""
     chains = [limb.chain for limb in mechanism.limbs]
     bounds = [

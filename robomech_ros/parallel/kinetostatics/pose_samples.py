@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
-from robomech_ros.parallel.arguments import pose_about_z
+from robomech_ros.parallel.argument_checks import pose_about_z
 from robomech_ros.parallel.delta import Delta
 from robomech_ros.parallel.kinetostatics.limb_geometry import leg_lengths
 from robomech_ros.parallel.library import ParallelRobot

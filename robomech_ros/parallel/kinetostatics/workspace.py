@@ -14,8 +14,8 @@ from robomech_ros.parallel.kinetostatics.limb_geometry import limbs_at, motions_
 from robomech_ros.parallel.kinetostatics.mechanism_poses import (
     followed,
     free_axes,
+    platform_span,
     side_of_mechanism,
-    way_across,
 )
 from robomech_ros.parallel.kinetostatics.pose_limits import (
     PoseLimits,
@@ -299,7 +299,7 @@ def _far(robot: ParallelRobot | Mechanism, centre: Array) -> float:
     """Return how far places are looked at (m)."""
     if isinstance(robot, StewartGough | Planar3RPR) and robot.strokes is None:
         return _FARTHEST * size_of(robot)
-    far = way_across(robot) if isinstance(robot, Mechanism) else size_of(robot)
+    far = platform_span(robot) if isinstance(robot, Mechanism) else size_of(robot)
     return far + float(np.linalg.norm(centre[:3, 3]))
 
 

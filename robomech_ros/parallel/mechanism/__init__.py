@@ -2,22 +2,22 @@
 
 from typing import TYPE_CHECKING
 
-from robomech_ros.lazy import lazy_exports
+from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.parallel.mechanism.limb import Limb
     from robomech_ros.parallel.mechanism.model import Mechanism
     from robomech_ros.parallel.mechanism.result import (
         AssemblyModes,
-        ClosedPosture,
+        LoopClosure,
         MechanismPostures,
     )
 
-__all__ = ["AssemblyModes", "ClosedPosture", "Limb", "Mechanism", "MechanismPostures"]
+__all__ = ["AssemblyModes", "Limb", "LoopClosure", "Mechanism", "MechanismPostures"]
 
 _MODULES = {
     "AssemblyModes": "result",
-    "ClosedPosture": "result",
+    "LoopClosure": "result",
     "Limb": "limb",
     "Mechanism": "model",
     "MechanismPostures": "result",

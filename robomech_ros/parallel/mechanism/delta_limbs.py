@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from robomech_ros._kernels.parallel.delta import delta_angles
-from robomech_ros.parallel.arguments import translation_only
+from robomech_ros.parallel.argument_checks import translation_only
 from robomech_ros.parallel.mechanism.limb import Axis, Limb, LimbBranches, chain_of_axes
 from robomech_ros.parallel.mechanism.planar_limbs import one_or_two
 from robomech_ros.spatial.poses import assembled

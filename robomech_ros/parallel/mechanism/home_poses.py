@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from robomech_ros._kernels.parallel.newton import jacobians, leg_lengths
-from robomech_ros.parallel.arguments import pose_about_z
+from robomech_ros.parallel.argument_checks import pose_about_z
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
 from robomech_ros.typing import Array, BoolArray

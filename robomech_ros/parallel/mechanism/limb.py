@@ -15,7 +15,7 @@ from robomech_ros.kinematics import Status, inverse_kinematics
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import LinkFrame, SerialChain
 from robomech_ros.robots.chain_layout import pack_chain
-from robomech_ros.robots.joint import turn_of_z
+from robomech_ros.robots.joint import rotation_from_z
 from robomech_ros.robots.limit_arrays import limit_arrays
 from robomech_ros.spatial.arrays import listed
 from robomech_ros.spatial.poses import assembled, rigid_inverse
@@ -193,7 +193,9 @@ def chain_of_axes(name: str, axes: Sequence[Axis], T: Array, tip: str) -> Serial
     tip : str
         The last link.
     """
-    frames = np.array([assembled(turn_of_z(one.direction)[:3, :3], one.point) for one in axes])
+    frames = np.array(
+        [assembled(rotation_from_z(one.direction)[:3, :3], one.point) for one in axes]
+    )
     steps = [frames[0]]
     steps += [rigid_inverse(a) @ b for a, b in zip(frames, [*frames[1:], T], strict=True)]
     types = np.array([one.slides for one in axes], np.int64)

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robomech_ros._kernels.loops import closing, rates
+from robomech_ros._kernels.loops import loop_closure, rates
 from robomech_ros._kernels.loops.factors import FREE, NOT_FINITE
 from robomech_ros.errors import NonFiniteError, SingularPostureError
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel.mechanism.result import ClosedPosture
+from robomech_ros.parallel.mechanism.result import LoopClosure
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.typing import Array, IntArray
@@ -100,10 +100,10 @@ class Loops:
         refuse_status(status, q)
         return out, platform
 
-    def close(self, target: Array, near: Array) -> ClosedPosture:
+    def close(self, target: Array, near: Array) -> LoopClosure:
         """Move the drives (m,) of a posture (n,) to a target, all joints following."""
         q, report = near.copy(), np.empty(2)
-        status = closing.close(
+        status = loop_closure.close(
             self.packed,
             self.starts,
             self.drives,
@@ -115,15 +115,15 @@ class Loops:
         )
         part, error = report.tolist()
         if status == 0:
-            return ClosedPosture(q, Code.NONE, 1.0, error)
+            return LoopClosure(q, Code.NONE, 1.0, error)
         if part == 0.0 and error > _OPEN:
             reason = f"the loops of the posture given are open by {error:.3g} rad or of the size"
-            return ClosedPosture(q, Code.NOT_CONVERGED, 0.0, error, reason)
-        if status == closing.LONG:
+            return LoopClosure(q, Code.NOT_CONVERGED, 0.0, error, reason)
+        if status == loop_closure.LONG:
             reason = f"the way is too long for one call: {part:.3g} of it was gone"
-            return ClosedPosture(q, Code.NOT_CONVERGED, part, error, reason)
+            return LoopClosure(q, Code.NOT_CONVERGED, part, error, reason)
         reason = f"a singular posture is in the way, after {part:.3g} of it: assembly modes meet"
-        return ClosedPosture(q, Code.SINGULAR, part, error, f"{reason} there")
+        return LoopClosure(q, Code.SINGULAR, part, error, f"{reason} there")
 
 
 def _flat(array: Array, lead: tuple[int, ...], tail: tuple[int, ...]) -> Array:

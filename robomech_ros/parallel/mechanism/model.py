@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.parallel.arguments import actuated as checked_drives
-from robomech_ros.parallel.arguments import platform_poses
+from robomech_ros.parallel.argument_checks import actuated as checked_drives
+from robomech_ros.parallel.argument_checks import platform_poses
 from robomech_ros.parallel.mechanism.limb import (
     Limb,
     checked_limbs,
@@ -22,7 +22,7 @@ from robomech_ros.parallel.mechanism.limb import (
 from robomech_ros.parallel.mechanism.loops import Loops
 from robomech_ros.parallel.mechanism.mobility import check_drives
 from robomech_ros.parallel.mechanism.motion import LoopMotion
-from robomech_ros.parallel.mechanism.parts import Parts, limbs_with_parts
+from robomech_ros.parallel.mechanism.parts import LinkBodies, limbs_with_parts
 from robomech_ros.parallel.mechanism.postures import joints_of_mode, limb_postures
 from robomech_ros.parallel.mechanism.result import AssemblyModes, MechanismPostures
 from robomech_ros.parallel.mechanism.search import AssemblySearch
@@ -54,7 +54,7 @@ class Mechanism(LoopMotion):
     direct : callable, optional
         Gives the poses of the platform, a DirectKinematicsResult, for positions of the drives and
         the pose nearest to which they are sorted, or None; by default they are searched.
-    parts : Parts, optional
+    parts : LinkBodies, optional
         Bodies of links and platform, and what drives add to them.  Default none.
     robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR, optional
         The one whose limbs these are; default none.
@@ -84,13 +84,13 @@ class Mechanism(LoopMotion):
         name: str = "mechanism",
         direct: Callable[[Array, Array | None], DirectKinematicsResult] | None = None,
         home_poses: ArrayLike | None = None,
-        parts: Parts | None = None,
+        parts: LinkBodies | None = None,
         robot: Any = None,
     ) -> None:
         self.name, self.robot = name, robot
         given = checked_limbs(limbs)
         self.limbs, self.platform_body = limbs_with_parts(
-            given, given[0].chain.tip, Parts() if parts is None else parts
+            given, given[0].chain.tip, LinkBodies() if parts is None else parts
         )
         chains = [limb.chain for limb in self.limbs]
         self.base_link = chains[0].base
@@ -270,7 +270,7 @@ class Mechanism(LoopMotion):
         """
         return self._home.copy()
 
-    def half_ways(self, ends: Array) -> Array:
+    def midway_postures(self, ends: Array) -> Array:
         """Return postures (k, n) half the ways from home to where the drives are at ends (k, m).
 
         Where the mode ends on the first half, in a singular posture, half of the part before it.

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import OpenLoopsError
-from robomech_ros.parallel.arguments import actuated as checked_drives
+from robomech_ros.errors import LoopClosureError
+from robomech_ros.parallel.argument_checks import actuated as checked_drives
 from robomech_ros.parallel.mechanism.loops import Loops
-from robomech_ros.parallel.mechanism.result import ClosedPosture
+from robomech_ros.parallel.mechanism.result import LoopClosure
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.typing import Array
 
@@ -80,7 +80,7 @@ class LoopMotion:
         chord = np.linalg.norm(away[..., :3, :3], axis=(-2, -1)) / np.sqrt(8.0)
         return np.stack((distance, 2.0 * np.arcsin(np.minimum(chord, 1.0))), axis=-1)
 
-    def open_loops(self, q: Array, what: str, expected: str = "closed loops") -> OpenLoopsError:
+    def open_loops(self, q: Array, what: str, expected: str = "closed loops") -> LoopClosureError:
         """Return the error that names the widest gap of postures, shape (..., n), called `what`.
 
         Of several postures it counts them from 0.
@@ -91,9 +91,9 @@ class LoopMotion:
         *at, limb = (int(k) for k in widest)
         distance, angle = errors[widest].tolist()
         which = "".join(f"[{k}]" for k in at)
-        return OpenLoopsError(f"{what}{which}", limb + 1, distance, angle, expected)
+        return LoopClosureError(f"{what}{which}", limb + 1, distance, angle, expected)
 
-    def close(self, actuated: ArrayLike, near: ArrayLike) -> ClosedPosture:
+    def close(self, actuated: ArrayLike, near: ArrayLike) -> LoopClosure:
         """Find all joints for positions of the drives, in the assembly mode of a posture near by.
 
         The drives go from where they are to the given positions on a straight way, in steps of
@@ -108,7 +108,7 @@ class LoopMotion:
 
         Returns
         -------
-        ClosedPosture
+        LoopClosure
         """
         target = checked_drives("actuated", actuated, self.dof)
         return self.loops.close(target, checked_drives("near", near, self.n))

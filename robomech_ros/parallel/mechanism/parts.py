@@ -21,7 +21,7 @@ _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Parts:
+class LinkBodies:
     """Moving bodies of a parallel robot.
 
     Parameters
@@ -57,7 +57,7 @@ class Parts:
 
 
 def limbs_with_parts(
-    limbs: Sequence[Limb], platform: str, parts: Parts
+    limbs: Sequence[Limb], platform: str, parts: LinkBodies
 ) -> tuple[tuple[Limb, ...], Body | None]:
     """Return limbs with the bodies of their links, and the body of the platform.
 
@@ -78,7 +78,7 @@ def limbs_with_parts(
             known += [name for name in names if name]
             body = next((parts.bodies[name] for name in names if name in parts.bodies), None)
             if body is not None:
-                bodies[j] = body.seen_from(frames[j])
+                bodies[j] = body.expressed_in(frames[j])
         drives = [
             parts.drive if name in limb.actuated and parts.drive != Drive() else own
             for name, own in zip(chain.joint_names, chain.drives, strict=True)

@@ -58,7 +58,7 @@ class AssemblyModes(DirectKinematicsResult):
 
 
 @dataclass(frozen=True, eq=False)
-class ClosedPosture:
+class LoopClosure:
     """Joint positions after the drives moved.
 
     Parameters

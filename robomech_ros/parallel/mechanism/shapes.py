@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from robomech_ros.parallel.mechanism.tree import links_of_joints
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-from robomech_ros.robots.joint import turn_of_z
+from robomech_ros.robots.joint import rotation_from_z
 from robomech_ros.robots.urdf.shapes import Shape
 from robomech_ros.typing import Array
 
@@ -123,7 +123,7 @@ def _frame(points: Array, size: float, colour: int, *, plate: bool) -> Iterator[
         middles = 0.5 * (ring + np.roll(ring, -1, axis=0)) - centre
         inner = float(np.linalg.norm(middles, axis=1).min())
         if inner > _SAME * size:
-            pose = turn_of_z(axes[2])
+            pose = rotation_from_z(axes[2])
             pose[:3, 3] = centre
             yield Shape(pose, _rounded(inner), _rounded(_PLATE * size), colour)
 
@@ -161,7 +161,7 @@ def _arcs(links: Sequence[str], steps: Array, radius: float) -> dict[str, list[S
 def _rod_between(start: ArrayLike, end: ArrayLike, radius: float, colour: int) -> Shape:
     one, two = np.asarray(start, float), np.asarray(end, float)
     length = float(np.linalg.norm(two - one))
-    pose = turn_of_z((two - one) / length)
+    pose = rotation_from_z((two - one) / length)
     pose[:3, 3] = 0.5 * (one + two)
     return Shape(pose, _rounded(radius), _rounded(length), colour)
 

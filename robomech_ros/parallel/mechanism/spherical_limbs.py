@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from robomech_ros.parallel.arguments import rotation_only
+from robomech_ros.parallel.argument_checks import rotation_only
 from robomech_ros.parallel.limbs import turning_limb
 from robomech_ros.parallel.mechanism.limb import Axis, Limb, LimbBranches, chain_of_axes
 from robomech_ros.parallel.mechanism.planar_limbs import one_or_two
-from robomech_ros.robots.joint import turn_of_z
+from robomech_ros.robots.joint import rotation_from_z
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
 from robomech_ros.typing import Array
@@ -34,7 +34,7 @@ def spherical_limbs(
         normal = np.cross(w, m)
         normal /= np.linalg.norm(normal)
         u = matrix_from_rotation_vector(float(distal[i]) * normal) @ m
-        R = turn_of_z(u)[:3, :3] @ turn_of_z(v)[:3, :3].T
+        R = rotation_from_z(u)[:3, :3] @ rotation_from_z(v)[:3, :3].T
         low, high = limits[i].tolist()
         centre = np.zeros(3)
         axes = [

@@ -7,7 +7,7 @@ import numpy as np
 from robomech_ros.cartesian import PathCheck
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.trajectory import JointPath, PathCut, PathTrackingStatus
-from robomech_ros.trajectory.paths.path_cuts import last_good_place
+from robomech_ros.trajectory.paths.path_cuts import last_valid_coordinate
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
 from robomech_ros.typing import Array
 
@@ -37,7 +37,7 @@ def cone_cut(mechanism: Mechanism) -> PathCheck:
         def excess(q: Array) -> Array:
             return np.asarray(mechanism.limit_excess(q)[..., columns] - allowed)
 
-        s = last_good_place(joints, lambda q: np.asarray((excess(q) > 0.0).any(axis=1)))
+        s = last_valid_coordinate(joints, lambda q: np.asarray((excess(q) > 0.0).any(axis=1)))
         if s is None:
             return None
         beyond = min(s + _BEYOND * joints.length, joints.length)

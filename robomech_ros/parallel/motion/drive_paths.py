@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.mechanism.model import Mechanism
-from robomech_ros.parallel.motion.singular_place import named_singularity, singular_values
+from robomech_ros.parallel.motion.singularity_check import named_singularity, singular_values
 from robomech_ros.spatial.arrays import as_finite, real_number
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
 from robomech_ros.typing import Array

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.cartesian import CartesianPlan, PathBounds, Sampling, StopReason, plan_along
+from robomech_ros.cartesian import CartesianPlan, PathStopLimits, Sampling, StopReason, plan_along
 from robomech_ros.errors import BadValueError, DurationTooShortError, WrongSizeError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.mechanism.model import Mechanism
@@ -20,8 +20,8 @@ from robomech_ros.parallel.motion.drive_paths import (
     follow_drives,
     require_closed,
 )
-from robomech_ros.parallel.motion.follower import MechanismFollower
-from robomech_ros.parallel.motion.singular_place import crossing_cut, require_possible
+from robomech_ros.parallel.motion.path_model import MechanismPathModel
+from robomech_ros.parallel.motion.singularity_check import crossing_cut, require_possible
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.trajectory import (
     JointLimits,
@@ -65,7 +65,7 @@ def plan_platform(
     start: ArrayLike,
     *,
     task_mask: Sequence[bool] | None = None,
-    bounds: PathBounds | None = None,
+    bounds: PathStopLimits | None = None,
     limits: JointLimits | Any = None,
     profile: str = "poly345",
     speeds: TipSpeeds | None = None,
@@ -82,12 +82,12 @@ def plan_platform(
     mechanism : Mechanism
         Of n joints.
     path : PosePath
-        Of the platform in the base, such as `path_through` makes it.
+        Of the platform in the base, such as `waypoint_path` makes it.
     start : array_like, shape (n,)
         All joints (rad or m), loops closed, at the start of the path.
     task_mask : sequence of six bool, optional
         Of the full pose: all or none of them.
-    bounds : PathBounds, optional
+    bounds : PathStopLimits, optional
         As for `plan_along`.  No platform passes a singularity, where the drives do not hold it: a
         condition number of 1e3 always ends the path.
     limits : JointLimits, optional
@@ -109,25 +109,25 @@ def plan_platform(
 
     Examples
     --------
-    >>> from robomech_ros.cartesian import path_through
+    >>> from robomech_ros.cartesian import waypoint_path
     >>> from robomech_ros.parallel import load_parallel, plan_platform
     >>> delta = load_parallel("delta").mechanism
     >>> here = delta.pose(delta.home())
     >>> there = here.copy()
     >>> there[:3, 3] += 0.1, 0.2, 0.05
-    >>> plan = plan_platform(delta, path_through(here, [there]), delta.home())
+    >>> plan = plan_platform(delta, waypoint_path(here, [there]), delta.home())
     >>> plan.fraction, plan.samples.positions.shape[1]
     (1.0, 3)
     """
-    follower = MechanismFollower(mechanism, limits)
+    follower = MechanismPathModel(mechanism, limits)
     q = require_closed(mechanism, start)
     if not isinstance(path, PosePath):
         raise BadValueError("path", path, "a PosePath")
     require_possible(mechanism, q, path.sample(0.0).twist)
     ends = path.sample(path.breaks[1:]).pose if path.waypoints is None else path.waypoints
     missed = [_missed(mechanism, pose, k, q) for k, pose in enumerate(ends)]
-    known = PathBounds() if bounds is None else bounds
-    if isinstance(known, PathBounds):
+    known = PathStopLimits() if bounds is None else bounds
+    if isinstance(known, PathStopLimits):
         most = min(known.condition, LARGEST_CONDITION)
         checks = (crossing_cut(mechanism, most), cone_cut(mechanism), *known.checks)
         known = replace(known, condition=most, checks=checks)
@@ -149,7 +149,7 @@ def plan_platform(
     return replace(plan, followed=replace(plan.followed, stop=told))
 
 
-def _of_drives(follower: MechanismFollower, plan: CartesianPlan) -> CartesianPlan:
+def _of_drives(follower: MechanismPathModel, plan: CartesianPlan) -> CartesianPlan:
     """Leave out passive joints that were timed, too."""
     drives = follower.mechanism.drive_index.tolist()
     if plan.sampled is None or list(follower.timed) == drives:
@@ -210,7 +210,7 @@ def plan_drives(
         As `fitting_plan` and `follow_drives` do, and DurationTooShortError where passive joints
         would be too fast in the wanted duration.
     """
-    allowed = MechanismFollower(mechanism, limits).limits
+    allowed = MechanismPathModel(mechanism, limits).limits
     q = require_closed(mechanism, start)
     places = as_finite("points", points, (mechanism.dof,))
     if places.ndim != 2 or len(places) < 2:

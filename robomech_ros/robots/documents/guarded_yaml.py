@@ -20,7 +20,7 @@ _NAME = re.compile(r"[A-Za-z_][\w.-]{0,39}")
 _QUOTED = re.compile(r"""(?P<quote>['"])(?P<text>.{2,}?)(?P=quote)""")
 
 
-def shown(value: object) -> str:
+def describe_value(value: object) -> str:
     """Show a value from a file in an error: names and numbers as they are, others by their kind."""
     if isinstance(value, str):
         is_name = _NAME.fullmatch(value)
@@ -60,7 +60,7 @@ class UniqueKeyLoader(yaml.SafeLoader):
                 raise yaml.constructor.ConstructorError(
                     None,
                     None,
-                    f"the key {shown(key_node.value)} is given twice",
+                    f"the key {describe_value(key_node.value)} is given twice",
                     key_node.start_mark,
                 )
             seen.add(key_node.value)
@@ -123,7 +123,7 @@ def parse_yaml(text: str | bytes, where: str, largest: int = LARGEST_YAML) -> di
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         place = f"{where}: line {mark.line + 1}, column {mark.column + 1}" if mark else where
-        problem = _QUOTED.sub(lambda found: shown(found["text"]), str(error.problem))
+        problem = _QUOTED.sub(lambda found: describe_value(found["text"]), str(error.problem))
         raise RobotDescriptionError(place, problem) from None
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise RobotDescriptionError(where, f"not readable as YAML: {error}") from None
@@ -149,7 +149,7 @@ def check_keys(
         raise RobotDescriptionError(where, f"expected a mapping with the keys {allowed}")
     unknown = [str(key) for key in mapping if key not in required and key not in optional]
     if unknown:
-        names = ", ".join(map(shown, unknown[:10]))
+        names = ", ".join(map(describe_value, unknown[:10]))
         raise RobotDescriptionError(where, f"unknown key {names}; allowed: {allowed}")
     missing = [key for key in required if key not in mapping]
     if missing:
@@ -178,5 +178,7 @@ def read_flag(value: object, key: str, where: str) -> bool:
     if isinstance(value, str) and value.lower() in _FLAGS:
         return _FLAGS[value.lower()]
     if not isinstance(value, bool):
-        raise RobotDescriptionError(where, f"{key} is {shown(value)}, expected true or false")
+        raise RobotDescriptionError(
+            where, f"{key} is {describe_value(value)}, expected true or false"
+        )
     return value

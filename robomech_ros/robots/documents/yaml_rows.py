@@ -9,7 +9,7 @@ import numpy as np
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.chain_layout import MOST_JOINTS
-from robomech_ros.robots.documents.guarded_yaml import check_keys, shown
+from robomech_ros.robots.documents.guarded_yaml import check_keys, describe_value
 from robomech_ros.robots.documents.yaml_bodies import body_from_yaml, drive_from_yaml
 from robomech_ros.robots.limit_arrays import KEYS as LIMITS
 from robomech_ros.robots.limit_arrays import position_limits
@@ -42,7 +42,9 @@ def read_unit(document: Mapping[str, Any], where: str) -> float:
     """Read the key ``units``; returns the unit of angles in rad."""
     units = document.get("units", "radians")
     if units not in ("radians", "degrees"):
-        raise RobotDescriptionError(f"{where}: units", f"{shown(units)}, expected radians, degrees")
+        raise RobotDescriptionError(
+            f"{where}: units", f"{describe_value(units)}, expected radians, degrees"
+        )
     return math.radians(1.0) if units == "degrees" else 1.0
 
 

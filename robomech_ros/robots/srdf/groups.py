@@ -155,7 +155,7 @@ def _ends(element: XmlElement, joints: list[Joint], names: SrdfNames) -> tuple[s
     if len(chains) != 1 or any(element.all(kind) for kind in ("joint", "link", "group")):
         return _ends_of(joints)
     base, tip = _chain_ends(chains[0], names)
-    up, down = names.robot.parted_way(base, tip)
+    up, down = names.robot.joints_between(base, tip)
     if not up:
         return base, tip
     if down:

@@ -43,7 +43,7 @@ def read_states(root: XmlElement, names: SrdfNames, groups: dict[str, Group]) ->
     groups : dict of str to Group
     """
     states = States({name: {} for name in groups})
-    movers = {
+    mobile_robots = {
         name: frozenset(names.to_parent[link].name for link in group.links)
         for name, group in groups.items()
     }
@@ -54,7 +54,7 @@ def read_states(root: XmlElement, names: SrdfNames, groups: dict[str, Group]) ->
             group = names.known(element, "group", groups, "group")
         if not group:
             continue
-        state = _State(element, names, movers[group])
+        state = _State(element, names, mobile_robots[group])
         positions = dict(state.positions())
         of_group = states.positions[group]
         why = state.why
@@ -84,12 +84,14 @@ class _State:
         What else a user should know.
     """
 
-    def __init__(self, element: XmlElement, names: SrdfNames, movers: frozenset[str]) -> None:
+    def __init__(
+        self, element: XmlElement, names: SrdfNames, mobile_robots: frozenset[str]
+    ) -> None:
         self.why = ""
         self.notes: list[str] = []
         self._element = element
         self._names = names
-        self._movers = movers
+        self._movers = mobile_robots
 
     def positions(self) -> Iterator[tuple[str, float]]:
         """Read the positions, but for joints of several degrees of freedom or none.

@@ -55,7 +55,7 @@ def _body(reader: ElementReader, notes: list[str]) -> Body | None:
     measured = moments.attributes.get("as_measured") == "true"
     try:
         value = _required(reader, mass, "value")
-        return Body(value, np.zeros(3), six[_ORDER,], measured).seen_from(T)
+        return Body(value, np.zeros(3), six[_ORDER,], measured).expressed_in(T)
     except RobomechError as error:
         reader.refuse(f"<inertial>: {error}")
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robomech_ros.robots.joint import Joint, turn_of_z
+from robomech_ros.robots.joint import Joint, rotation_from_z
 from robomech_ros.typing import Array
 
 # Measures of drums and bars, in parts of the robot's reach; bars shorter than the last are left
@@ -138,21 +138,21 @@ def _bars(joints: Sequence[Joint], scale: float, reach: float, colour: int) -> I
         way = joint.origin[:3, 3]
         length = float(np.linalg.norm(way))
         if length > SHORTEST_BAR * reach:
-            pose = turn_of_z(way / length)
+            pose = rotation_from_z(way / length)
             pose[:3, 3] = 0.5 * way
             yield Shape(pose, _rounded(BAR_RADIUS * scale), length, colour)
 
 
 def _drum(joint: Joint, scale: float, colour: int) -> Shape:
     radius, length = _rounded(DRUM_RADIUS * scale), _rounded(DRUM_LENGTH * scale)
-    return Shape(turn_of_z(joint.axis), radius, length, colour)
+    return Shape(rotation_from_z(joint.axis), radius, length, colour)
 
 
 def _rod(joint: Joint, scale: float, colour: int) -> Shape:
     """Make a rod along a slide that leads back to its origin from wherever it is."""
     back = max(_travel(joint.upper, scale), BAR_RADIUS * scale)
     forth = max(_travel(-joint.lower, scale), BAR_RADIUS * scale)
-    pose = turn_of_z(joint.axis)
+    pose = rotation_from_z(joint.axis)
     pose[:3, 3] = 0.5 * (forth - back) * joint.axis
     return Shape(pose, _rounded(BAR_RADIUS * scale), _rounded(back + forth), colour, box=True)
 

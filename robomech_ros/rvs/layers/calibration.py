@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from robomech_ros.calibration import HandEyeResult
-from robomech_ros.rvs.model.eye import marker_points, seen_points
-from robomech_ros.rvs.model.seen_calibration import calibration_facts, calibration_markers
-from robomech_ros.rvs.page.audience import Controls
+from robomech_ros.rvs.model.calibration_view import calibration_facts, calibration_markers
+from robomech_ros.rvs.model.camera import marker_points, visible_points
+from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.layer import LayerContext
 from robomech_ros.rvs.page.marker_nodes import MarkerNodes
-from robomech_ros.rvs.page.surroundings import place_eye
+from robomech_ros.rvs.page.surroundings import place_camera
 from robomech_ros.typing import Array
 
 ORDER = 5.7
@@ -24,13 +24,13 @@ class CalibrationLayer:
 
     Parameters
     ----------
-    place : Place
+    place : LayerContext
     result : HandEyeResult
     tracking : ndarray, shape (n, 4, 4)
         ``T_sensor_target`` of its samples (m).
     """
 
-    def __init__(self, place: Place, result: HandEyeResult, tracking: Array) -> None:
+    def __init__(self, place: LayerContext, result: HandEyeResult, tracking: Array) -> None:
         self._place, self._result = place, result
         chain = place.chain
         self._markers = calibration_markers(result, tracking, chain.base, chain.tip)
@@ -43,7 +43,7 @@ class CalibrationLayer:
         # Where the last sample was taken, if the arm gets there.
         place.arm.drag(result.robot_poses[-1])
         place.arm.release()
-        place_eye(place.server, self._points())
+        place_camera(place.server, self._points())
 
     def show(self) -> None:
         """Do nothing: what is drawn moves with the links."""
@@ -68,4 +68,4 @@ class CalibrationLayer:
 
     def _points(self) -> Array:
         seen, at = self._place.seen, self._place.arm.positions
-        return np.vstack([seen_points(seen, [at]), marker_points(seen, self._markers, at)])
+        return np.vstack([visible_points(seen, [at]), marker_points(seen, self._markers, at)])

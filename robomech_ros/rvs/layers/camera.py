@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from robomech_ros.rvs.model.eye import seen_points
-from robomech_ros.rvs.page.audience import AllControls, Controls
-from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.model.camera import visible_points
+from robomech_ros.rvs.page.clients import AllControls, Controls
+from robomech_ros.rvs.page.layer import LayerContext
 from robomech_ros.rvs.page.panel import GIZMO
-from robomech_ros.rvs.page.surroundings import fit_eye, place_eye
+from robomech_ros.rvs.page.surroundings import fit_camera, place_camera
 from robomech_ros.typing import Array
 
 # Between the joints and what is shown.
@@ -24,12 +24,12 @@ class CameraLayer:
 
     Parameters
     ----------
-    place : Place
+    place : LayerContext
     """
 
-    def __init__(self, place: Place) -> None:
+    def __init__(self, place: LayerContext) -> None:
         self._place = place
-        place_eye(place.server, self._points())
+        place_camera(place.server, self._points())
 
     def show(self) -> None:
         """Do nothing: the eye stays while the arm moves."""
@@ -52,13 +52,13 @@ class CameraLayer:
         return _shown_points(self._place)
 
 
-def fit_view(place: Place, client: Any) -> None:
+def fit_view(place: LayerContext, client: Any) -> None:
     """Let robot, ghosts, plan and what layers show fill a browser (viser.ClientHandle)."""
     extents = [extent() for extent in place.extents.values()]
-    fit_eye(client, np.vstack([_shown_points(place), *extents]))
+    fit_camera(client, np.vstack([_shown_points(place), *extents]))
 
 
-def _shown_points(place: Place) -> Array:
+def _shown_points(place: LayerContext) -> Array:
     """Return points (k, 3) (m) in the root around the robot, its ghosts, a plan and the gizmo."""
     arm, seen = place.moved, place.seen
     postures = [arm.q, *(posture.q for posture in arm.study.postures)]
@@ -67,7 +67,7 @@ def _shown_points(place: Place) -> Array:
     motion = place.plan.motion
     if motion is not None:
         postures += list(motion.at(np.linspace(motion.times[0], motion.times[-1], SWEEP)))
-    points = seen_points(seen, [arm.positions_of(q) for q in postures])
+    points = visible_points(seen, [arm.positions_of(q) for q in postures])
     # The ends of the gizmo's arrows.
     T = seen.tree.link_poses(arm.positions)[arm.base] @ arm.target
     ends = arm.gizmo(GIZMO * seen.reach)["scale"] * T[:3, :3].T

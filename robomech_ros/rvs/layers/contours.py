@@ -18,9 +18,9 @@ from robomech_ros.rvs.model.curve_problems import (
     what_is_missing,
 )
 from robomech_ros.rvs.model.ghosts import PALETTE
-from robomech_ros.rvs.page.audience import AllControls, Controls
+from robomech_ros.rvs.page.clients import AllControls, Controls
 from robomech_ros.rvs.page.curve_view import CurveView
-from robomech_ros.rvs.page.layer import Place, Switch
+from robomech_ros.rvs.page.layer import LayerContext, Switch
 from robomech_ros.rvs.page.tables import small_text
 from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.typing import Array
@@ -35,12 +35,12 @@ class ContoursLayer:
 
     Parameters
     ----------
-    place : Place
+    place : LayerContext
     """
 
     root, roots = "a posture", "postures"
 
-    def __init__(self, place: Place) -> None:
+    def __init__(self, place: LayerContext) -> None:
         self._place = place
         self._worker = Worker()
         self._view: CurveView | None = None

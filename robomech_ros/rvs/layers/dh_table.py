@@ -12,10 +12,10 @@ from robomech_ros.rvs.model.dh_editing import (
     table_of,
     yaml_of,
 )
-from robomech_ros.rvs.page.audience import Controls
+from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.dh_rows import CHANGE, dh_rows
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.layer import LayerContext
 
 ORDER = 15
 NO_TABLE = "No table: joints of this arm follow others (mimic)."
@@ -26,10 +26,10 @@ class DHTableLayer:
 
     Parameters
     ----------
-    place : Place
+    place : LayerContext
     """
 
-    def __init__(self, place: Place) -> None:
+    def __init__(self, place: LayerContext) -> None:
         self._place = place
         # The robot that the page began with, and whether another one came from here.
         self._kept = place.kept.setdefault("dh table", {"open": False})

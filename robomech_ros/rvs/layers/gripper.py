@@ -8,9 +8,9 @@ from typing import Any
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.robots.gripper import gripper_model
 from robomech_ros.rvs.model.live_robot import LiveRobot
-from robomech_ros.rvs.page.audience import AllControls, Controls
+from robomech_ros.rvs.page.clients import AllControls, Controls
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.layer import LayerContext
 from robomech_ros.rvs.page.tables import short_name
 
 ORDER = 4.5
@@ -23,12 +23,12 @@ class GripperLayer:
 
     Parameters
     ----------
-    place : Place
+    place : LayerContext
     robot : LiveRobot, optional
         The robot that runs, which is commanded; by default the gripper of the page moves.
     """
 
-    def __init__(self, place: Place, robot: LiveRobot | None = None) -> None:
+    def __init__(self, place: LayerContext, robot: LiveRobot | None = None) -> None:
         self._place, self._robot = place, robot
         if robot is None:
             self._gripper = gripper_model(place.description, place.chain)

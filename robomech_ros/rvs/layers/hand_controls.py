@@ -7,8 +7,8 @@ from functools import partial
 from typing import Any
 
 from robomech_ros.hands.contacts import MODELS
-from robomech_ros.rvs.model.hands.held_object import SHAPES
-from robomech_ros.rvs.model.hands.seen_hand import SPOT
+from robomech_ros.rvs.model.hands.grasped_object import SHAPES
+from robomech_ros.rvs.model.hands.hand_view import SPOT
 from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.units import Units

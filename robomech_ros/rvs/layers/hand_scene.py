@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from robomech_ros.robots.joint import turn_of_z
+from robomech_ros.robots.joint import rotation_from_z
+from robomech_ros.rvs.model.analysis import TwistArrows, twist_arrows
 from robomech_ros.rvs.model.hands.grasp import GraspStudy
-from robomech_ros.rvs.model.hands.seen_hand import SeenHand
+from robomech_ros.rvs.model.hands.hand_view import HandView
 from robomech_ros.rvs.model.solids import cone
-from robomech_ros.rvs.model.understanding import TwistArrows, twist_arrows
 from robomech_ros.rvs.page.robot_nodes import placed
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.spatial import quaternion_from_matrix
@@ -66,7 +66,7 @@ class HandScene:
         self._touching = False
         self._shown: dict[str, tuple[TwistArrows | None, Any]] = {}
 
-    def draw(self, hand: SeenHand, study: GraspStudy) -> None:
+    def draw(self, hand: HandView, study: GraspStudy) -> None:
         """Draw an object where it is, its contacts, and what holds it."""
         if hand.held != self._held:
             self._held = hand.held
@@ -99,7 +99,7 @@ class HandScene:
         for name, (arrows, colours) in self._shown.items():
             self._arrows[name].show(arrows if on["forces"] else None, colours)
 
-    def _place_cones(self, hand: SeenHand) -> None:
+    def _place_cones(self, hand: HandView) -> None:
         """Put a cone of friction to each contact, its tip there."""
         fingers = [k for k, spot in enumerate(hand.spots) if spot.touches]
         self._touching = bool(fingers)
@@ -109,7 +109,7 @@ class HandScene:
         friction = 0.0 if hand.model == "frictionless" else hand.friction
         height = SIDE * hand.held.size / float(np.hypot(1.0, friction))
         radius = max(friction * height, NARROWEST * hand.held.size)
-        turns = np.array([turn_of_z(one.normal)[:3, :3] for one in contacts])
+        turns = np.array([rotation_from_z(one.normal)[:3, :3] for one in contacts])
         colours = [CONE if k in hand.reached else FAR_CONE for k in fingers]
         cones = self._cones
         cones.batched_positions = np.array([one.position for one in contacts], dtype=np.float32)
@@ -118,19 +118,19 @@ class HandScene:
         cones.batched_scales = scales.astype(np.float32)
         cones.batched_colors = np.array(colours, dtype=np.uint8)
 
-    def _separating(self, hand: SeenHand, study: GraspStudy) -> TwistArrows | None:
+    def _separating(self, hand: HandView, study: GraspStudy) -> TwistArrows | None:
         if study.separating is None:
             return None
         return twist_arrows(hand.tip[:3, 3], study.separating[None], self._reach)
 
 
-def _longest(hand: SeenHand, study: GraspStudy) -> float:
+def _longest(hand: HandView, study: GraspStudy) -> float:
     """Return the greatest of the forces on the object (N)."""
     forces = np.vstack([study.forces, hand.load[None, 3:]])
     return float(np.linalg.norm(forces, axis=1).max())
 
 
-def _forces(hand: SeenHand, study: GraspStudy) -> TwistArrows | None:
+def _forces(hand: HandView, study: GraspStudy) -> TwistArrows | None:
     """Draw the forces of the fingers on the object, from their contacts."""
     if not len(study.forces):
         return None
@@ -141,7 +141,7 @@ def _forces(hand: SeenHand, study: GraspStudy) -> TwistArrows | None:
     return TwistArrows(ends[seen], np.empty((0, 2, 3)))
 
 
-def _load(hand: SeenHand, study: GraspStudy) -> TwistArrows:
+def _load(hand: HandView, study: GraspStudy) -> TwistArrows:
     """Draw the load, from the centre of the object: force, and moment over the size."""
     centre, longest = hand.tip[:3, 3], max(_longest(hand, study), 1e-12)
     scale = LONGEST * hand.held.size / longest

@@ -12,10 +12,10 @@ from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.rvs.layers.hand_controls import LOADS, HandControls
 from robomech_ros.rvs.layers.hand_scene import HandScene
 from robomech_ros.rvs.model.hands.grasp import Grasp, Line, quality_line, study_grasp
-from robomech_ros.rvs.model.hands.held_object import SHAPES
-from robomech_ros.rvs.model.hands.seen_hand import SPOT, SeenHand
-from robomech_ros.rvs.page.audience import Controls
-from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.model.hands.grasped_object import SHAPES
+from robomech_ros.rvs.model.hands.hand_view import SPOT, HandView
+from robomech_ros.rvs.page.clients import Controls
+from robomech_ros.rvs.page.layer import LayerContext
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag
@@ -31,11 +31,11 @@ class HandLayer:
 
     Parameters
     ----------
-    place : Place
+    place : LayerContext
     """
 
-    def __init__(self, place: Place) -> None:
-        if not isinstance(place.moved, SeenHand):
+    def __init__(self, place: LayerContext) -> None:
+        if not isinstance(place.moved, HandView):
             raise TypeError("the page shows no hand")
         self._place, self.hand = place, place.moved
         self._worker = Worker()

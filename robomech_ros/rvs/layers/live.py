@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from robomech_ros.rvs.model.following_goal import FollowingGoal
-from robomech_ros.rvs.model.live_robot import LiveRobot, SeenMarker, ServoNews
+from robomech_ros.rvs.model.live_robot import LiveRobot, ServoNews, ViewMarker
 from robomech_ros.rvs.motion import Motion
-from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.layer import LayerContext
 from robomech_ros.rvs.page.live.live_controls import LiveControls
 from robomech_ros.rvs.page.live.live_page import LivePage
 from robomech_ros.rvs.page.marker_nodes import MarkerNodes
@@ -24,11 +24,11 @@ class LiveLayer(LivePage):
 
     Parameters
     ----------
-    place : Place
+    place : LayerContext
     robot : LiveRobot
     """
 
-    def __init__(self, place: Place, robot: LiveRobot) -> None:
+    def __init__(self, place: LayerContext, robot: LiveRobot) -> None:
         lines = ("servo", "dropped", "gripper")
         super().__init__(place, robot, lines, "Stops whatever moves the robot; every browser may")
         self._robot = robot
@@ -165,7 +165,7 @@ class LiveLayer(LivePage):
         plan = self._place.plan
         self._place.ask("plan", lambda: plan.show(motion, "planned_trajectory"))
 
-    def show_markers(self, source: str, markers: Sequence[SeenMarker]) -> None:
+    def show_markers(self, source: str, markers: Sequence[ViewMarker]) -> None:
         """Draw the markers of a source, instead of those it had."""
         with self._place.server.atomic():
             self._markers.show(source, markers)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-from robomech_ros.rvs.model.planning import WAYS
+from robomech_ros.rvs.model.planning import JOG_DIRECTIONS
 from robomech_ros.rvs.model.player import FASTEST, SLOWEST
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.units import Units
@@ -61,7 +61,7 @@ class MotionControls:
         for label, which in ((START, "start"), (GOAL, "goal")):
             hint = f"The present posture is the {which} of a plan"
             self._button(label, partial(layer.remember, which), hint)
-        way = gui.add_dropdown("Way", WAYS, initial_value=layer.way)
+        way = gui.add_dropdown("Way", JOG_DIRECTIONS, initial_value=layer.way)
         profile = gui.add_dropdown("Profile", tuple(PROFILES), initial_value=layer.profile)
         self._on(way, "way", lambda value: layer.choose_plan(value, layer.profile))
         self._on(profile, "profile", lambda value: layer.choose_plan(layer.way, value))
@@ -91,11 +91,11 @@ class MotionControls:
 
     def _sweep(self, shown: object) -> None:
         self._layer.sweep = bool(shown)
-        self._layer.choose_seen()
+        self._layer.choose_traces()
 
     def _trace(self, link: str, shown: object) -> None:
         self._layer.traced[link] = bool(shown)
-        self._layer.choose_seen()
+        self._layer.choose_traces()
 
     def load(self) -> None:
         """Show another plan."""

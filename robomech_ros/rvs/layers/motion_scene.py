@@ -11,10 +11,10 @@ from robomech_ros.kinematics import link_poses
 from robomech_ros.parallel import Mechanism
 from robomech_ros.rvs.model.ghosts import PALETTE, GhostMaker, Ghosts, Rgb
 from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
-from robomech_ros.rvs.model.platforms.seen_platform import SeenPlatform
+from robomech_ros.rvs.model.platforms.platform_view import PlatformView
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.ghost_nodes import GhostBatch
-from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.layer import LayerContext
 from robomech_ros.spatial import quaternion_from_matrix
 from robomech_ros.typing import Array
 
@@ -63,10 +63,10 @@ class MotionScene:
 
     Parameters
     ----------
-    place : Place
+    place : LayerContext
     """
 
-    def __init__(self, place: Place) -> None:
+    def __init__(self, place: LayerContext) -> None:
         self._scene, self._root = place.server.scene, f"{place.base}/plan"
         self._reach = place.seen.reach
         self._scene.add_frame(self._root, show_axes=False)
@@ -132,8 +132,8 @@ def _between(part: float) -> Rgb:
     return red, green, blue
 
 
-def _ghosts(place: Place, slimness: float) -> GhostMaker:
-    if isinstance(place.moved, SeenPlatform):
+def _ghosts(place: LayerContext, slimness: float) -> GhostMaker:
+    if isinstance(place.moved, PlatformView):
         return PlatformGhosts(place.moved.mechanism, place.seen.reach, slimness)
     chain = place.chain
     return Ghosts(place.seen.tree.chain(chain.base, chain.tip), place.seen.shapes, slimness)

@@ -17,13 +17,13 @@ from robomech_ros.rvs.model.motion_curves import (
     driven_joints,
     motion_curves,
 )
-from robomech_ros.rvs.model.planning import JOINTS, WAYS, MadePlan, plan_between
+from robomech_ros.rvs.model.planning import JOG_DIRECTIONS, JOINTS, MadePlan, plan_between
 from robomech_ros.rvs.model.platforms.planning import plan_platform_between
 from robomech_ros.rvs.model.player import Player
 from robomech_ros.rvs.motion import Motion
-from robomech_ros.rvs.page.audience import Controls
+from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.curves import ALL, cursor_rule, curves_picture
-from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.layer import LayerContext
 from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES
@@ -41,10 +41,10 @@ class MotionLayer:
 
     Parameters
     ----------
-    place : Place
+    place : LayerContext
     """
 
-    def __init__(self, place: Place) -> None:
+    def __init__(self, place: LayerContext) -> None:
         self._place = place
         self._robot = place.jogged or place.platform.mechanism
         self._scene = MotionScene(place)
@@ -106,7 +106,7 @@ class MotionLayer:
 
     def choose_plan(self, way: str, profile: str) -> None:
         """Plan in another way."""
-        self.way = as_choice("way", way, WAYS)
+        self.way = as_choice("way", way, JOG_DIRECTIONS)
         self.profile = as_choice("profile", profile, tuple(PROFILES))
         self.make_plan()
 
@@ -159,7 +159,7 @@ class MotionLayer:
         self.curves = as_choice("curves", name, CURVES)
         self._draw()
 
-    def choose_seen(self) -> None:
+    def choose_traces(self) -> None:
         """Show the sweep and the traces that are chosen."""
         self._scene.show(self._plan, self.sweep, [k for k, chosen in self.traced.items() if chosen])
 
@@ -196,7 +196,7 @@ class MotionLayer:
     def _display(self, plan: SweptPlan | None, curves: MotionCurves | None) -> None:
         self._plan, self._drawn = plan, curves
         self.player.load(0.0 if plan is None else plan.motion.duration)
-        self.choose_seen()
+        self.choose_traces()
         self._draw()
         name = self._place.plan.name
         if plan is not None and name != "plan":

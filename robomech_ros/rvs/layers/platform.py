@@ -6,13 +6,13 @@ from functools import partial
 from typing import Any
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.rvs.model.analysis import twist_arrows
 from robomech_ros.rvs.model.platforms.facts import PlatformFacts, platform_facts
 from robomech_ros.rvs.model.platforms.lists import LISTS, PlatformList, platform_list
-from robomech_ros.rvs.model.understanding import twist_arrows
-from robomech_ros.rvs.page.audience import Controls
+from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.layer import LayerContext
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.rvs.serving.worker import Worker
@@ -30,10 +30,10 @@ class PlatformLayer:
 
     Parameters
     ----------
-    place : Place
+    place : LayerContext
     """
 
-    def __init__(self, place: Place) -> None:
+    def __init__(self, place: LayerContext) -> None:
         self._place, self._worker = place, Worker()
         self._kind = LISTS[0]
         self._on = {"numbers": True, "arrows": False}

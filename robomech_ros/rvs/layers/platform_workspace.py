@@ -10,10 +10,10 @@ import numpy as np
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.rvs.model.platforms.reach import PlatformReach, platform_reach
-from robomech_ros.rvs.page.audience import Controls
+from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.fact_table import SMALL
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.layer import LayerContext
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.serving.worker import Worker
 
@@ -37,10 +37,10 @@ class PlatformWorkspaceLayer:
 
     Parameters
     ----------
-    place : Place
+    place : LayerContext
     """
 
-    def __init__(self, place: Place) -> None:
+    def __init__(self, place: LayerContext) -> None:
         self._place, self._worker = place, Worker()
         self._parts = {label: _Part(label) for label in LABELS}
         self._folder: Folder | None = None

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from robomech_ros.rvs.model.walking.seen_walker import SeenWalker
-from robomech_ros.rvs.page.audience import Controls
+from robomech_ros.rvs.model.walking.walker_view import WalkerView
+from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Place
-from robomech_ros.rvs.page.moving.support_nodes import SupportNodes
+from robomech_ros.rvs.page.layer import LayerContext
+from robomech_ros.rvs.page.mobile.support_nodes import SupportNodes
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.spatial.arrays import as_choice
 
@@ -22,11 +22,11 @@ class WalkingLayer:
 
     Parameters
     ----------
-    place : Place
+    place : LayerContext
     """
 
-    def __init__(self, place: Place) -> None:
-        if not isinstance(place.moved, SeenWalker):
+    def __init__(self, place: LayerContext) -> None:
+        if not isinstance(place.moved, WalkerView):
             raise TypeError("the page shows no walking machine")
         self._place, self._robot = place, place.moved
         self._nodes = SupportNodes(place.server.scene, place.base, place.seen.reach)

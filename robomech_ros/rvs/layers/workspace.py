@@ -21,10 +21,10 @@ from robomech_ros.rvs.model.reach_points import (
 )
 from robomech_ros.rvs.model.section_drawing import draw_section, here_rule
 from robomech_ros.rvs.model.workspace_views import SectionView, section_view, why_no_section
-from robomech_ros.rvs.page.audience import Controls
+from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.layer import LayerContext
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.tables import small_text
 from robomech_ros.rvs.page.workspace_legends import map_legend, section_text
@@ -63,10 +63,10 @@ class WorkspaceLayer:
 
     Parameters
     ----------
-    place : Place
+    place : LayerContext
     """
 
-    def __init__(self, place: Place) -> None:
+    def __init__(self, place: LayerContext) -> None:
         self._place = place
         usual = ORIENTATIONS[place.chain.n < ALL_ORIENTATIONS]
         # The next robot shows the same, but for the map, which is of one robot.

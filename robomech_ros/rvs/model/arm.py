@@ -12,14 +12,14 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import SelfMotionCurve, self_motion_curve
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.robots import PRISMATIC, SerialChain
+from robomech_ros.rvs.model.draggable import OPEN_TURN, ROUNDING, DraggableRobot, SliderRange
 from robomech_ros.rvs.model.ghosts import Ghosts
-from robomech_ros.rvs.model.moved import OPEN_TURN, ROUNDING, Moved, Travel
 from robomech_ros.rvs.model.postures import PoseStudy, study_pose
-from robomech_ros.rvs.model.seen_robot import SeenRobot
+from robomech_ros.rvs.model.visual_model import VisualModel
 from robomech_ros.spatial import as_pose
 from robomech_ros.typing import Array
 
-__all__ = ["SeenArm", "Travel"]
+__all__ = ["ArmView", "SliderRange"]
 
 # Half the travel of sliders of sliding joints without a limit (m).
 OPEN_SLIDE = 1.0
@@ -27,7 +27,7 @@ OPEN_SLIDE = 1.0
 CONDITIONS = 6
 
 
-class SeenArm(Moved):
+class ArmView(DraggableRobot):
     """An arm with its present posture and the pose that its tip is to take.
 
     Parameters
@@ -80,14 +80,14 @@ class SeenArm(Moved):
         """Pose of the tip: ``T_base_tip`` (m), shape (4, 4)."""
         return forward_kinematics(self.chain, self._q)
 
-    def travel(self, joint: int) -> Travel:
+    def travel(self, joint: int) -> SliderRange:
         """Return between what a joint's slider moves: its limits, or a range about 0."""
         slides = self.chain.types[joint] == PRISMATIC
         most = OPEN_SLIDE if slides else OPEN_TURN
         low, high = float(self.chain.lower[joint]), float(self.chain.upper[joint])
         low = low if math.isfinite(low) else min(-most, high - most)
         high = high if math.isfinite(high) else max(most, low + most)
-        return Travel(low, high)
+        return SliderRange(low, high)
 
     def checked(self, q: ArrayLike) -> Array:
         """Check a posture.
@@ -104,14 +104,14 @@ class SeenArm(Moved):
         inside: Array = np.clip(values, self.chain.lower, self.chain.upper)
         return inside
 
-    def like(self, chain: SerialChain) -> SeenArm:
+    def like(self, chain: SerialChain) -> ArmView:
         """Return another arm in the same posture, or at home where it has no such posture."""
         same = chain.joint_names == self.chain.joint_names
         inside = same and bool(((self._q >= chain.lower) & (self._q <= chain.upper)).all())
-        return SeenArm(chain, self._q if inside else None)
+        return ArmView(chain, self._q if inside else None)
 
     def set_joint(self, joint: int, value: float) -> None:
-        """Move one joint; see ``Moved``."""
+        """Move one joint; see ``DraggableRobot``."""
         values = self._q.copy()
         what = f"joint '{self.chain.joint_names[joint]}'"
         values[joint] = finite_number(what, value, self.chain.units[joint])
@@ -127,7 +127,7 @@ class SeenArm(Moved):
         """Go to where the arm began."""
         self.move_to(self.chain.home())
 
-    def ghosts(self, seen: SeenRobot) -> Ghosts:
+    def ghosts(self, seen: VisualModel) -> Ghosts:
         """Return the pieces of ghosts."""
         return Ghosts(seen.tree.chain(self.chain.base, self.chain.tip), seen.shapes)
 
@@ -165,7 +165,7 @@ class SeenArm(Moved):
         return self._curve
 
     def slide(self, length: float) -> None:
-        """Move along the self-motion; see ``Moved``."""
+        """Move along the self-motion; see ``DraggableRobot``."""
         wanted = finite_number("self-motion", length, "rad or m")
         curve = self.self_motion()
         if curve is None:

@@ -54,7 +54,7 @@ class JogDirection:
     sign: int
 
 
-class Beat(NamedTuple):
+class HoldHeartbeat(NamedTuple):
     """Message that a page repeats while a button is pressed.
 
     Attributes
@@ -71,7 +71,7 @@ class Beat(NamedTuple):
     age: float
 
 
-def read_beat(text: str, joints: int) -> Beat:
+def read_beat(text: str, joints: int) -> HoldHeartbeat:
     """Read what a page says while a button is held.
 
     Parameters
@@ -83,7 +83,7 @@ def read_beat(text: str, joints: int) -> Beat:
 
     Returns
     -------
-    Beat
+    HoldHeartbeat
 
     Raises
     ------
@@ -99,7 +99,7 @@ def read_beat(text: str, joints: int) -> Beat:
     if index >= count:
         raise BadValueError(f"number of the {kind} jog", index, f"0 to {count - 1}")
     direction = JogDirection(kind, index, 1 if found[3] == "+" else -1)
-    return Beat(direction, int(found[4]), 1e-3 * int(found[5]))
+    return HoldHeartbeat(direction, int(found[4]), 1e-3 * int(found[5]))
 
 
 class JogSwitch(Generic[Held]):

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from robomech_ros.robots.gripper import GripperModel
-from robomech_ros.rvs.model.jog import Beat
+from robomech_ros.rvs.model.jog import HoldHeartbeat
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)
-class SeenMarker:
+class ViewMarker:
     """Something to be drawn beside the robot.
 
     Parameters
@@ -65,7 +65,7 @@ class ServoNews:
 class RunningView(Protocol):
     """Page for any running robot; call methods from any thread, they return soon."""
 
-    def wait_until_seen(self, seconds: float) -> bool:
+    def wait_for_viewer(self, seconds: float) -> bool:
         """Wait until somebody looks, but no longer; return whether somebody does."""
 
     def show_state(self, text: str) -> None:
@@ -93,7 +93,7 @@ class LiveView(RunningView, Protocol):
     def show_plan(self, motion: Motion) -> None:
         """Show a planned motion."""
 
-    def show_markers(self, source: str, markers: Sequence[SeenMarker]) -> None:
+    def show_markers(self, source: str, markers: Sequence[ViewMarker]) -> None:
         """Draw the markers of a source, instead of those it had."""
 
     def show_waiting(self, waiting: bool) -> None:
@@ -132,12 +132,12 @@ class LiveRobot(Protocol):
     def want_markers(self, wanted: bool) -> None:
         """Listen to markers, or not."""
 
-    def hold(self, beat: Beat, frame: str, speed: float) -> None:
+    def hold(self, beat: HoldHeartbeat, frame: str, speed: float) -> None:
         """Jog while this is said again and again.
 
         Parameters
         ----------
-        beat : Beat
+        beat : HoldHeartbeat
             Of a press that has ended it does nothing any more.
         frame : {"base", "tip"}
             Whose axes those of the tip's motion are.

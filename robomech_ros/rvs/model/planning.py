@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robomech_ros.cartesian import path_through, plan_along
+from robomech_ros.cartesian import plan_along, waypoint_path
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import SerialChain
@@ -18,7 +18,7 @@ from robomech_ros.typing import Array
 
 # Ways from posture to posture: all joints together, or the tip along a line.
 JOINTS, LINE = "joints", "line of the tip"
-WAYS = (JOINTS, LINE)
+JOG_DIRECTIONS = (JOINTS, LINE)
 # A curve is drawn by so many samples, and one at either side of each of its breaks (s).
 SAMPLES, BESIDE_BREAKS = 200, 1e-7
 # Another posture than the goal begins at this distance (rad or m).
@@ -53,7 +53,7 @@ def plan_between(chain: SerialChain, start: Array, goal: Array, way: str, profil
     start, goal : ndarray, shape (n,)
         Postures (rad or m); along a line of the tip, the pose of the goal counts.
     way : str
-        One of ``WAYS``.
+        One of ``JOG_DIRECTIONS``.
     profile : str
         One of :data:`robomech_ros.trajectory.PROFILES`; not each of them suits a line.
 
@@ -64,7 +64,7 @@ def plan_between(chain: SerialChain, start: Array, goal: Array, way: str, profil
     RobomechError
         As for the planners: limits are missing, a posture is outside them.
     """
-    as_choice("way", way, WAYS)
+    as_choice("way", way, JOG_DIRECTIONS)
     if way == JOINTS:
         as_choice("profile", profile, tuple(PROFILES))
         if np.array_equal(start, goal):
@@ -78,7 +78,7 @@ def plan_between(chain: SerialChain, start: Array, goal: Array, way: str, profil
 def _along_line(chain: SerialChain, start: Array, goal: Array, profile: str) -> MadePlan:
     T = forward_kinematics(chain, np.array([start, goal]))
     try:
-        path = path_through(T[0], T[1:])
+        path = waypoint_path(T[0], T[1:])
     except BadValueError as error:
         raise BadValueError(of_goal(error.what), error.value, error.expected) from None
     if path is None:

@@ -106,7 +106,7 @@ class PoseStudy:
 
 
 @dataclass(frozen=True, eq=False)
-class ToldStudy(PoseStudy):
+class PoseSummary(PoseStudy):
     """Study of a pose as one sentence by the robot.
 
     Parameters

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
 from robomech_ros.robots import RobotDescription, SerialChain
-from robomech_ros.rvs.model.arm import SeenArm
-from robomech_ros.rvs.model.moved import Moved
-from robomech_ros.rvs.model.platforms.seen_platform import SeenPlatform
-from robomech_ros.rvs.model.seen_plan import SeenPlan
-from robomech_ros.rvs.model.seen_robot import SeenRobot
-from robomech_ros.rvs.page.audience import Controls
+from robomech_ros.rvs.model.arm import ArmView
+from robomech_ros.rvs.model.draggable import DraggableRobot
+from robomech_ros.rvs.model.plan_view import PlanView
+from robomech_ros.rvs.model.platforms.platform_view import PlatformView
+from robomech_ros.rvs.model.visual_model import VisualModel
+from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.robot_nodes import RobotNodes
 from robomech_ros.rvs.page.units import Units
 from robomech_ros.typing import Array
@@ -49,22 +49,22 @@ class Switch(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Place:
+class LayerContext:
     """Context of a layer.
 
     Attributes
     ----------
     server : viser.ViserServer
         Nodes and texts that all browsers see.
-    seen : SeenRobot
+    seen : VisualModel
         The robot as it is drawn.
-    moved : Moved
+    moved : DraggableRobot
         The arm, or the parallel robot: to be read and moved in requests and in :meth:`Layer.show`
         alone.
     base : str
         Node at the base of the arm, in which its poses are.
     ask : Ask
-    plan : SeenPlan
+    plan : PlanView
         The plan that is shown; to be read and changed where the arm is.
     description : RobotDescription
         The robot.
@@ -97,11 +97,11 @@ class Place:
     """
 
     server: Any
-    seen: SeenRobot
-    moved: Moved
+    seen: VisualModel
+    moved: DraggableRobot
     base: str
     ask: Ask
-    plan: SeenPlan
+    plan: PlanView
     description: RobotDescription
     replace: Callable[[RobotDescription, SerialChain], None]
     run: Callable[[Hashable, Callable[[], None]], None]
@@ -116,21 +116,21 @@ class Place:
     extents: dict[str, Callable[[], Array]] = field(default_factory=dict)
 
     @property
-    def arm(self) -> SeenArm:
+    def arm(self) -> ArmView:
         """Arm that is moved; raises TypeError if the page shows no arm."""
-        if not isinstance(self.moved, SeenArm):
+        if not isinstance(self.moved, ArmView):
             raise TypeError("the page shows no arm")
         return self.moved
 
     @property
     def jogged(self) -> SerialChain | None:
         """The arm that can be jogged; None of a parallel robot."""
-        return self.moved.chain if isinstance(self.moved, SeenArm) else None
+        return self.moved.chain if isinstance(self.moved, ArmView) else None
 
     @property
-    def platform(self) -> SeenPlatform:
+    def platform(self) -> PlatformView:
         """Parallel robot that is moved; raises TypeError if the page shows none."""
-        if not isinstance(self.moved, SeenPlatform):
+        if not isinstance(self.moved, PlatformView):
             raise TypeError("the page shows no parallel robot")
         return self.moved
 
@@ -153,4 +153,4 @@ class Layer(Protocol):
         """Stop what runs; nodes go with the server."""
 
 
-LayerMaker = Callable[[Place], Layer]
+LayerMaker = Callable[[LayerContext], Layer]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from robomech_ros.rvs.model.live_robot import SeenMarker
+from robomech_ros.rvs.model.live_robot import ViewMarker
 from robomech_ros.rvs.model.solids import Solid, box, cylinder, sphere
 from robomech_ros.rvs.page.robot_nodes import placed
 
@@ -26,7 +26,7 @@ class MarkerNodes:
         self._scene, self._path_of = scene, path_of
         self._nodes: dict[str, list[Any]] = {}
 
-    def show(self, source: str, markers: Sequence[SeenMarker]) -> None:
+    def show(self, source: str, markers: Sequence[ViewMarker]) -> None:
         """Draw the markers of a source, instead of those it had."""
         for node in self._nodes.pop(source, ()):
             node.remove()
@@ -35,7 +35,7 @@ class MarkerNodes:
             for number, marker in enumerate(markers)
         ]
 
-    def _add(self, path: str, marker: SeenMarker) -> Any:
+    def _add(self, path: str, marker: ViewMarker) -> Any:
         colour = tuple(round(255 * part) for part in marker.colour[:3])
         where = placed(marker.pose)
         if marker.kind == "text":

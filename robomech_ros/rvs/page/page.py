@@ -9,16 +9,16 @@ from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.robots import RobotDescription, SerialChain
-from robomech_ros.rvs.model.arm import SeenArm
-from robomech_ros.rvs.model.moved import Moved
-from robomech_ros.rvs.model.platforms.seen_platform import SeenPlatform
-from robomech_ros.rvs.model.seen_plan import SeenPlan, check_same_joints
-from robomech_ros.rvs.model.seen_robot import SeenRobot, seen_robot
+from robomech_ros.rvs.model.arm import ArmView
+from robomech_ros.rvs.model.draggable import DraggableRobot
+from robomech_ros.rvs.model.plan_view import PlanView, check_same_joints
+from robomech_ros.rvs.model.platforms.platform_view import PlatformView
+from robomech_ros.rvs.model.visual_model import VisualModel, load_visual_model
 from robomech_ros.rvs.motion import Motion
-from robomech_ros.rvs.page.audience import AllControls, Audience, Controls
-from robomech_ros.rvs.page.layer import Layer, LayerMaker, Place, Switch
+from robomech_ros.rvs.page.clients import AllControls, Controls, PageClients
+from robomech_ros.rvs.page.layer import Layer, LayerContext, LayerMaker, Switch
 from robomech_ros.rvs.page.panel import AT_FIRST, Panel
-from robomech_ros.rvs.page.stage import BASE, Stage
+from robomech_ros.rvs.page.scene import BASE, PageScene
 from robomech_ros.rvs.page.theme import set_theme
 from robomech_ros.rvs.page.units import Units
 from robomech_ros.rvs.serving.server import guarded_server
@@ -34,7 +34,7 @@ class RobotPage:
     Parameters
     ----------
     description : RobotDescription
-    moved : SerialChain or Moved
+    moved : SerialChain or DraggableRobot
         The arm of it that is moved; or the robot, if it is no arm.
     port, host : int, str
         As for :func:`robomech_ros.rvs.view`.
@@ -47,7 +47,7 @@ class RobotPage:
     def __init__(
         self,
         description: RobotDescription,
-        moved: SerialChain | Moved,
+        moved: SerialChain | DraggableRobot,
         *,
         port: int,
         host: str,
@@ -60,14 +60,14 @@ class RobotPage:
         self._revealed = True
         self._kept: dict[str, Any] = {}
         self._units = Units()
-        arm: Moved = SeenArm(moved) if isinstance(moved, SerialChain) else moved
-        seen = seen_robot(description)
+        arm: DraggableRobot = ArmView(moved) if isinstance(moved, SerialChain) else moved
+        seen = load_visual_model(description)
         self._layers: list[Layer] = []
         self._server = guarded_server(host, port, arm.name)
         set_theme(self._server.viser.gui, False)
         self._worker = Worker()
         self._set_up(description, seen, arm)
-        self._audience = Audience(self._make_controls, self._take_over)
+        self._audience = PageClients(self._make_controls, self._take_over)
         self._server.viser.on_client_connect(self._came)
         self._server.viser.on_client_disconnect(self._left)
 
@@ -99,18 +99,20 @@ class RobotPage:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _set_up(self, description: RobotDescription, seen: SeenRobot, arm: Moved) -> None:
+    def _set_up(
+        self, description: RobotDescription, seen: VisualModel, arm: DraggableRobot
+    ) -> None:
         self._arm, self._reach = arm, seen.reach
         self._panel: Panel | None = None
         viser = self._server.viser
-        self._stage = Stage(viser, seen, arm, self._units)
+        self._stage = PageScene(viser, seen, arm, self._units)
         self._stage.ghosts.on_click(self._clicked)
         for what, shown in self._switches.items():
             self._stage.switch(what, shown)
         self._stage.show(arm, ())
-        self._plan = SeenPlan()
+        self._plan = PlanView()
         self._offered: dict[str, Switch] = {}
-        place = Place(
+        place = LayerContext(
             server=viser,
             seen=seen,
             moved=arm,
@@ -220,7 +222,7 @@ class RobotPage:
         self._plan.show(motion, name)
 
     def _planned_joints(self) -> tuple[str, ...]:
-        if not isinstance(self._arm, SeenArm | SeenPlatform):
+        if not isinstance(self._arm, ArmView | PlatformView):
             raise BadValueError("plan", self._arm.name, "one of an arm or a parallel robot")
         return self._arm.state_joints
 
@@ -272,9 +274,9 @@ class RobotPage:
 
     def _replace(self, description: RobotDescription, chain: SerialChain) -> None:
         """Take the stage down and set it up; what can be refused is made before."""
-        if self._fixed or not isinstance(self._arm, SeenArm):
+        if self._fixed or not isinstance(self._arm, ArmView):
             raise BadValueError("robot", description.name, "the one that runs; no other is shown")
-        seen, arm = seen_robot(description), self._arm.like(chain)
+        seen, arm = load_visual_model(description), self._arm.like(chain)
         with self._server.viser.atomic():
             self._audience.withdraw()
             for layer in self._layers:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from robomech_ros.rvs.model.moved import Moved
+from robomech_ros.rvs.model.draggable import DraggableRobot
 from robomech_ros.rvs.page.robot_nodes import placed
 from robomech_ros.rvs.page.tables import TAKE, short_name
 from robomech_ros.rvs.page.theme import set_theme
@@ -36,7 +36,7 @@ class Panel:
     ----------
     client : viser.ClientHandle
         The browser.
-    arm : Moved
+    arm : DraggableRobot
     page : RobotPage
     base : str
         Node at the base of the arm.
@@ -50,7 +50,7 @@ class Panel:
     def __init__(
         self,
         client: Any,
-        arm: Moved,
+        arm: DraggableRobot,
         page: Any,
         base: str,
         reach: float,
@@ -91,7 +91,7 @@ class Panel:
             if event.client is not None:
                 changed()
 
-    def _add_joints(self, arm: Moved) -> list[Any]:
+    def _add_joints(self, arm: DraggableRobot) -> list[Any]:
         gui = self._client.gui
         sliders: list[Any] = []
         if not arm.joint_names:
@@ -115,7 +115,7 @@ class Panel:
 
         return sliders
 
-    def _add_self_motion(self, arm: Moved) -> Any:
+    def _add_self_motion(self, arm: DraggableRobot) -> Any:
         gui = self._client.gui
         folder = gui.add_folder("Self-motion", order=5)
         self._handles.append(folder)
@@ -183,12 +183,12 @@ class Panel:
                 wxyz, position = np.roll(gizmo.wxyz, -1), gizmo.position.copy()
                 self._page.drag(lambda: pose_from_position_quaternion(position, wxyz))
 
-    def update(self, arm: Moved, source: object) -> None:
+    def update(self, arm: DraggableRobot, source: object) -> None:
         """Show where the arm is in all controls but the one that it was moved with.
 
         Parameters
         ----------
-        arm : Moved
+        arm : DraggableRobot
         source : object
             The number of the joint, or the name of the control; None for none of them.
         """

@@ -12,18 +12,18 @@ import numpy as np
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.parallel import Mechanism
 from robomech_ros.robots import RobotDescription, SerialChain
-from robomech_ros.rvs.model.eye import marker_points, seen_points
+from robomech_ros.rvs.model.camera import marker_points, visible_points
 from robomech_ros.rvs.model.ghosts import PALETTE, GhostMaker, Ghosts, NoGhosts
-from robomech_ros.rvs.model.live_robot import SeenMarker
+from robomech_ros.rvs.model.live_robot import ViewMarker
 from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
-from robomech_ros.rvs.model.seen_robot import SeenRobot, seen_robot
+from robomech_ros.rvs.model.visual_model import VisualModel, load_visual_model
 from robomech_ros.rvs.motion import Choice, Motion
 from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
 from robomech_ros.rvs.page.marker_nodes import MarkerNodes
 from robomech_ros.rvs.page.path_nodes import PathNode
 from robomech_ros.rvs.page.robot_nodes import RobotNodes
-from robomech_ros.rvs.page.stage import BASE, add_base
-from robomech_ros.rvs.page.surroundings import add_surroundings, place_eye
+from robomech_ros.rvs.page.scene import BASE, add_base
+from robomech_ros.rvs.page.surroundings import add_surroundings, place_camera
 from robomech_ros.rvs.serving.server import guarded_server
 from robomech_ros.typing import Array
 
@@ -49,7 +49,7 @@ def record_motion(
     motion: Motion,
     title: str,
     *,
-    markers: Sequence[SeenMarker] = (),
+    markers: Sequence[ViewMarker] = (),
     notes: Sequence[str] = (),
     trail: str = "",
 ) -> Path:
@@ -64,7 +64,7 @@ def motion_page(
     motion: Motion,
     title: str,
     *,
-    markers: Sequence[SeenMarker] = (),
+    markers: Sequence[ViewMarker] = (),
     notes: Sequence[str] = (),
     trail: str = "",
 ) -> str:
@@ -74,14 +74,14 @@ def motion_page(
     ----------
     description, motion, title : RobotDescription, Motion, str
         As for ``write_motion``.
-    markers : sequence of SeenMarker, optional
+    markers : sequence of ViewMarker, optional
         Drawn beside the robot.
     notes : sequence of str, optional
         Written under the title.
     trail : str, optional
         As for ``write_motion``.
     """
-    seen = seen_robot(description)
+    seen = load_visual_model(description)
     server = guarded_server("127.0.0.1", 0, title)
     try:
         page = _recorded(server.viser, seen, motion, markers, trail)
@@ -94,7 +94,7 @@ def motion_page(
 
 
 def _recorded(
-    server: Any, seen: SeenRobot, motion: Motion, markers: Sequence[SeenMarker], trail: str
+    server: Any, seen: VisualModel, motion: Motion, markers: Sequence[ViewMarker], trail: str
 ) -> str:
     chain = motion.chain
     times, q = motion.sampled(RATE)
@@ -112,8 +112,8 @@ def _recorded(
         dict(zip(chain.joint_names, one.tolist(), strict=True))
         for one in (*q[::EVERY], q[-1], *others)
     ]
-    robot_points = seen_points(seen, postures)
-    place_eye(server, np.vstack([robot_points, marker_points(seen, markers, at_first)]))
+    robot_points = visible_points(seen, postures)
+    place_camera(server, np.vstack([robot_points, marker_points(seen, markers, at_first)]))
     MarkerNodes(server.scene, robot.path).show("markers", markers)
     robot.move(at_first)
     recording = server.get_scene_serializer()
@@ -127,7 +127,7 @@ def _recorded(
     return str(recording.as_html())
 
 
-def _way_of(link: str, seen: SeenRobot, motion: Motion, q: Array) -> Array:
+def _way_of(link: str, seen: VisualModel, motion: Motion, q: Array) -> Array:
     """Return where a link is in postures (m, n), shape (m, 3), in the root (m); nothing of none."""
     if not link:
         return np.empty((0, 3))
@@ -140,7 +140,7 @@ def _way_of(link: str, seen: SeenRobot, motion: Motion, q: Array) -> Array:
 
 
 def _base_and_ghosts(
-    seen: SeenRobot, chain: SerialChain | Mechanism | RobotDescription
+    seen: VisualModel, chain: SerialChain | Mechanism | RobotDescription
 ) -> tuple[str, GhostMaker]:
     """Return the base link of what moves, and the pieces of its ghosts."""
     if isinstance(chain, RobotDescription):
@@ -158,7 +158,7 @@ def _ghosts(choice: Choice) -> list[Ghost]:
     ]
 
 
-def _legend(motion: Motion, seen: SeenRobot, title: str, notes: Sequence[str]) -> str:
+def _legend(motion: Motion, seen: VisualModel, title: str, notes: Sequence[str]) -> str:
     lines = [f"<b>{html.escape(title)}</b>", *map(html.escape, notes)]
     for choice in motion.choices:
         taken = f": {choice.taken}" if choice.taken else ""

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from viser._messages import SetOrientationMessage
 
-from robomech_ros.rvs.model.seen_robot import Colour, SeenRobot
 from robomech_ros.rvs.model.solids import cylinder
+from robomech_ros.rvs.model.visual_model import Colour, VisualModel
 from robomech_ros.spatial import position_quaternion_from_pose
 from robomech_ros.typing import Array
 
@@ -34,7 +34,7 @@ class RobotNodes:
     Parameters
     ----------
     scene : viser.SceneApi
-    seen : SeenRobot
+    seen : VisualModel
     root : str, optional
         Name of the node above all links.
     tint : tuple of four float, optional
@@ -42,7 +42,7 @@ class RobotNodes:
     """
 
     def __init__(
-        self, scene: Any, seen: SeenRobot, root: str = ROOT, tint: Colour | None = None
+        self, scene: Any, seen: VisualModel, root: str = ROOT, tint: Colour | None = None
     ) -> None:
         self._scene, self._seen, self._root, self._tint = scene, seen, root, tint
         self._whole = scene.add_frame(root, show_axes=False)
@@ -76,7 +76,7 @@ class RobotNodes:
                 self._axes.append(self._joint_axis(scene, path, moving[link].axis))
 
     def _joint_axis(self, scene: Any, path: str, axis: Array) -> Any:
-        from robomech_ros.robots.joint import turn_of_z
+        from robomech_ros.robots.joint import rotation_from_z
 
         reach = self._seen.reach
         solid = cylinder(AXIS_RADIUS * reach, AXIS_LENGTH * reach)
@@ -89,7 +89,7 @@ class RobotNodes:
             cast_shadow=False,
             receive_shadow=False,
             visible=False,
-            **placed(turn_of_z(axis)),
+            **placed(rotation_from_z(axis)),
         )
 
     def _add_bodies(self, scene: Any) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from robomech_ros.rvs.model.eye import FIELD, fitted_eye
+from robomech_ros.rvs.model.camera import FIELD, fitted_camera
 from robomech_ros.typing import Array
 
 # Lights without shadows or pictures: software draws them in a tenth of a second.
@@ -51,18 +51,18 @@ def add_surroundings(server: Any, reach: float) -> Any:
     return ground
 
 
-def place_eye(server: Any, points: Array) -> None:
+def place_camera(server: Any, points: Array) -> None:
     """Let pages begin where points (k, 3) (m) fill the picture."""
-    eye, camera = fitted_eye(points), server.initial_camera
+    eye, camera = fitted_camera(points), server.initial_camera
     camera.fov = FIELD
     camera.position, camera.look_at = eye.position, eye.look_at
 
 
-def fit_eye(client: Any, points: Array) -> None:
+def fit_camera(client: Any, points: Array) -> None:
     """Let points (k, 3) (m) fill a browser (viser.ClientHandle), seen from where it looks now."""
     camera = client.camera
     backwards = camera.position - camera.look_at
-    eye = fitted_eye(points, fov=camera.fov, aspect=camera.aspect, backwards=backwards)
+    eye = fitted_camera(points, fov=camera.fov, aspect=camera.aspect, backwards=backwards)
     with client.atomic():
         camera.position = eye.position
         camera.look_at = eye.look_at

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Place, Switch
+from robomech_ros.rvs.page.layer import LayerContext, Switch
 from robomech_ros.spatial.arrays import as_flag
 
 
@@ -16,7 +16,7 @@ class Switches:
 
     Parameters
     ----------
-    place : Place
+    place : LayerContext
     labels : mapping of str to str
         Labels on the page, by name.
     on : dict of str to bool
@@ -27,7 +27,7 @@ class Switches:
 
     def __init__(
         self,
-        place: Place,
+        place: LayerContext,
         labels: Mapping[str, str],
         on: dict[str, bool],
         changed: Callable[[str, bool], None] = lambda name, asked: None,

@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from robomech_ros.kinematics import Status
+from robomech_ros.rvs.model.draggable import DraggableRobot
 from robomech_ros.rvs.model.ghosts import Rgb
-from robomech_ros.rvs.model.moved import Moved
 from robomech_ros.rvs.model.postures import Posture
 from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.rvs.page.units import Units
@@ -29,7 +29,7 @@ _CELL = "padding:0.12em 0.4em;text-align:right"
 SINGULAR = 1e6
 
 
-def summary(arm: Moved) -> str:
+def summary(arm: DraggableRobot) -> str:
     """Write where the tip is, and what is known of the pose, as HTML."""
     T, study = arm.tip, arm.study
     # Adding 0 makes -0 a plain 0.

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from robomech_ros.rvs.model.analysis import TwistArrows
 from robomech_ros.rvs.model.ghosts import Rgb
-from robomech_ros.rvs.model.understanding import TwistArrows
 
 # Widths of arrows, in reaches of the robot.
 SHAFT, HEAD, HEAD_LENGTH = 0.007, 0.02, 0.05

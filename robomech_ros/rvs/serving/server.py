@@ -21,8 +21,8 @@ import websockets.asyncio.server
 from websockets.asyncio.server import ServerConnection
 
 from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.rvs.serving.access_control import AccessControl
 from robomech_ros.rvs.serving.address import GREATEST_PORT
-from robomech_ros.rvs.serving.gate import Gate
 from robomech_ros.rvs.serving.messages import LONGEST_MESSAGE, is_acceptable
 from robomech_ros.rvs.serving.wake_up import guard_wake_ups
 
@@ -88,11 +88,11 @@ class GuardedServer:
     Parameters
     ----------
     viser_server : viser.ViserServer
-    gate : Gate
+    gate : AccessControl
         In front of it.
     """
 
-    def __init__(self, viser_server: viser.ViserServer, gate: Gate) -> None:
+    def __init__(self, viser_server: viser.ViserServer, gate: AccessControl) -> None:
         self.viser = viser_server
         self.gate = gate
 
@@ -129,7 +129,7 @@ def guarded_server(host: str, port: int, label: str) -> GuardedServer:
         Somebody else listens there.
     """
     listener = _listener(host, port)
-    gate = Gate(host, listener.getsockname()[1])
+    gate = AccessControl(host, listener.getsockname()[1])
     serve = websockets.asyncio.server.serve
 
     def guarded_serve(handler: Any, *_: Any, process_request: Any, **options: Any) -> Any:

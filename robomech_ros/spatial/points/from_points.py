@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import points as kernels
 from robomech_ros._kernels.spatial.conversions import STATUSES
-from robomech_ros.errors import UndeterminedError, WrongSizeError
+from robomech_ros.errors import UnderdeterminedError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, as_finite, readable_axis
 from robomech_ros.spatial.rows import finite_result, row_name
 from robomech_ros.typing import Array
@@ -55,7 +55,7 @@ def angular_velocity_from_points(
     ------
     BadValueError, WrongSizeError
         Fewer than three points, or not finite numbers; with the basic form, also more than three.
-    UndeterminedError
+    UnderdeterminedError
         Points on one line, or all the same; with the basic form, a singular D.
 
     See Also
@@ -108,7 +108,7 @@ def angular_acceleration_from_points(
 
     Raises
     ------
-    UndeterminedError
+    UnderdeterminedError
         As for :func:`angular_velocity_from_points`.
 
     References
@@ -152,24 +152,24 @@ def raise_collinear(points: Array, shape: tuple[int, ...], status: int, robust: 
 
     Raises
     ------
-    BadValueError, UndeterminedError
+    BadValueError, UnderdeterminedError
     """
     row = int(status) // STATUSES
     _, where = row_name(row, shape)
     finite_result(f"points{where}", np.ptp(points[row], axis=0), points[row])
     here = points[row].tolist()
     if not np.ptp(points[row], axis=0).any():
-        raise UndeterminedError(
+        raise UnderdeterminedError(
             f"points{where}", here, "points that are not all the same", np.eye(3).tolist()
         )
     if not robust:
         expected = (
             "points whose matrix D is regular; the robust method takes these, if not collinear"
         )
-        raise UndeterminedError(f"points{where}", here, expected)
+        raise UnderdeterminedError(f"points{where}", here, expected)
     centred = points[row] - points[row].mean(axis=0)
     axis = readable_axis(np.linalg.svd(centred)[2][0])
-    raise UndeterminedError(
+    raise UnderdeterminedError(
         f"points{where}",
         here,
         f"points that are not all on one line: the turn about their line, {axis}, is free",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import BadValueError, ContradictionError
+from robomech_ros.errors import BadValueError, InconsistentDataError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.cross_product import cross
 from robomech_ros.spatial.points.from_points import (
@@ -136,7 +136,7 @@ def require_rigid(
 
     Raises
     ------
-    ContradictionError
+    InconsistentDataError
         They are no rigid body: the message names the two points whose distance changes fastest, and
         by how much the motion misses.
     BadValueError, WrongSizeError
@@ -164,7 +164,7 @@ def require_rigid(
             for one in (found.velocity_residuals, found.acceleration_residuals)
         )
         within = "rounding" if tolerance is None else f"{float(tolerance):g}"
-        raise ContradictionError(
+        raise InconsistentDataError(
             f"motion of the points{where}",
             f"{slip:.3g} m/s and {left:.3g} m/s^2 from that of a rigid body",
             f"zero within {within}; the distance of points {i} and {j} changes fastest, by "

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import points as kernels
-from robomech_ros.errors import BadValueError, ContradictionError, WrongSizeError
+from robomech_ros.errors import BadValueError, InconsistentDataError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, real_number
 from robomech_ros.spatial.points.from_points import (
     angular_acceleration_from_points,
@@ -102,7 +102,7 @@ def motion_from_tracks(
     ------
     BadValueError, WrongSizeError
         Times that do not increase, too few samples or points, or a window or degree out of range.
-    ContradictionError, UndeterminedError
+    InconsistentDataError, UnderdeterminedError
         Points that are no rigid body; points on one line, or all the same.
 
     See Also
@@ -162,7 +162,7 @@ def _check_distances(points: Array, limit: float) -> None:
 
     Raises
     ------
-    ContradictionError
+    InconsistentDataError
     """
     first, second = np.triu_indices(points.shape[1], 1)
     with np.errstate(over="ignore", invalid="ignore"):
@@ -171,7 +171,7 @@ def _check_distances(points: Array, limit: float) -> None:
     worst = int(np.argmax(changes))
     # Rounding of the fit of exact tracks.
     if changes[worst] > limit + _ROUNDING * float(np.abs(lengths).max()):
-        raise ContradictionError(
+        raise InconsistentDataError(
             f"change of the distance of points {first[worst]} and {second[worst]}",
             f"{float(changes[worst]):.3g} m",
             f"at most {limit:.3g} m of points of a rigid body",

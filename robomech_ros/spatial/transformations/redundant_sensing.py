@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from robomech_ros.errors import (
     BadValueError,
-    ContradictionError,
-    UndeterminedError,
+    InconsistentDataError,
+    UnderdeterminedError,
     WrongSizeError,
 )
 from robomech_ros.spatial.arrays import readable_axis, real_number
@@ -129,7 +129,7 @@ def frame_between_sensors(first: ArrayLike, second: ArrayLike) -> Array:
 
     Raises
     ------
-    ContradictionError, UndeterminedError
+    InconsistentDataError, UnderdeterminedError
         Other angles for both sensors, or rotations that no X matches, such as inverted ones; no
         rotations, all about parallel axes, about which X is then free to turn, or half turns about
         axes at right angles, which four X match.
@@ -166,7 +166,7 @@ def frames_between(first: Array, second: Array) -> tuple[Array, Array]:
 
     Raises
     ------
-    ContradictionError, UndeterminedError
+    InconsistentDataError, UnderdeterminedError
         Other angles for both, rotations that no frame matches, no rotations, or all about parallel
         axes.
     """
@@ -188,7 +188,7 @@ def frames_between(first: Array, second: Array) -> tuple[Array, Array]:
     misfits = 0.5 * (differences**2).sum(axis=(1, 2, 3))
     off = float(np.sqrt(misfits.min() / len(first)))
     if off > _CHAOS:
-        raise ContradictionError(
+        raise InconsistentDataError(
             "difference of the rotations of both sensors",
             f"{off:.3g} rad (root mean square) in the frame that fits best",
             f"at most {_CHAOS} rad: rotations in the same order, none of them inverted",
@@ -208,11 +208,11 @@ def _check_axes(r: Array, s: Array, differences: Array) -> None:
 
     Raises
     ------
-    ContradictionError, UndeterminedError
+    InconsistentDataError, UnderdeterminedError
     """
     most = float(np.median(np.abs(differences)))
     if most > _CHAOS:
-        raise ContradictionError(
+        raise InconsistentDataError(
             "difference of the angles of both sensors",
             f"{most:.3g} rad (median)",
             f"at most {_CHAOS} rad: all sensors see a rotation turn by the same angle",
@@ -220,7 +220,7 @@ def _check_axes(r: Array, s: Array, differences: Array) -> None:
     noise = 0.5 * float(np.linalg.norm(differences))
     sizes = np.min([np.linalg.svd(one, compute_uv=False) for one in (r, s)], axis=0)
     if sizes[0] <= max(_NO_TURN, noise):
-        raise UndeterminedError(
+        raise UnderdeterminedError(
             "rotation of the motions",
             f"{2.0 * float(np.arcsin(min(sizes[0], 1.0))):.3g} rad: pure translations",
             "turns about two axes that are not parallel: all directions are free",
@@ -228,7 +228,7 @@ def _check_axes(r: Array, s: Array, differences: Array) -> None:
         )
     if sizes[1] <= max(_PARALLEL * sizes[0], noise):
         axis = readable_axis(np.linalg.eigh(r.T @ r)[1][:, 2])
-        raise UndeterminedError(
+        raise UnderdeterminedError(
             "axes of the rotations",
             f"all parallel to {axis}",
             f"at least two that are not parallel: along {axis} of the first frame it is free",
@@ -249,7 +249,7 @@ def single_match(frames: Array, misfits: Array, freedom: int) -> int:
 
     Raises
     ------
-    UndeterminedError
+    UnderdeterminedError
         Another one fits almost as well: all axes are those of half turns at right angles.
     """
     best = int(np.argmin(misfits))
@@ -258,7 +258,7 @@ def single_match(frames: Array, misfits: Array, freedom: int) -> int:
     if len(others):
         better = np.log((others.min() + _ROUNDING) / (misfits[best] + _ROUNDING))
         if 0.5 * freedom * better < _CLEARLY:
-            raise UndeterminedError(
+            raise UnderdeterminedError(
                 "axes of the rotations",
                 "those of half turns at right angles to each other",
                 "a turn by another angle or about another axis: several frames match equally well",

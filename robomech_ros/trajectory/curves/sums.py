@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from robomech_ros._kernels.timing import rows as time_rows
+from robomech_ros._kernels.timing import constraint_rows as time_rows
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.typing import Array
 

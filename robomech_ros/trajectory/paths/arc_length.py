@@ -118,7 +118,7 @@ class ArcLength:
 
 
 @dataclass(frozen=True, eq=False)
-class ByArcLength:
+class ArcLengthCurve:
     """A curve over its arc length s (m), from 0 to its length.
 
     The first derivative is a unit vector.
@@ -152,7 +152,7 @@ class ByArcLength:
         return by_unit_speed(self.curve.derivatives(self.measure.parameter(s)))
 
 
-def arc_length(curve: Curve) -> ByArcLength:
+def arc_length(curve: Curve) -> ArcLengthCurve:
     r"""Give a curve its arc length as parameter.
 
     .. math:: s(u) = \int_{u_0}^u |p'(v)|\, dv
@@ -164,7 +164,7 @@ def arc_length(curve: Curve) -> ByArcLength:
 
     Returns
     -------
-    ByArcLength
+    ArcLengthCurve
         With ``.length``, accurate to 1e-12 of it.
 
     Raises
@@ -186,7 +186,7 @@ def arc_length(curve: Curve) -> ByArcLength:
         length: Array = np.linalg.norm(curve.derivatives(u)[1], axis=-1)
         return length
 
-    return ByArcLength(curve, measured(speed, curve.breaks))
+    return ArcLengthCurve(curve, measured(speed, curve.breaks))
 
 
 def measured(speed: Speed, breaks: Array, expected: str = _EXPECTED) -> ArcLength:

@@ -30,7 +30,7 @@ TURN_STEP = 1e-3
 _PLACES = 64
 
 
-class Turning(NamedTuple):
+class OrientationSample(NamedTuple):
     """Orientation at m parameters, and how it changes with the parameter.
 
     Attributes
@@ -55,7 +55,7 @@ class Orientation(Protocol):
     def breaks(self) -> Array:
         """Ends of the range and places where a derivative steps; empty if it has no ends."""
 
-    def turning(self, u: Array) -> Turning:
+    def turning(self, u: Array) -> OrientationSample:
         """Orientation and its rates at parameters, shape (m,)."""
 
 
@@ -79,7 +79,7 @@ class PiecewiseRotation:
         """The knots, shape (n,)."""
         return self.vectors.breaks
 
-    def turning(self, u: Array) -> Turning:
+    def turning(self, u: Array) -> OrientationSample:
         """Orientation and its rates at parameters, shape (m,)."""
         inside = as_parameters("parameter", u, float(self.breaks[0]), float(self.breaks[-1]))
         segment = np.searchsorted(self.breaks, inside, side="right") - 1
@@ -87,7 +87,7 @@ class PiecewiseRotation:
         theta, rate, second, _ = self.vectors.sample(inside)
         omega, alpha = angular_motion(theta, "rotation-vector", rate, second)
         rotation = base @ matrix_from_rotation_vector(theta)
-        return Turning(rotation, applied(base, omega), applied(base, alpha))
+        return OrientationSample(rotation, applied(base, omega), applied(base, alpha))
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,10 +101,10 @@ class ConstantOrientation:
         """None."""
         return np.empty(0)
 
-    def turning(self, u: Array) -> Turning:
+    def turning(self, u: Array) -> OrientationSample:
         """Orientation, and rates of zero, at parameters, shape (m,)."""
         still = np.zeros((len(u), 3))
-        return Turning(np.broadcast_to(self.rotation, (len(u), 3, 3)), still, still)
+        return OrientationSample(np.broadcast_to(self.rotation, (len(u), 3, 3)), still, still)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +127,7 @@ class FrenetOrientation:
         """Those of the curve."""
         return self.curve.breaks
 
-    def turning(self, u: Array) -> Turning:
+    def turning(self, u: Array) -> OrientationSample:
         """Orientation and its rates at parameters, shape (m,).
 
         omega = s' delta and alpha = s'' delta + s'^2 delta', with the Darboux vector delta and the
@@ -138,7 +138,7 @@ class FrenetOrientation:
         speed = frenet.speed[:, None]
         growth = np.sum(r[1] * r[2], axis=-1, keepdims=True) / speed
         alpha = growth * frenet.darboux + speed**2 * frenet.darboux_rate
-        return Turning(frenet.frame @ self.offset, speed * frenet.darboux, alpha)
+        return OrientationSample(frenet.frame @ self.offset, speed * frenet.darboux, alpha)
 
 
 def constant_orientation(rotation: npt.ArrayLike) -> ConstantOrientation:

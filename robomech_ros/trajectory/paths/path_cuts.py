@@ -19,7 +19,7 @@ _SLACK, _SLACK_BETWEEN = 1e-9, 0.5 * POSITION_SLACK
 _BEYOND = 1e-6
 
 
-def last_good_place(
+def last_valid_coordinate(
     joints: JointPath,
     wrong: Callable[[Array], BoolArray],
     *,
@@ -89,10 +89,10 @@ def limit_cut(joints: JointPath, limits: Limits) -> PathCut | None:
     def outside(q: Array) -> BoolArray:
         return np.asarray((excess(q) > _SLACK).any(axis=1))
 
-    s = last_good_place(joints, outside)
+    s = last_valid_coordinate(joints, outside)
     between = _part_outside(joints.until(s) if s else joints, lower, upper) if s != 0.0 else None
     if between is not None:
-        inside = last_good_place(joints, outside, part=between)
+        inside = last_valid_coordinate(joints, outside, part=between)
         s = s if inside is None else inside
     if s is None:
         return None

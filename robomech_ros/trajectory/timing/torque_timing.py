@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.timing import rows as time_rows
+from robomech_ros._kernels.timing import constraint_rows as time_rows
 from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.curves.bounds import hull

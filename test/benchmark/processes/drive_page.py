@@ -76,11 +76,11 @@ def drags(server: Served) -> list[float]:
     from raw_client import Client, camera, gizmo, grip
 
     from robomech_ros.robots import load_robot
-    from robomech_ros.rvs.model.arm import SeenArm
+    from robomech_ros.rvs.model.arm import ArmView
     from robomech_ros.rvs.page.robot_nodes import placed
 
     pack = msgspec.msgpack.encode
-    place = placed(SeenArm(load_robot(ROBOT)).tip)
+    place = placed(ArmView(load_robot(ROBOT)).tip)
     seconds = []
     with Client(server).connect() as connection:
         connection.send(pack(camera()))

@@ -44,7 +44,7 @@ class Page:
 @contextmanager
 def running_view(options: Sequence[str]) -> Iterator[tuple[int, Page]]:
     """Run the node rvs with these ROS arguments; gives its process and its page."""
-    command = [sys.executable, "-m", "robomech_ros.nodes.process.start", "rvs", "--ros-args"]
+    command = [sys.executable, "-m", "robomech_ros.nodes.process.entry_points", "rvs", "--ros-args"]
     command += ["-p", f"robot_description:={ROBOT}", "-p", "port:=0", *options]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     try:
@@ -85,8 +85,8 @@ def measured(*options: str) -> dict[str, float]:
     """Return the share of a core that the node takes, and how often its page was told something."""
     rclpy.init(args=[])
     node, ended = Node("moving_joints"), threading.Event()
-    mover = threading.Thread(target=move_joints, args=(node, ended))
-    mover.start()
+    mobile_robot = threading.Thread(target=move_joints, args=(node, ended))
+    mobile_robot.start()
     told = 0
     try:
         with running_view(options) as (pid, page), Client(page).connect() as browser:
@@ -101,7 +101,7 @@ def measured(*options: str) -> dict[str, float]:
             taken = processor_seconds(pid) - before
     finally:
         ended.set()
-        mover.join()
+        mobile_robot.join()
         node.destroy_node()
         rclpy.try_shutdown()
     return {"core": taken / lasted, "rate": told / lasted, "seconds": lasted}

@@ -46,7 +46,7 @@ CALLS = {
     "excitation": {"chain": ARM, "q": Q, "qd": QD, "qdd": QDD},
     "identify": {"chain": ARM, "q": Q, "qd": QD, "qdd": QDD, "tau": TAU},
     "pseudo_inertia": {"parameters": BODIES},
-    "is_consistent": {"parameters": BODIES},
+    "is_physically_consistent": {"parameters": BODIES},
     "nearest_consistent": {"parameters": BODIES},
     "bodies_from_parameters": {"parameters": BODIES},
     "operation_counts": {"algorithm": "inverse: newton-euler", "n": 6},

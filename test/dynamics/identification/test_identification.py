@@ -13,7 +13,7 @@ from robomech_ros.dynamics.identification.fit import excitation, identify
 from robomech_ros.dynamics.model import body_parameters
 from robomech_ros.dynamics.pseudo_inertias import (
     bodies_from_parameters,
-    is_consistent,
+    is_physically_consistent,
     nearest_consistent,
     parameters_from_pseudo_inertia,
     pseudo_inertia,
@@ -90,7 +90,7 @@ def test_consistent_bodies_meet_other_motions(noise):
     known = replace(arm, bodies=furnished(arm, 99).bodies)
     found = identify(known, *measured(arm, 200, noise), gravity=DOWN)
     fit = consistent_fit(found)
-    assert fit.converged and is_consistent(fit.parameters).all() and fit.deviation < 2.0
+    assert fit.converged and is_physically_consistent(fit.parameters).all() and fit.deviation < 2.0
     q, qd, qdd, tau = measured(arm, 50, 0.0, seed=5)
     predicted = drive_torques(fit.chain, q, qd, qdd)
     assert np.sqrt(np.mean((predicted - tau) ** 2)) < 0.5 * noise
@@ -101,7 +101,7 @@ def test_bodies_are_found_where_none_were_known():
     data = measured(arm, 100, 0.1)
     found = identify(replace(arm, bodies=()), *data, gravity=DOWN)
     fit = consistent_fit(found)
-    assert is_consistent(fit.parameters).all() and fit.deviation < 2.0
+    assert is_physically_consistent(fit.parameters).all() and fit.deviation < 2.0
 
 
 def with_less_load(arm, q, qd, qdd, tau, mass):
@@ -123,7 +123,7 @@ def test_bodies_are_found_that_meet_data_of_negative_ones():
     for seed in (1, 2):
         fit = consistent_fit(replace(found, chain=replace(arm, bodies=furnished(arm, seed).bodies)))
         assert fit.converged and fit.deviation < 1e-3
-        assert is_consistent(fit.parameters).all()
+        assert is_physically_consistent(fit.parameters).all()
         met = found.base.combination @ fit.parameters.ravel()
         np.testing.assert_allclose(met, found.base_values, atol=1e-9)
 
@@ -138,7 +138,7 @@ def test_data_that_no_bodies_can_give_are_met_as_well_as_bodies_can():
         for seed in (1, 2)
     ]
     for fit in fits:
-        assert is_consistent(fit.parameters).all() and fit.converged
+        assert is_physically_consistent(fit.parameters).all() and fit.converged
     assert fits[0].deviation > 10.0
     assert fits[1].deviation == pytest.approx(fits[0].deviation, rel=1e-4)
 
@@ -182,9 +182,9 @@ def test_pseudo_inertias_are_inverted():
 def test_the_nearest_consistent_body_is_nearer_than_others():
     rng = np.random.default_rng(2)
     wrong = rng.normal(size=(50, 10))
-    assert not is_consistent(wrong).any()
+    assert not is_physically_consistent(wrong).any()
     clipped = nearest_consistent(wrong)
-    assert is_consistent(clipped).all()
+    assert is_physically_consistent(clipped).all()
     distance = np.linalg.norm(pseudo_inertia(clipped) - pseudo_inertia(wrong), axis=(-2, -1))
     for _ in range(20):
         root = np.linalg.cholesky(pseudo_inertia(clipped)) @ (

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from dispatch_cases import NAMES, delivery
 
-from robomech_ros.execution.client.delivery import Delivery, Stage, Transport
-from robomech_ros.execution.client.position_check import apart
+from robomech_ros.execution.client.execution_request import ExecutionRequest, Stage, Transport
+from robomech_ros.execution.client.position_check import joint_distance
 from robomech_ros.trajectory import Waypoints
 
 
@@ -46,7 +46,7 @@ def test_whole_turns(robot, dispatcher):
     dispatcher.offer(one, 0.0)
     assert robot.sent == [one]
     np.testing.assert_allclose(
-        apart(np.array([math.tau, 0.1]), np.zeros(2), np.array([True, False])), [0.0, 0.1]
+        joint_distance(np.array([math.tau, 0.1]), np.zeros(2), np.array([True, False])), [0.0, 0.1]
     )
 
 
@@ -72,7 +72,7 @@ def test_a_slide_has_no_turns(robot, dispatcher):
 def test_a_first_point_later_than_zero_starts_anywhere(robot, dispatcher):
     robot.at = np.array([1.0, 1.0, 1.0])
     waypoints = Waypoints(np.array([1.0]), np.zeros((1, 3)))
-    one = Delivery(None, NAMES, waypoints, Transport.TOPIC)
+    one = ExecutionRequest(None, NAMES, waypoints, Transport.TOPIC)
     dispatcher.offer(one, 0.0)
     assert robot.sent == [one]
 

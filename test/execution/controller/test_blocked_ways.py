@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from execution_cases import ACCELERATION, NAMES, VELOCITY, to_rest, tolerances
 
-from robomech_ros.execution.controller.follower import Follower
+from robomech_ros.execution.controller.follower import TrajectoryFollower
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.controller.trajectory_goal import End
 from robomech_ros.execution.joints import Joints
@@ -19,7 +19,7 @@ def arm_in_motion(goal):
     """Three joints with limited jerks, on their way from zero."""
     limits = Limits(NAMES, VELOCITY, ACCELERATION, jerk=100.0, units=["rad"] * 3)
     arm = Joints(limits, np.zeros(3, dtype=bool))
-    follower = Follower(arm, SimulatedJoints(np.zeros(3)))
+    follower = TrajectoryFollower(arm, SimulatedJoints(np.zeros(3)))
     follower.start(to_rest(goal, 2.0), tolerances(), 0.0)
     for cycle in range(1, round(SENT / CYCLE) + 1):
         follower.advance(cycle * CYCLE)

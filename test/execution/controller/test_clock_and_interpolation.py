@@ -9,7 +9,7 @@ from execution_cases import assert_continuous, follower, run, single_point, to_r
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.execution.controller.follower import Phase
 from robomech_ros.execution.controller.trajectory_goal import End
-from robomech_ros.execution.refusals import StartMismatchError
+from robomech_ros.execution.rejections import StartMismatchError
 from robomech_ros.trajectory import Waypoints
 
 GOAL = np.array([0.5, 0.2, -0.1])

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from robomech_ros.execution.controller.catching_up import Belt, going_by
 from robomech_ros.execution.controller.curve_parts import (
     jerks_over,
     paced,
@@ -12,6 +11,7 @@ from robomech_ros.execution.controller.curve_parts import (
     peak_jerks,
     shifted,
 )
+from robomech_ros.execution.controller.late_start import ScheduleShift, extend_schedule
 from robomech_ros.execution.joints import Joints
 from robomech_ros.robots import load_robot
 from robomech_ros.trajectory import Waypoints
@@ -77,7 +77,7 @@ def test_what_goes_by_is_remembered_on_the_path():
     rates = np.vstack((slope, slope, 0.0 * slope))
     ends = np.outer([0.15, 0.25, 0.35], slope)
     late = Waypoints(later, ends, rates)
-    belt = going_by(late, joints, 0.02, Belt(before, 0.02, -0.1))
+    belt = extend_schedule(late, joints, 0.02, ScheduleShift(before, 0.02, -0.1))
     # 20 ms late, and a robot that is 20 ms behind: they are where their stamps have them.
     for time in (-0.1, 0.0, 0.05, 0.1):
         expected = (time + 0.15) * slope

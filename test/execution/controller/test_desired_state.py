@@ -6,7 +6,7 @@ from execution_cases import follower, run, to_rest, tolerances
 
 from robomech_ros.execution.controller.desired_state import desired_state
 from robomech_ros.execution.controller.trajectory_goal import End
-from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.execution.rejections import TrajectoryRefusedError
 
 GOAL = np.array([0.5, 0.2, -0.1])
 

@@ -14,7 +14,7 @@ from execution_cases import (
 from robomech_ros.errors import BadValueError, LimitExceededError
 from robomech_ros.execution.controller.follower import Phase
 from robomech_ros.execution.controller.trajectory_goal import End
-from robomech_ros.execution.refusals import StartMismatchError
+from robomech_ros.execution.rejections import StartMismatchError
 
 GOAL = np.array([0.5, 0.2, -0.1])
 

@@ -7,7 +7,7 @@ from execution_cases import ACCELERATION, VELOCITY, joints, single_point, state,
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.execution.controller.joining import join
 from robomech_ros.execution.joints import State
-from robomech_ros.execution.refusals import StartMismatchError, TrajectoryRefusedError
+from robomech_ros.execution.rejections import StartMismatchError, TrajectoryRefusedError
 from robomech_ros.trajectory import Waypoints
 
 TOLERANCE = 0.01

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.controller.follower import Follower
+from robomech_ros.execution.controller.follower import TrajectoryFollower
 from robomech_ros.execution.controller.simulated_joints import Faults, SimulatedJoints
 from robomech_ros.execution.controller.trajectory_goal import End
 from robomech_ros.execution.gripper.finger_motion import (
@@ -43,7 +43,7 @@ class Rig:
         self.plant = FingerPlant(np.array(position), LIMITS, STRONGEST)
         self.simulated = SimulatedJoints(np.array(position), 0.0, self.plant)
         joints = Joints(LIMITS, np.zeros(2, dtype=bool))
-        self.follower = Follower(joints, self.simulated)
+        self.follower = TrajectoryFollower(joints, self.simulated)
         self.fingers = Fingers(self.follower, self.plant, LIMITS, GripSettings(**settings))
         self.now = 0.0
         self.seen = []

@@ -17,10 +17,10 @@ from robomech_ros.kinematics import inverse_kinematics
 from robomech_ros.kinematics.inverse.closed_form import solve_many
 from robomech_ros.kinetostatics import (
     condition_number,
-    even_rotations,
-    even_turns,
     load_reach_map,
     reach_map,
+    uniform_rotations,
+    uniform_turns,
 )
 from robomech_ros.numerics.memory import available_memory
 from robomech_ros.robots import load_robot
@@ -31,12 +31,12 @@ PUMA = load_robot("puma560")
 # Box, shape and orientations, in each of which some poses are reached and some are not.
 DOWN = matrix_from_roll_pitch_yaw([np.pi, 0.0, 0.0])
 CASES = {
-    "puma560": ([0.2, -0.5, -0.2], [0.8, 0.5, 0.6], (3, 2, 2), even_rotations(5)),
-    "ur5e": ([-0.6, -0.6, 0.1], [0.6, 0.6, 0.7], (2, 2, 2), even_rotations(5)),
-    "jaco2": ([-0.4, -0.4, 0.1], [0.4, 0.4, 0.5], (2, 2, 2), even_rotations(5)),
-    "scara": ([0.2, -0.3, 0.2], [0.6, 0.3, 0.3], (3, 2, 2), even_turns(4, [0, 0, 1], DOWN)),
-    "planar3r": ([0.0, 0.1, 0.0], [2.0, 1.1, 0.0], (4, 3, 1), even_turns(6, [0, 0, 1])),
-    "panda": ([0.3, -0.3, 0.2], [0.7, 0.3, 0.7], (2, 2, 2), even_rotations(3)),
+    "puma560": ([0.2, -0.5, -0.2], [0.8, 0.5, 0.6], (3, 2, 2), uniform_rotations(5)),
+    "ur5e": ([-0.6, -0.6, 0.1], [0.6, 0.6, 0.7], (2, 2, 2), uniform_rotations(5)),
+    "jaco2": ([-0.4, -0.4, 0.1], [0.4, 0.4, 0.5], (2, 2, 2), uniform_rotations(5)),
+    "scara": ([0.2, -0.3, 0.2], [0.6, 0.3, 0.3], (3, 2, 2), uniform_turns(4, [0, 0, 1], DOWN)),
+    "planar3r": ([0.0, 0.1, 0.0], [2.0, 1.1, 0.0], (4, 3, 1), uniform_turns(6, [0, 0, 1])),
+    "panda": ([0.3, -0.3, 0.2], [0.7, 0.3, 0.7], (2, 2, 2), uniform_rotations(3)),
 }
 
 
@@ -122,8 +122,8 @@ def test_points_begin_at_the_lower_bound_and_do_not_pass_the_upper():
 
 @pytest.mark.parametrize("count", [1, 2, 60, 1000])
 def test_rotations_are_spread_evenly(count):
-    R = even_rotations(count)
-    assert np.array_equal(R, even_rotations(count))
+    R = uniform_rotations(count)
+    assert np.array_equal(R, uniform_rotations(count))
     assert np.allclose(R @ R.transpose(0, 2, 1), np.eye(3), atol=1e-14)
     assert np.allclose(np.linalg.det(R), 1.0)
     if count < 60:
@@ -138,7 +138,7 @@ def test_rotations_are_spread_evenly(count):
 
 
 def test_turns_go_once_around_the_axis():
-    R = even_turns(4, [0, 0, 2], DOWN)
+    R = uniform_turns(4, [0, 0, 2], DOWN)
     assert np.allclose(R[0], DOWN)
     assert np.allclose(R[1] @ [1, 0, 0], [0, 1, 0])
     assert np.allclose(R[:, 2, 2], -1.0)

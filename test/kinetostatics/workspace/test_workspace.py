@@ -11,7 +11,7 @@ import pytest
 from robomech_ros.errors import BadValueError, MissingLimitsError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
-from robomech_ros.kinetostatics import extreme_reach, workspace_boundary
+from robomech_ros.kinetostatics import reach_limits, workspace_boundary
 from robomech_ros.kinetostatics.workspace.boundary import positioning_boundary
 from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
 from robomech_ros.robots import chain_from_dh, load_robot
@@ -340,7 +340,7 @@ def test_issue_12_the_tip_of_a_planar_arm_of_three_joints_against_all_of_its_pos
 
     chain = TIPS[kind]
     space = workspace_boundary(chain)
-    extremes = pytest.approx(extreme_reach(chain), abs=1e-6)
+    extremes = pytest.approx(reach_limits(chain), abs=1e-6)
     assert (space.least_reach, space.greatest_reach) == extremes
     axes = [np.linspace(a, b, 90) for a, b in zip(chain.lower, chain.upper, strict=True)]
     q = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 3)

@@ -150,7 +150,7 @@ def about(axis, count=6):
     ],
 )  # fmt: skip
 def test_samples_that_are_none_are_refused(graph, request_, code, words):
-    stage = Stage(graph, largest_count=20)
+    stage = Stage(graph, max_samples=20)
     good = {"robot": array_of([np.eye(4)]), "tracking": array_of([np.eye(4)])}
     answer = stage.ask("add_samples", **{**good, **request_})
     assert (answer.error_code, answer.count) == (code, 0), answer.error_msg
@@ -160,7 +160,7 @@ def test_samples_that_are_none_are_refused(graph, request_, code, words):
 
 
 def test_more_samples_than_there_is_room_for_are_refused(graph):
-    stage = Stage(graph, largest_count=5)
+    stage = Stage(graph, max_samples=5)
     robot, tracking, *_ = samples(np.random.default_rng(2), 6)
     assert stage.add(robot[:4], tracking[:4]).error_code == 0
     answer = stage.add(robot[4:], tracking[4:])

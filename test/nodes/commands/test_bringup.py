@@ -12,9 +12,9 @@ from robomech_ros.errors import BadValueError, RobomechError, UnknownRobotError
 from robomech_ros.nodes.commands import bringup
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.process import launch_options
-from robomech_ros.nodes.process.kind_nodes import KIND_NODES
+from robomech_ros.nodes.process.entry_points import NODE_MODULES
 from robomech_ros.nodes.process.launch_options import LaunchOptions
-from robomech_ros.nodes.process.start import NODE_MODULES
+from robomech_ros.nodes.process.nodes_by_kind import KIND_NODES
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 

@@ -16,13 +16,13 @@ from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_interfaces.srv import Execute
-from robomech_ros import __version__, shared_memory
+from robomech_ros import __version__, fastdds_shared_memory
 from robomech_ros.cli import doctor
 from robomech_ros.cli import main as cli
 from robomech_ros.cli.warmup import kernel_modules
 from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.kinematics.node import KinematicsNode
-from robomech_ros.nodes.process.start import NODE_MODULES
+from robomech_ros.nodes.process.entry_points import NODE_MODULES
 from robomech_ros.robots import list_robots
 from robomech_ros.stop_signals import STOP_SIGNALS
 
@@ -257,7 +257,7 @@ def test_doctor_knows_domains_whose_ports_others_may_have(capfd, monkeypatch, do
 
 
 def test_doctor_lists_ports_that_killed_processes_left(capfd, monkeypatch, tmp_path):
-    monkeypatch.setattr(shared_memory, "FOLDER", tmp_path)
+    monkeypatch.setattr(fastdds_shared_memory, "FOLDER", tmp_path)
     assert re.search(r"ok +shared memory +no ports left", str(run(capfd, "doctor")[1]))
     for name in ("fastdds_port7000", "fastdds_port7411", "fastdds_0123456789abcdef"):
         (tmp_path / name).touch()

@@ -16,10 +16,10 @@ from robomech_ros.outcomes import Code
         (errors.NonFiniteError("pose", float("nan")), Code.NON_FINITE),
         (errors.BadQuaternionError([0, 0, 0, 0], "all zero"), Code.BAD_QUATERNION),
         (errors.BadValueError("mount", "beside", "another"), Code.BAD_VALUE),
-        (errors.UndeterminedError("axes", "parallel", "others"), Code.UNDETERMINED),
+        (errors.UnderdeterminedError("axes", "parallel", "others"), Code.UNDETERMINED),
         (errors.SingularPostureError("posture", [0.0], "another"), Code.SINGULAR),
-        (errors.OpenLoopsError("start", 2, 0.1, 0.0), Code.BAD_VALUE),
-        (errors.ContradictionError("mount", "eye-in-hand", "the other"), Code.CONTRADICTORY),
+        (errors.LoopClosureError("start", 2, 0.1, 0.0), Code.BAD_VALUE),
+        (errors.InconsistentDataError("mount", "eye-in-hand", "the other"), Code.CONTRADICTORY),
         (ValueError("not ours"), Code.INTERNAL),
     ],
 )

@@ -68,18 +68,18 @@ def test_states_of_several_publishers_are_put_together(listener, publish):
 
 
 def test_news_are_counted_joint_by_joint(listener, publish):
-    assert listener.monitor.heard(NAMES) == 0
+    assert listener.monitor.update_count(NAMES) == 0
     publish("ab", (1, 2))
     wait_for(listener, NAMES, (1.0, 2.0))
-    first = listener.monitor.heard(NAMES)
+    first = listener.monitor.update_count(NAMES)
     assert first > 0
     publish("a", [3])
     wait_for(listener, NAMES, (3.0, 2.0))
-    assert listener.monitor.heard(NAMES) == first
-    assert listener.monitor.heard("a") > first
+    assert listener.monitor.update_count(NAMES) == first
+    assert listener.monitor.update_count("a") > first
     publish("b", [4])
     wait_for(listener, NAMES, (3.0, 4.0))
-    assert listener.monitor.heard(NAMES) > first
+    assert listener.monitor.update_count(NAMES) > first
 
 
 def test_useless_messages_are_passed_over(listener, publish):

@@ -12,15 +12,15 @@ from robomech_interfaces.srv import SolveFK
 from robomech_ros.cli.kind_options import OptionRefusedError
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.nodes.commands import bringup
+from robomech_ros.nodes.common.closed_loop_positions import ClosedLoopPositions
 from robomech_ros.nodes.common.error_codes import OutcomeError, code_of
 from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.loop_positions import LoopPositions
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.nodes.servo.node import ServoNode
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel import load_described, load_parallel
+from robomech_ros.parallel import load_parallel, load_tree_description
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +29,7 @@ def delta():
 
 
 def model_of(name, *arguments):
-    robot = load_described(name)
+    robot = load_tree_description(name)
     return RobotModel(robot.description, *arguments, robot=robot.robot)
 
 
@@ -56,7 +56,7 @@ def test_ends_that_are_not_those_of_all_limbs(arguments, text):
 
 
 def test_postures_are_read_whole_or_completed_from_the_drives(delta):
-    reader, home = LoopPositions(delta), delta.home()
+    reader, home = ClosedLoopPositions(delta), delta.home()
     drives = home[delta.drive_index]
     np.testing.assert_array_equal(reader.read(JointState(name=["home"]), "seed"), home)
     for state in (joint_state(delta.actuated, drives), JointState(position=drives.tolist())):
@@ -72,7 +72,7 @@ def test_postures_are_read_whole_or_completed_from_the_drives(delta):
 
 
 def test_postures_that_cannot_be_read(delta):
-    reader, home = LoopPositions(delta), delta.home()
+    reader, home = ClosedLoopPositions(delta), delta.home()
     with pytest.raises(WrongSizeError, match="3, of the drives, or 15, of all joints"):
         reader.read(JointState(position=[0.0] * 4), "seed")
     with pytest.raises(NonFiniteError, match="leg2_base"):
@@ -88,14 +88,14 @@ def test_postures_that_cannot_be_read(delta):
 def test_drives_that_hold_the_platform_nowhere_are_an_outcome():
     mechanism = load_parallel("planar_3rpr").mechanism
     with pytest.raises(OutcomeError) as caught:
-        LoopPositions(mechanism).read(JointState(position=[0.01, 0.01, 5.0]), "seed")
+        ClosedLoopPositions(mechanism).read(JointState(position=[0.01, 0.01, 5.0]), "seed")
     assert code_of(caught.value) == Code.OUT_OF_REACH
 
 
 def test_a_node_gets_the_loops_by_the_topic(graph, delta):
     graph.start(KinematicsNode)
     publisher = graph.client.create_publisher(String, "robot_description", LATCHED)
-    publisher.publish(String(data=load_described("delta").description.document))
+    publisher.publish(String(data=load_tree_description("delta").description.document))
     drives = delta.home()[delta.drive_index]
     request = SolveFK.Request(states=[joint_state(delta.actuated, drives)])
     response = graph.call(SolveFK, "kinematics/solve_fk", request)
@@ -110,7 +110,7 @@ def test_the_servo_refuses_parallel_robots_by_parameter_and_by_topic(graph):
         graph.start(ServoNode, robot_description="hexapod")
     graph.start(ServoNode)
     publisher = graph.client.create_publisher(String, "robot_description", LATCHED)
-    publisher.publish(String(data=load_described("hexapod").description.document))
+    publisher.publish(String(data=load_tree_description("hexapod").description.document))
     part = "'servo' serves no parallel robots"
     request = Trigger.Request()
     answer = graph.call_until(Trigger, "servo/ready", request, lambda said: part in said.message)

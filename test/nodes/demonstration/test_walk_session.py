@@ -5,7 +5,7 @@ import pytest
 
 from robomech_ros.nodes.demonstration.path_follower import PathFollower
 from robomech_ros.nodes.demonstration.walk_session import eight_for, quickest
-from robomech_ros.robots.kinds import kind_of
+from robomech_ros.robots.robot_kinds import kind_of
 from robomech_ros.walking import load_legged
 
 ROBOTS = {"phantomx": "tripod", "go1": "trot"}

@@ -212,7 +212,13 @@ def test_old_news_say_how_old_they_are(kinematics):
     kinematics.move(transform("world", "table", np.eye(4), kinematics.now() - 20 * NANO))
     response = solve(kinematics, np.eye(4), "table")
     assert response.error_code == ErrorCode.FRAME_UNAVAILABLE
-    for words in ("frame 'table'", "last said of 'table' is 2", "s old", "10 s", "frame_age"):
+    for words in (
+        "frame 'table'",
+        "last said of 'table' is 2",
+        "s old",
+        "10 s",
+        "max_transform_age",
+    ):
         assert words in response.error_msg
 
 

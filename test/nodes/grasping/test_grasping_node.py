@@ -523,7 +523,7 @@ def test_what_is_no_hand_and_a_wrong_prefix_end_the_start(graph):
 
 
 def test_who_waited_too_long_for_others_is_told_and_others_are_served(graph):
-    graph.start(GraspingNode, robot_description="three_fingered", longest_wait=1e-9)
+    graph.start(GraspingNode, robot_description="three_fingered", max_queue_time=1e-9)
     request = requested(AnalyzeGrasp, EQUATOR)
     answer = graph.call(AnalyzeGrasp, "grasping/analyze_grasp", request)
     assert answer.error_code == ErrorCode.TIMED_OUT

@@ -289,13 +289,13 @@ BATCH_REFUSALS = {
         ("seed.position has size 5",),
     ),
     "unknown mode": ({"poses": UNIT, "mode": 2}, ErrorCode.BAD_VALUE, ("mode is 2",)),
-    "too many poses": ({"poses": UNIT * 11}, ErrorCode.WRONG_SIZE, ("11", "largest_batch")),
+    "too many poses": ({"poses": UNIT * 11}, ErrorCode.WRONG_SIZE, ("11", "max_batch_size")),
 }
 
 
 @pytest.mark.parametrize("case", BATCH_REFUSALS)
 def test_solve_ik_batch_refuses(graph, case):
-    graph.start(KinematicsNode, robot_description="puma560", largest_batch=10)
+    graph.start(KinematicsNode, robot_description="puma560", max_batch_size=10)
     fields, code, words = BATCH_REFUSALS[case]
     response = graph.call(SolveIKBatch, "kinematics/solve_ik_batch", SolveIKBatch.Request(**fields))
     assert list(response.counts) == []
@@ -303,7 +303,7 @@ def test_solve_ik_batch_refuses(graph, case):
 
 
 def test_solve_fk_refuses_more_poses_than_may_be(graph):
-    graph.start(KinematicsNode, robot_description="puma560", largest_batch=10)
+    graph.start(KinematicsNode, robot_description="puma560", max_batch_size=10)
     states = [JointState(position=[0.0] * 6)] * 6
     few = SolveFK.Request(states=states, links=["tool0"])
     assert len(graph.call(SolveFK, "kinematics/solve_fk", few).poses) == 6
@@ -311,7 +311,7 @@ def test_solve_fk_refuses_more_poses_than_may_be(graph):
     response = graph.call(SolveFK, "kinematics/solve_fk", many)
     assert list(response.poses) == []
     check(
-        graph, response, ErrorCode.WRONG_SIZE, ("states times links has size 12", "largest_batch")
+        graph, response, ErrorCode.WRONG_SIZE, ("states times links has size 12", "max_batch_size")
     )
 
 

@@ -11,7 +11,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import AnalyzeSingularity, QueryWorkspace, SolveFK
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
-from robomech_ros.kinetostatics import extreme_reach, jacobian, workspace_boundary
+from robomech_ros.kinetostatics import jacobian, reach_limits, workspace_boundary
 from robomech_ros.kinetostatics.workspace.boundary import positioning_boundary
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import stamped_pose
@@ -48,7 +48,7 @@ def test_poses_are_judged(graph):
     distances = workspace_boundary(PUMA).distance(T[:, :3, 3])
     assert list(answer.boundary_distances) == pytest.approx(distances.tolist())
     assert answer.boundary_distances[0] > 0.0 > answer.boundary_distances[1]
-    assert (answer.least_reach, answer.greatest_reach) == pytest.approx(extreme_reach(PUMA))
+    assert (answer.least_reach, answer.greatest_reach) == pytest.approx(reach_limits(PUMA))
     assert answer.least_reach < np.linalg.norm(T[0, :3, 3]) < answer.greatest_reach
     # The position alone, however the hand stands.
     turned = T[:1].copy()
@@ -150,12 +150,12 @@ def unknown_frame():
 
 
 def test_bad_requests_are_refused(graph):
-    graph.start(KinematicsNode, robot_description="puma560", largest_batch=5)
+    graph.start(KinematicsNode, robot_description="puma560", max_batch_size=5)
     for poses, code, text in (
         ([PoseStamped(), nan_pose()], ErrorCode.NON_FINITE, "poses[1].pose.position.x"),
         ([bad_quaternion()], ErrorCode.BAD_QUATERNION, "poses[0].pose.orientation"),
         ([unknown_frame()], ErrorCode.FRAME_UNAVAILABLE, "moon"),
-        ([PoseStamped()] * 6, ErrorCode.WRONG_SIZE, "largest_batch"),
+        ([PoseStamped()] * 6, ErrorCode.WRONG_SIZE, "max_batch_size"),
     ):
         refused = query(graph, poses)
         assert refused.error_code == code

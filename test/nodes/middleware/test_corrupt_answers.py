@@ -11,7 +11,7 @@ from raw_answers import raw_answers
 
 from robomech_interfaces.srv import SolveFK
 from robomech_ros.nodes.commands.call import EXIT_NO_ANSWER
-from robomech_ros.nodes.middleware.deep_queues import ask
+from robomech_ros.nodes.middleware.queue_depth import ask
 
 PATIENCE = 30.0
 SERVICE = "server/solve_fk"

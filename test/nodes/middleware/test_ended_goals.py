@@ -5,7 +5,7 @@ from action_msgs.msg import GoalStatus
 from rclpy.action import ActionServer
 
 from robomech_interfaces.action import ExecuteTrajectory
-from robomech_ros.nodes.middleware.deep_queues import ask_action
+from robomech_ros.nodes.middleware.queue_depth import ask_action
 
 PATIENCE = 30.0
 

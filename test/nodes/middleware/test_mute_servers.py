@@ -46,7 +46,7 @@ def attack_on(graph):
         server = graph.client if spins else resting
         servers.append(ActionServer(server, ExecuteTrajectory, ACTION, execute))
         server.create_service(*((Trigger, RESET) if reset else (SolveFK, SERVICE)), answer)
-        wait_until_seen(attacker, RESET if reset else SERVICE)
+        wait_for_viewer(attacker, RESET if reset else SERVICE)
         rng = np.random.default_rng(0)
         maker = MessageMaker(rng, known_robot("puma560"), (0.0,))
         return attack.Attack(attacker, [server.get_name()], maker, rng, lambda: True, {kind: 1.0})
@@ -69,7 +69,7 @@ def impatient(monkeypatch):
     return shorten
 
 
-def wait_until_seen(node, service):
+def wait_for_viewer(node, service):
     """Wait until a node knows the services of the server."""
     deadline = time.monotonic() + TIMEOUT
     while (

@@ -68,7 +68,7 @@ def test_a_wheel_that_slips_is_told_with_how_much(graph, slipping):
 def test_covariance_grows_with_slip(graph, slipping):
     base, noise = load_rolling("mecanum"), OdometryNoise()
     # What a velocity (m/s) that one wheel says adds to v_x, squared.
-    share = np.linalg.pinv(base.told_rows())[1] ** 2
+    share = np.linalg.pinv(base.measured_rows())[1] ** 2
     still = graph.receive(Odometry, "mobile_base/odometry", 10, lambda m: True)
     for covariance in (still.pose.covariance, still.twist.covariance):
         expected = [LEAST, LEAST, *[UNMEASURED] * 3, LEAST]

@@ -14,7 +14,7 @@ from robomech_interfaces.action import ExecuteTrajectory
 from robomech_interfaces.srv import Execute
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
-from robomech_ros.parallel import load_described
+from robomech_ros.parallel import load_tree_description
 from robomech_ros.robots import load_robot
 
 TIMEOUT = 30.0
@@ -175,7 +175,7 @@ class PlatformDriver(Driver):
     """Drives a parallel robot, whose states have all joints."""
 
     def load(self, robot, tip):
-        self.mechanism = load_described(robot).mechanism
+        self.mechanism = load_tree_description(robot).mechanism
         self.names = list(self.mechanism.actuated)
 
     @property

@@ -571,7 +571,7 @@ def test_fk_answers_for_the_links_it_knows(puma):
     [
         ({}, LINK, ["fk_link_names is empty"]),
         ({"fk_link_names": ["tool0"]}, MoveItErrorCodes.ROBOT_STATE_STALE, [JOINT]),
-        ({"fk_link_names": ["tool0"] * 11}, MoveItErrorCodes.FAILURE, ["11", "largest_batch"]),
+        ({"fk_link_names": ["tool0"] * 11}, MoveItErrorCodes.FAILURE, ["11", "max_batch_size"]),
         (
             {"fk_link_names": ["tool0"], "header": Header(frame_id="moon")},
             MoveItErrorCodes.FRAME_TRANSFORM_FAILURE,
@@ -585,7 +585,7 @@ def test_fk_answers_for_the_links_it_knows(puma):
     ],
 )
 def test_fk_refuses_by_name(graph, fields, code, words):
-    options = {"robot_description": "puma560", "state_timeout": 0.0, "largest_batch": 10}
+    options = {"robot_description": "puma560", "state_timeout": 0.0, "max_batch_size": 10}
     graph.start(KinematicsNode, **options)
     response = compute_fk(graph, **fields)
     assert response.error_code.val == code, response.error_code

@@ -9,7 +9,7 @@ import pytest
 import rclpy
 from rclpy.node import Node
 
-from robomech_ros import shared_memory
+from robomech_ros import fastdds_shared_memory
 from robomech_ros.nodes.process import free_domain as module
 from robomech_ros.nodes.process.free_domain import NoFreeDomainError, free_domain
 
@@ -79,7 +79,7 @@ def test_ports_in_shared_memory_that_killed_processes_left_are_removed(
     two_domains, monkeypatch, tmp_path
 ):
     """Answers to clients in such a domain were lost until somebody cleaned up by hand."""
-    for using in (shared_memory, module):
+    for using in (fastdds_shared_memory, module):
         monkeypatch.setattr(using, "FOLDER", tmp_path)
     port = 7400 + 250 * two_domains[0]
     of_both, elsewhere = f"fastdds_port{port + 11}", f"fastdds_port{port + 250 * 2}"
@@ -95,9 +95,9 @@ def test_the_port_of_a_living_process_stays(two_domains):
         rclpy.init(args=[], context=context, domain_id=number)
         try:
             node = Node("living", context=context, start_parameter_services=False)
-            own = shared_memory.ports_of_domain(number)
+            own = fastdds_shared_memory.ports_of_domain(number)
             ports = {path for k in own for path in Path("/dev/shm").glob(f"fastdds_port{k}")}
-            assert ports and not shared_memory.dead_ports(own)
+            assert ports and not fastdds_shared_memory.dead_ports(own)
             node.destroy_node()
         finally:
             context.try_shutdown()

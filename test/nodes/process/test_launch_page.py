@@ -10,8 +10,8 @@ import pytest
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.parameters import table_rows
+from robomech_ros.nodes.process.entry_points import NODE_MODULES
 from robomech_ros.nodes.process.launch_options import LaunchOptions
-from robomech_ros.nodes.process.start import NODE_MODULES
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "doc" / "launch.md").read_text(encoding="utf-8")

@@ -8,10 +8,10 @@ import time
 
 import pytest
 
+from robomech_ros.nodes.process.entry_points import NODE_MODULES
 from robomech_ros.nodes.process.process_group import ProcessGroup, node_command
-from robomech_ros.nodes.process.start import NODE_MODULES
 
-START_MODULE = "robomech_ros.nodes.process.start"
+START_MODULE = "robomech_ros.nodes.process.entry_points"
 WAITS = [sys.executable, "-c", "import signal; signal.sigwait({signal.SIGINT})"]
 FAILS = [sys.executable, "-c", "raise SystemExit(7)"]
 DEAF = [

@@ -19,7 +19,7 @@ from twist_driver import Driver
 from robomech_interfaces.msg import FootContacts
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
-from robomech_ros.nodes.middleware.sparing_log import MOST as MOST_LOGGED
+from robomech_ros.nodes.middleware.throttled_log import MOST as MOST_LOGGED
 from robomech_ros.nodes.walker.node import WalkerNode
 from robomech_ros.walking import GAITS, load_legged, stability_margin
 

@@ -13,7 +13,7 @@ from robomech_ros.errors import (
     WrongSizeError,
 )
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel import ParallelDynamics, Parts, list_parallel, load_parallel
+from robomech_ros.parallel import LinkBodies, ParallelDynamics, list_parallel, load_parallel
 from robomech_ros.robots import Body, Drive
 
 GRAVITY, WRENCH = (1.0, -2.0, -9.0), (1.0, -2.0, 3.0, 40.0, -50.0, 60.0)
@@ -160,7 +160,7 @@ def test_what_rests_on_the_base_is_the_weight_and_the_load(robot):
 def test_reactions_in_motion_are_what_newton_and_euler_ask_for(hexapod):
     """A weightless leg bears along its length only: of one with mass the spherical joint."""
     q, rates, gains = (one[0] for one in states(hexapod, 1))
-    light = Parts({"platform": hexapod.mechanism.platform_body})
+    light = LinkBodies({"platform": hexapod.mechanism.platform_body})
     source = load_parallel("hexapod")
     source.parts = light
     robot = ParallelDynamics(source.mechanism)
@@ -232,19 +232,19 @@ def test_wrong_requests_are_named(hexapod):
 def test_parts_that_do_not_fit_are_named():
     robot = load_parallel("hexapod")
     body = Body(1.0, np.zeros(3), np.eye(3))
-    robot.parts = Parts({"platform": body, "piston": body})
+    robot.parts = LinkBodies({"platform": body, "piston": body})
     with pytest.raises(UnknownLinkError, match=r"'piston'.*cylinder"):
         _ = robot.mechanism
-    robot.parts = Parts({"leg2_rod": body})
+    robot.parts = LinkBodies({"leg2_rod": body})
     with pytest.raises(MissingInertiaError, match="platform"):
         ParallelDynamics(robot.mechanism).mass_matrix(robot.mechanism.home())
     for wrong in ({"bodies": {"rod": 3.0}}, {"bodies": [body]}, {"drive": 3.0}):
         with pytest.raises(BadValueError, match="bod|drive"):
-            Parts(**wrong)
+            LinkBodies(**wrong)
     with pytest.raises(BadValueError, match=r"'rod'.*positive"):
-        Parts({"rod": Body(-1.0, np.zeros(3), np.eye(3))})
+        LinkBodies({"rod": Body(-1.0, np.zeros(3), np.eye(3))})
     robot = load_parallel("hexapod")
-    robot.parts = Parts({"platform": body, "leg2_rod": body}, Drive(viscous=2.0))
+    robot.parts = LinkBodies({"platform": body, "leg2_rod": body}, Drive(viscous=2.0))
     bodies = [limb.chain.bodies[2] for limb in robot.mechanism.limbs]
     assert [one is not None for one in bodies] == [False, True, False, False, False, False]
     assert robot.mechanism.limbs[3].chain.drives[2].viscous == 2.0

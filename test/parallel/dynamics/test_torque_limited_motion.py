@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tree_of_pinocchio import TreeOfPinocchio
 
-from robomech_ros.cartesian import path_through
+from robomech_ros.cartesian import waypoint_path
 from robomech_ros.dynamics import ChainDynamics, inverse_dynamics
 from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeError
 from robomech_ros.parallel import ParallelDynamics, follow_drives, load_parallel, plan_platform
@@ -33,7 +33,7 @@ def followed(name):
     there = here.copy()
     there[:3, :3] = here[:3, :3] @ matrix_from_rotation_vector(turn)
     there[:3, 3] += way
-    plan = plan_platform(mechanism, path_through(here, [there]), mechanism.home())
+    plan = plan_platform(mechanism, waypoint_path(here, [there]), mechanism.home())
     assert plan.stop is None
     return ParallelDynamics(mechanism), plan.followed.joints.pieces
 
@@ -138,7 +138,7 @@ def test_corners_of_a_way_of_the_platform_are_passed_at_rest():
     up, over = here.copy(), here.copy()
     up[2, 3] += 0.05
     over[:3, 3] += 0.1, 0.0, 0.05
-    plan = plan_platform(mechanism, path_through(here, [up, over]), mechanism.home())
+    plan = plan_platform(mechanism, waypoint_path(here, [up, over]), mechanism.home())
     effort = np.full(3, 20.0)
     path = plan.followed.joints.pieces
     motion = torque_limited(path, speeds(robot), robot, effort=effort, friction=robot.friction)

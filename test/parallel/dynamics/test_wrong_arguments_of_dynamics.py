@@ -5,7 +5,7 @@ import pytest
 from wrong_values import WRONG_VALUES, answered_or_refused, with_options
 
 from robomech_ros.dynamics import simulate, torque_summary
-from robomech_ros.parallel import ParallelDynamics, Parts, load_parallel
+from robomech_ros.parallel import LinkBodies, ParallelDynamics, load_parallel
 from robomech_ros.robots import Body
 
 VALUES = (
@@ -42,7 +42,7 @@ def calls():
     found |= with_options(robot.gravity, q=q, gravity=[0.0] * 3)
     found |= with_options(robot.potential_energy, q=q, gravity=[0.0] * 3)
     found |= with_options(robot.with_payload, payload=body)
-    found |= with_options(Parts, bodies={"platform": body})
+    found |= with_options(LinkBodies, bodies={"platform": body})
     found |= with_options(ParallelDynamics, mechanism=mechanism)
     rows = {"times": [0.0], "q": [q], "qd": [u], "qdd": [u]}
     found |= with_options(torque_summary, chain=robot, **rows)

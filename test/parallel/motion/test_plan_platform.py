@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rated import moved, rated
 
-from robomech_ros.cartesian import PathBounds, path_through
+from robomech_ros.cartesian import PathStopLimits, waypoint_path
 from robomech_ros.errors import BadValueError, MissingLimitsError, NonFiniteError, WrongSizeError
 from robomech_ros.parallel import follow_drives, load_parallel, plan_platform
 from robomech_ros.spatial import matrix_from_rotation_vector, pose_error
@@ -25,7 +25,7 @@ def planned(name, turn, way, **options):
     mechanism = load_parallel(name).mechanism
     home = mechanism.home()
     here = mechanism.pose(home)
-    path = path_through(here, [moved(here, turn, way)])
+    path = waypoint_path(here, [moved(here, turn, way)])
     options = {"limits": rated(mechanism), **options}
     return mechanism, path, plan_platform(mechanism, path, home, **options)
 
@@ -37,7 +37,7 @@ def test_a_path_ends_where_a_joint_leaves_its_cone():
     here = mechanism.pose(mechanism.home())
     there = moved(here, way=(0.043, 0.092, 0.009))
     there[:3, :3] = matrix_from_rotation_vector([0.348, 0.253, -0.398]) @ here[:3, :3]
-    path = path_through(here, [there])
+    path = waypoint_path(here, [there])
     plan = plan_platform(mechanism, path, mechanism.home())
     assert robot.cone_excess(there).max() > 0.1
     assert 0.2 < plan.fraction < 1.0
@@ -116,7 +116,7 @@ def test_the_limb_that_does_not_reach_is_named_with_the_amount():
 @pytest.mark.parametrize("condition", [200.0, np.inf])
 def test_no_platform_passes_a_singularity(condition):
     turn, way = (0.0, 0.0, 0.5), (2.0, 0.0, 0.0)
-    bounds = PathBounds(condition=condition)
+    bounds = PathStopLimits(condition=condition)
     _, path, plan = planned("planar_3rpr", turn, way, bounds=bounds)
     assert plan.stop.kind is PathTrackingStatus.SINGULAR
     assert "hardly hold the platform against a turn about z" in plan.stop.text
@@ -143,7 +143,7 @@ def test_the_waypoint_on_whose_way_it_stops_is_told():
     home = mechanism.home()
     here = mechanism.pose(home)
     poses = [moved(here, way=(0.0, 0.0, z)) for z in (0.05, 0.1, 0.8)]
-    plan = plan_platform(mechanism, path_through(here, poses), home, limits=rated(mechanism))
+    plan = plan_platform(mechanism, waypoint_path(here, poses), home, limits=rated(mechanism))
     assert plan.stop.index == 2
     assert "waypoints[2]" in plan.stop.text
 
@@ -199,7 +199,7 @@ def test_wrong_requests_say_what_is_wrong():
     mechanism = load_parallel("hexapod").mechanism
     home = mechanism.home()
     here = mechanism.pose(home)
-    path = path_through(here, [moved(here, way=(0.0, 0.0, 0.05))])
+    path = waypoint_path(here, [moved(here, way=(0.0, 0.0, 0.05))])
     apart = home.copy()
     apart[mechanism.joint_names.index("leg3_length")] += 1e-3
     for start, kind, text in (

@@ -7,7 +7,7 @@ from controls import button, press
 from raw_client import wait_until
 
 from robomech_ros.rvs import view
-from robomech_ros.rvs.model.eye import seen_points
+from robomech_ros.rvs.model.camera import visible_points
 
 pytestmark = IN_CHROMIUM
 TIP = "__viserMutable.nodeRefFromName['/base/target']"
@@ -34,7 +34,7 @@ def fills(tab, points):
 def robot_share(tab, page):
     """Share of the picture, in its wider direction, that the bodies of the robot take."""
     place = page._layers[0]._place
-    at = places(tab, seen_points(place.seen, [place.moved.positions]))
+    at = places(tab, visible_points(place.seen, [place.moved.positions]))
     return float(np.ptp(at, axis=0).max()) / 2.0
 
 

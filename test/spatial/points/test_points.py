@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 from robomech_ros import spatial
 from robomech_ros.errors import (
     BadValueError,
-    ContradictionError,
-    UndeterminedError,
+    InconsistentDataError,
+    UnderdeterminedError,
     WrongSizeError,
 )
 
@@ -125,8 +125,8 @@ def test_exact_tracks_at_uneven_times_are_followed():
     [
         (lambda p, v: (p[:2], v[:2]), WrongSizeError, "m at least 3"),
         (lambda p, v: (p, v[:3]), WrongSizeError, "as points"),
-        (lambda p, v: (p * [1, 0, 0], v), UndeterminedError, "on one line"),
-        (lambda p, v: (0.0 * p, v), UndeterminedError, "all the same"),
+        (lambda p, v: (p * [1, 0, 0], v), UnderdeterminedError, "on one line"),
+        (lambda p, v: (0.0 * p, v), UnderdeterminedError, "all the same"),
     ],
 )
 def test_points_that_determine_nothing_are_refused(change, error, text):
@@ -165,18 +165,18 @@ def test_what_is_wrong_with_points_has_its_error_and_names_the_culprits():
     p, v, a, _, _ = motion(1, 5)
     wrong = v[0].copy()
     wrong[3] += 0.1 * (p[0, 3] - p[0, 1])
-    with pytest.raises(ContradictionError, match=r"points [13] and [13] changes fastest"):
+    with pytest.raises(InconsistentDataError, match=r"points [13] and [13] changes fastest"):
         spatial.require_rigid(p[0], wrong)
-    with pytest.raises(ContradictionError, match=r"points in row 1 is .* m/s\^2"):
+    with pytest.raises(InconsistentDataError, match=r"points in row 1 is .* m/s\^2"):
         spatial.require_rigid(
             np.stack((p[0],) * 2), np.stack((v[0],) * 2), np.stack((a[0], wrong)), tolerance=1e-6
         )
     assert spatial.require_rigid(p[0], wrong, tolerance=1.0).rigid
     line = np.outer([0.0, 1.0, 2.0, 4.0], [0.6, 0.0, 0.8])
-    with pytest.raises(UndeterminedError, match=r"their line, \[0.6, 0.0, 0.8\]") as caught:
+    with pytest.raises(UnderdeterminedError, match=r"their line, \[0.6, 0.0, 0.8\]") as caught:
         spatial.angular_velocity_from_points(line, line)
     assert caught.value.free == ((0.6, 0.0, 0.8),)
-    with pytest.raises(UndeterminedError, match="not all the same"):
+    with pytest.raises(UnderdeterminedError, match="not all the same"):
         spatial.angular_acceleration_from_points(0.0 * line, line, line)
 
 
@@ -184,7 +184,7 @@ def test_tracks_of_points_that_are_no_rigid_body_are_refused():
     t, places, _, _ = tracks(100.0, 1e-3, 2.0)
     places[:, 2] += 0.05 * np.sin(3.0 * t)[:, None]
     with pytest.raises(
-        ContradictionError, match=r"points (. and 2|2 and .) is .*, expected at most"
+        InconsistentDataError, match=r"points (. and 2|2 and .) is .*, expected at most"
     ):
         spatial.motion_from_tracks(t, places)
     assert len(spatial.motion_from_tracks(t, places, tolerance=0.1).times) == len(t)

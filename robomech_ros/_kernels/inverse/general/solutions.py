@@ -41,7 +41,6 @@ from robomech_ros._kernels.inverse.branch_bits import (
 )
 from robomech_ros._kernels.inverse.general import layout as at
 from robomech_ros._kernels.inverse.general.equations import demanded
-from robomech_ros._kernels.inverse.general.folds import FOLD_LEAST, all_simple
 from robomech_ros._kernels.inverse.general.forms import (
     COUNT,
     CROWDED,
@@ -55,6 +54,7 @@ from robomech_ros._kernels.inverse.general.forms import (
     solve_form,
     solve_slides,
 )
+from robomech_ros._kernels.inverse.general.multiplicity import FOLD_LEAST, all_simple
 from robomech_ros._kernels.inverse.general.nearby_poses import N_NUDGED, nudged
 from robomech_ros._kernels.inverse.general.singular_postures import (
     distance,

@@ -13,7 +13,7 @@ from robomech_ros._kernels.compiling.jit import (
     scratch,
 )
 from robomech_ros._kernels.inverse.branch_bits import BOUNDARY, DOUBT, SHOULDER_SINGULAR
-from robomech_ros._kernels.inverse.general.folds import FOLD_LEAST, all_simple
+from robomech_ros._kernels.inverse.general.multiplicity import FOLD_LEAST, all_simple
 from robomech_ros._kernels.inverse.parallel import layout as at
 from robomech_ros._kernels.inverse.parallel.arm import MAX_SOLUTIONS, finish_pair
 from robomech_ros._kernels.inverse.parallel.continuum import free_pairs

@@ -10,20 +10,20 @@ from rclpy.task import Future
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.gripper.finger_motion import FingerCommand, FingerEnd, FingerMotion
-from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.execution.rejections import TrajectoryRefusedError
+from robomech_ros.nodes.common.cooperative_wait import wake
 from robomech_ros.nodes.common.error_codes import code_of
-from robomech_ros.nodes.common.pauses import wake
+from robomech_ros.nodes.joint_trajectory_controller.action_base import ActionBase
 from robomech_ros.nodes.joint_trajectory_controller.gripper.command_messages import CommandMessages
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper
-from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
-from robomech_ros.nodes.middleware.sparing_log import SparingLog
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.outcomes import name_of
 
 # As ros2_control's gripper controllers call it.
 _NAME = "gripper_cmd"
 
 
-class CommandServer(ServedAction[FingerMotion]):
+class CommandServer(ActionBase[FingerMotion]):
     """Serves the action.
 
     Results have no place for a reason: a goal that cannot be executed is rejected, and the log and
@@ -44,7 +44,7 @@ class CommandServer(ServedAction[FingerMotion]):
     def __init__(self, node: Node, gripper: Gripper, place: str, messages: CommandMessages) -> None:
         self._gripper = gripper
         self._messages = messages
-        self._log = SparingLog(node.get_logger())
+        self._log = ThrottledLog(node.get_logger())
         name = f"{place}/{_NAME}"
         super().__init__(node, gripper, messages.kind, name, goal_callback=self._accept)
 

@@ -5,16 +5,16 @@ from collections.abc import Callable
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.parameters import ParameterError
+from robomech_ros.nodes.joint_trajectory_controller.action_base import ActionBase
 from robomech_ros.nodes.joint_trajectory_controller.commands import TrajectoryTopic
 from robomech_ros.nodes.joint_trajectory_controller.goal_server import GoalServer
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper
-from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 
 
 def serve_gripper(
     node: Node, gripper: Gripper, settings: ControllerSettings, on_refused: Callable[[], None]
-) -> list[ServedAction]:
+) -> list[ActionBase]:
     """Offer the topic joint_trajectory, and the actions where control_msgs is installed.
 
     Parameters
@@ -30,7 +30,7 @@ def serve_gripper(
 
     Returns
     -------
-    list of ServedAction
+    list of ActionBase
         The servers of the actions.
 
     Raises
@@ -58,7 +58,7 @@ def serve_gripper(
         if getattr(error, "name", "") != "control_msgs":
             node.get_logger().warning(f"no gripper_cmd: {error}")
         return []
-    servers: list[ServedAction] = [GoalServer(node, gripper, FollowMessages(gripper.joint_names))]
+    servers: list[ActionBase] = [GoalServer(node, gripper, FollowMessages(gripper.joint_names))]
     for place, messages in ((gripper.place, GripperMessages), (parallel, ParallelGripperMessages)):
         if hasattr(action, messages.type_name):
             servers.append(CommandServer(node, gripper, place, messages()))

@@ -14,10 +14,10 @@ from robomech_ros.rolling.arcs import moved
 from robomech_ros.rolling.library import RollingRobot
 from robomech_ros.rolling.simulated import SimulatedBase
 from robomech_ros.rolling.tree import BASE_JOINTS, rolling_description
-from robomech_ros.rvs.model.kinds.moving import twist_facts
-from robomech_ros.rvs.model.kinds.seen_tree import SeenTree
+from robomech_ros.rvs.model.draggable import SliderRange
+from robomech_ros.rvs.model.kinds.mobile_robot import twist_facts
 from robomech_ros.rvs.model.kinds.trail import Trail, on_ground
-from robomech_ros.rvs.model.moved import Travel
+from robomech_ros.rvs.model.kinds.tree_view import TreeView
 from robomech_ros.typing import Array
 
 # Of the steps of the simulation (s), and for how long the way ahead is drawn, in so many pieces.
@@ -30,7 +30,7 @@ GIZMO = 3.0
 ROOM = 4.0
 
 
-class SeenBase(SeenTree):
+class BaseView(TreeView):
     """A rolling robot with its present place; not for several threads at a time.
 
     Parameters
@@ -46,7 +46,7 @@ class SeenBase(SeenTree):
     def __init__(self, robot: RollingRobot) -> None:
         self.robot = robot
         x, y, heading = BASE_JOINTS
-        far, turn = Travel(-FAR, FAR), Travel(-math.pi, math.pi)
+        far, turn = SliderRange(-FAR, FAR), SliderRange(-math.pi, math.pi)
         super().__init__(
             rolling_description(robot.base), {x: far, y: far, heading: turn}, "base_link"
         )
@@ -124,7 +124,7 @@ class SeenBase(SeenTree):
         wheels = [f"{name}_link" for name in self.robot.base.names if name in limited]
         self.tell(text, wheels)
 
-    def way_ahead(self) -> Array:
+    def path_ahead(self) -> Array:
         """Return the way that the command goes from here, within limits, shape (m, 3) (m)."""
         twist, _ = self.limiter.allowed(self.command)
         if not twist.any():
@@ -162,6 +162,6 @@ class SeenBase(SeenTree):
         }
 
 
-def seen_base(robot: str | os.PathLike[str]) -> SeenBase:
+def load_base_view(robot: str | os.PathLike[str]) -> BaseView:
     """Load a rolling robot to be seen; errors are those of ``rolling_robot``."""
-    return SeenBase(rolling_robot(robot))
+    return BaseView(rolling_robot(robot))

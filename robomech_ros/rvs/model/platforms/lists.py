@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros.parallel import Mechanism, ParallelRobot, dexterity
-from robomech_ros.rvs.model.moved import ROUNDING
+from robomech_ros.rvs.model.draggable import ROUNDING
 from robomech_ros.rvs.model.postures import MOST_POSTURES, Posture
 from robomech_ros.typing import Array
 

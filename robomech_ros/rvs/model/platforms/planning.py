@@ -4,10 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from robomech_ros.cartesian import path_through
+from robomech_ros.cartesian import waypoint_path
 from robomech_ros.errors import BadValueError
 from robomech_ros.parallel import Mechanism, follow_drives, plan_drives, plan_platform
-from robomech_ros.rvs.model.planning import JOINTS, SAME, WAYS, MadePlan, of_goal, sample_times
+from robomech_ros.rvs.model.planning import (
+    JOG_DIRECTIONS,
+    JOINTS,
+    SAME,
+    MadePlan,
+    of_goal,
+    sample_times,
+)
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES
@@ -28,7 +35,7 @@ def plan_platform_between(
         Postures (rad or m), loops closed; along a line of the platform, the pose of the goal
         counts, otherwise its drives.
     way : str
-        One of ``WAYS``: the drives together, or the platform along a line.
+        One of ``JOG_DIRECTIONS``: the drives together, or the platform along a line.
     profile : str
         One of :data:`robomech_ros.trajectory.PROFILES`; not each of them suits a line.
 
@@ -39,7 +46,7 @@ def plan_platform_between(
     RobomechError
         As for the planners: limits are missing, a posture is outside them.
     """
-    as_choice("way", way, WAYS)
+    as_choice("way", way, JOG_DIRECTIONS)
     if way != JOINTS:
         return _along_line(mechanism, start, goal, profile)
     as_choice("profile", profile, tuple(PROFILES))
@@ -59,7 +66,7 @@ def plan_platform_between(
 
 def _along_line(mechanism: Mechanism, start: Array, goal: Array, profile: str) -> MadePlan:
     T = mechanism.pose(np.stack([start, goal]))
-    path = path_through(T[0], T[1:])
+    path = waypoint_path(T[0], T[1:])
     if path is None:
         raise BadValueError("goal", "the pose of the start", "another pose")
     plan = plan_platform(mechanism, path, start, profile=profile)

@@ -78,6 +78,6 @@ class Support:
         """Return the border of the polygon, closed, on the ground, shape (m + 1, 3) (m)."""
         return on_ground(np.vstack([self.corners, self.corners[:1]]))
 
-    def shortest_way(self) -> Array:
+    def shortest_path(self) -> Array:
         """Return the line from the mass centre to the nearest edge, on the ground, (2, 3) (m)."""
         return on_ground(np.vstack([self.centre, self._nearest[1]]))

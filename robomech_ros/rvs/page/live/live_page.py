@@ -8,12 +8,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.layer import LayerContext
 from robomech_ros.rvs.page.tables import STYLE, WARN
 from robomech_ros.rvs.page.units import Units
 
 
-class News:
+class StatusLines:
     """Messages on top of the panel, which every browser sees; for any thread.
 
     Parameters
@@ -47,21 +47,23 @@ class LivePage:
 
     Parameters
     ----------
-    place : Place
-    robot : LiveRobot or LiveMover
+    place : LayerContext
+    robot : LiveRobot or LiveMobileRobot
         ``begin`` is to be called at the end of the construction.
     lines : sequence of str
         Names of messages beside "state", "jog" and "result".
     stop_hint : str
     """
 
-    def __init__(self, place: Place, robot: Any, lines: Sequence[str], stop_hint: str) -> None:
+    def __init__(
+        self, place: LayerContext, robot: Any, lines: Sequence[str], stop_hint: str
+    ) -> None:
         self._place, self._running = place, robot
         # The controls of the browser that commands.
         self._controls: Any = None
         self._somebody, self._clients = threading.Event(), set[int]()
         gui = place.server.gui
-        self._news = News(gui, place.units, ("state", *lines, "jog", "result"))
+        self._news = StatusLines(gui, place.units, ("state", *lines, "jog", "result"))
         stop = gui.add_button("Stop", color="red", hint=stop_hint, order=-0.15)
 
         @stop.on_click
@@ -95,7 +97,7 @@ class LivePage:
 
     # Of the robot, on any thread.
 
-    def wait_until_seen(self, seconds: float) -> bool:
+    def wait_for_viewer(self, seconds: float) -> bool:
         """Wait until somebody looks, but no longer; return whether somebody does."""
         return self._somebody.wait(seconds)
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.numerics.arrays import finite_number
-from robomech_ros.rvs.model.moved import ROUNDING
-from robomech_ros.rvs.model.running.followed import Shift
+from robomech_ros.rvs.model.draggable import ROUNDING
+from robomech_ros.rvs.model.running.observed_robot import Shift
 from robomech_ros.rvs.page.folder import Folder
 
 

@@ -13,7 +13,7 @@ from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.joint_trajectory_controller import commanded_joints
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
-from robomech_ros.nodes.middleware.sparing_log import PERIOD
+from robomech_ros.nodes.middleware.throttled_log import PERIOD
 
 MOVE = np.full(6, 0.05)
 

@@ -16,7 +16,7 @@ from robomech_interfaces.msg import ErrorCode
 from robomech_ros.dynamics import gravity_torque, mass_matrix, with_payload
 from robomech_ros.dynamics.simulation.controlled_arm import CONTROLS
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.controller.follower import Follower, Phase
+from robomech_ros.execution.controller.follower import Phase, TrajectoryFollower
 from robomech_ros.execution.controller.simulated_joints import Faults, SimulatedJoints
 from robomech_ros.execution.controller.trajectory_goal import End
 from robomech_ros.execution.joints import Joints, at_rest
@@ -74,7 +74,7 @@ def until_still(arm):
 def follower(chain=PUMA, position=HOME, **parameters):
     settings = ControllerSettings(simulation="dynamic", **parameters)
     plant = DynamicPlant(chain, settings, position)
-    return Follower(Joints.of(chain), SimulatedJoints(position, plant=plant))
+    return TrajectoryFollower(Joints.of(chain), SimulatedJoints(position, plant=plant))
 
 
 def start(robot, change, duration, ends):

@@ -10,7 +10,7 @@ from std_srvs.srv import Trigger
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
-from robomech_ros.parallel import list_parallel, load_described, load_parallel
+from robomech_ros.parallel import list_parallel, load_parallel, load_tree_description
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 CLOSED = 1e-10
@@ -192,7 +192,7 @@ def test_parameters_that_do_not_fit_a_parallel_robot(graph, parameters, text):
 def test_tree_and_loops_come_by_the_topic(platform, graph):
     robot = platform("delta")
     message = graph.receive(String, "robot_description", LATCHED, lambda message: True)
-    again = load_described(message.data)
+    again = load_tree_description(message.data)
     assert again.mechanism.joint_names == robot.mechanism.joint_names
     np.testing.assert_allclose(
         again.mechanism.pose(robot.position), robot.mechanism.pose(robot.position)

@@ -15,7 +15,7 @@ from robomech_ros.nodes.rvs.node import RvsNode
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 from robomech_ros.robots import load_description
-from robomech_ros.rvs.model.seen_robot import seen_robot
+from robomech_ros.rvs.model.visual_model import load_visual_model
 from test.coupled_robots import palletizer_with_bodies
 
 START, REAR = [0.2, 0.4, 0.5, 0.3], 1
@@ -50,7 +50,7 @@ def test_the_slider_of_a_drive_moves_its_follower_and_the_robot_goes_there(shown
     goal = arm.q
     np.testing.assert_allclose(goal, [0.2, 0.9, 0.5, 0.3], atol=1e-3)
     # The joints as they are drawn: the rods turn link_a and the hand back.
-    seen = seen_robot(load_description(text))
+    seen = load_visual_model(load_description(text))
     drawn = [joint.name for joint in seen.moving]
     _, turns = seen.joint_poses(arm.positions_of(goal))
     for follower, drive in (("rear_back", 1), ("level", 2)):

@@ -38,7 +38,7 @@ def seen(graph, drive):
     servo = {"characteristic_length": 0.283, "publish_rate": 50.0}
     graph.start(ServoNode, robot_description=ROBOT, **servo)
     # A page that is drawn in software on a busy machine says seldom what is held.
-    node = graph.start(RvsNode, robot_description=ROBOT, port=0, jog_silence=2.0)
+    node = graph.start(RvsNode, robot_description=ROBOT, port=0, jog_timeout=2.0)
     motions, jogger = node._robot._motions, node._robot._jogger
     wait_until(lambda: motions._planner.service_is_ready() and motions._executor.service_is_ready())
     wait_until(jogger._joints.get_subscription_count)

@@ -24,7 +24,7 @@ SERVO = {"robot_description": ROBOT, "characteristic_length": 0.283, "publish_ra
 
 def page_of(graph, browse, robot):
     """Open a page of a robot whose servo has been started."""
-    browser = browse(graph.start(RvsNode, robot_description=ROBOT, port=0, jog_silence=1.0))
+    browser = browse(graph.start(RvsNode, robot_description=ROBOT, port=0, jog_timeout=1.0))
     jogger = browser.node._robot._jogger
     wait_until(lambda: np.allclose(drawn(browser), robot.position, atol=1e-6))
     for publisher in (jogger._twists, jogger._joints):

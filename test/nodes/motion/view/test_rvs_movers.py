@@ -22,13 +22,13 @@ from robomech_ros.nodes.walker.node import WalkerNode
 from robomech_ros.rolling import list_rolling
 from robomech_ros.walking import list_legged
 
-WAYS = {"linear 0": "base_x", "linear 1": "base_y", "angular 2": "base_heading"}
+JOG_DIRECTIONS = {"linear 0": "base_x", "linear 1": "base_y", "angular 2": "base_heading"}
 
 
 def page_of(graph, browse, robot):
     """Open the page of a robot whose nodes have been started, once it is drawn."""
     node = graph.start(
-        RvsNode, robot_description=robot, port=0, jog_silence=1.0, jog_linear_speed=0.2
+        RvsNode, robot_description=robot, port=0, jog_timeout=1.0, jog_linear_speed=0.2
     )
     browser = browse(node)
     wait_until(lambda: browser.layer._controls is not None)
@@ -40,7 +40,7 @@ def page_of(graph, browse, robot):
 def place(browser):
     """Return the drawn position of the robot: x, y (m) and heading (rad)."""
     at = browser.page._arm.positions
-    return np.array([at[name] for name in WAYS.values()])
+    return np.array([at[name] for name in JOG_DIRECTIONS.values()])
 
 
 def control(browser, label):

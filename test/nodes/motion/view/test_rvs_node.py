@@ -24,7 +24,7 @@ from robomech_interfaces.srv import AnalyzeSingularity, Execute
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.kinematics.node import KinematicsNode
-from robomech_ros.nodes.rvs.messages import seen_marker
+from robomech_ros.nodes.rvs.messages import read_marker
 from robomech_ros.nodes.rvs.node import RvsNode
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
@@ -370,9 +370,9 @@ def marker(x=0.0, **size):
 @pytest.mark.parametrize("wild", [{"x": 1e300}, {"y": -1e300}, {"z": 1.1e6}])
 def test_markers_beyond_single_precision_are_refused(wild):
     model = RobotModel(load_description(ROBOT))
-    assert seen_marker(model, marker(x=1e6)).pose[0, 3] == 1e6
+    assert read_marker(model, marker(x=1e6)).pose[0, 3] == 1e6
     with pytest.raises(BadValueError, match="marker is"):
-        seen_marker(model, marker(**wild))
+        read_marker(model, marker(**wild))
 
 
 def test_two_robots_have_pages_of_their_own(graph, browse):
@@ -417,4 +417,4 @@ def test_without_anybody_nothing_is_drawn(graph, arm):
     node = graph.start(RvsNode, robot_description=ROBOT, port=0)
     layer = node._page._layers[0]
     arm.execute(arm.trajectory((0.3, 0.2)))
-    assert layer._goal._robot is None and not layer.wait_until_seen(0.0)
+    assert layer._goal._robot is None and not layer.wait_for_viewer(0.0)

@@ -1,0 +1,47 @@
+"""Interfaces of a dispatcher to the controller and to the robot's state."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from robomech_ros.execution.client.execution_request import ExecutionRequest, Transport
+from robomech_ros.execution.joints import JointKinds
+from robomech_ros.typing import Array
+
+
+class ControllerInterface(Protocol):
+    """The way to the controller and to the robot's state."""
+
+    def missing(self, transport: Transport) -> str:
+        """Say what is not there to send by; empty if all is."""
+
+    @property
+    def died(self) -> bool:
+        """Whether the controller was there and shows no sign of life any more."""
+
+    @property
+    def replaced(self) -> bool:
+        """Whether the controller that was sent to last has died, and another process is there."""
+
+    def send(self, delivery: ExecutionRequest) -> None:
+        """Send, instead of what was sent of this delivery before.
+
+        By action, `Dispatcher.conclude` is called with the result of what was sent last.
+        """
+
+    def cancel(self, delivery: ExecutionRequest) -> None:
+        """Ask the controller to give up a delivery sent by action."""
+
+    def runs_before(self, delivery: ExecutionRequest) -> bool:
+        """Say whether the controller still executes what was sent before of this delivery."""
+
+    def positions(self, names: Sequence[str]) -> Array | None:
+        """Return the present positions, rad or m; None if not known."""
+
+    def update_count(self, names: Sequence[str]) -> int:
+        """Return a number that has grown when all these joints were heard of anew."""
+
+    def kinds(self, names: Sequence[str]) -> JointKinds:
+        """Say which joints turn without limits, and in which units they are."""
+
+    def acceleration(self, names: Sequence[str]) -> Array | None:
+        """Return the acceleration limits, rad/s^2 or m/s^2; None if the robot is not known."""

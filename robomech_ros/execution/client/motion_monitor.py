@@ -1,0 +1,107 @@
+"""Progress of the present trajectory by the joint states: whether they arrive, whether it moves."""
+
+import numpy as np
+
+from robomech_ros.execution.client.execution_request import ExecutionRequest
+from robomech_ros.execution.client.position_check import STILL
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.waypoints import Waypoints
+from robomech_ros.typing import Array
+
+# A trajectory that leads farther than this (rad, m) from where it was should be seen to move.
+NOTICEABLE = 10.0 * STILL
+
+
+class MotionMonitor:
+    """Watches a robot that was sent a trajectory.
+
+    Parameters
+    ----------
+    delivery : ExecutionRequest
+        What was sent.
+    position : ndarray, shape (n,)
+        Where the robot was then, rad or m.
+    update_count : int
+        How often its joints had been heard of.
+
+    Attributes
+    ----------
+    moved : bool
+        Whether the robot has moved at all.
+    curve : PiecewisePolynomial
+        What the robot should follow, from where it was.
+    compared : bool
+        Whether it was heard of twice since the trajectory should have ended.
+    stands : bool
+        Whether it was at the same place then.
+    """
+
+    def __init__(self, delivery: ExecutionRequest, position: Array, update_count: int) -> None:
+        self.moved = self.stands = self.compared = False
+        self.curve = curve_from(delivery.waypoints, position)
+        self._delay, self._lasts, self._over = max(delivery.delay, 0.0), delivery.lasts, False
+        self._sent_at = self._heard_at = self._now = delivery.sent_at
+        self._heard = update_count
+        self._last = self._anchor = position
+        self._left_at = self._expected(delivery.sent_at)
+        self._overdue_since: float | None = None
+
+    @property
+    def silent(self) -> float:
+        """How long the joints were not heard of, s."""
+        return self._now - self._heard_at
+
+    @property
+    def stuck(self) -> float:
+        """How long the robot is known to stand although the trajectory should have moved it, s."""
+        return 0.0 if self._overdue_since is None else self._heard_at - self._overdue_since
+
+    def look(self, now: float, position: Array | None, update_count: int) -> None:
+        """Note the present positions.
+
+        Parameters
+        ----------
+        now : float
+            The time, s.
+        position : ndarray, shape (n,), or None
+            Where the joints are, rad or m, where that is known.
+        update_count : int
+            How often all of them were heard of.
+        """
+        self._now = now
+        if position is None or update_count == self._heard:
+            return
+        self._heard, self._heard_at = update_count, now
+        self.compared = self._over
+        self.stands = self._over and bool(np.max(np.abs(position - self._last)) <= STILL)
+        self._last, self._over = position, now - self._sent_at >= self._lasts
+        expected = self._expected(now)
+        if np.max(np.abs(position - self._anchor)) > STILL:
+            self.moved = True
+            self._anchor, self._left_at, self._overdue_since = position, expected, None
+        elif self._overdue_since is None and _leads(self._left_at, expected):
+            self._overdue_since = now
+
+    def _expected(self, now: float) -> Array:
+        """Return the expected position on the trajectory at this time (rad or m)."""
+        time = now - self._sent_at - self._delay
+        last = float(self.curve.breaks[-1])
+        return self.curve.sample(min(max(time, 0.0), last)).position
+
+
+def _leads(before: Array, after: Array) -> bool:
+    """Whether a way from one position to another (n,) is one to be noticed."""
+    return bool(np.max(np.abs(after - before)) > NOTICEABLE)
+
+
+def curve_from(waypoints: Waypoints, position: Array) -> PiecewisePolynomial:
+    """Make the curve through waypoints, from a position (rad or m) where they begin later."""
+    if waypoints.times[0] <= 0.0:
+        return waypoints.curve
+    still = np.zeros(len(position))
+    rates = (
+        None if rate is None else np.vstack([still, rate])
+        for rate in (waypoints.velocities, waypoints.accelerations)
+    )
+    times = np.concatenate([[0.0], waypoints.times])
+    return Waypoints(times, np.vstack([position, waypoints.positions]), *rates).curve

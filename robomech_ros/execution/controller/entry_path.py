@@ -1,0 +1,120 @@
+"""The way of a robot onto a trajectory: joined in time, caught up with, or none yet."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from robomech_ros.errors import LimitExceededError
+from robomech_ros.execution.controller.follower_settings import FollowerSettings
+from robomech_ros.execution.controller.joining import (
+    completed,
+    join,
+    join_in_steps,
+    without_turns,
+)
+from robomech_ros.execution.controller.late_start import (
+    LONGEST_LAG,
+    ScheduleShift,
+    extend_schedule,
+    infeasibility,
+    late_start,
+)
+from robomech_ros.execution.joints import Joints, State
+from robomech_ros.execution.rejections import TrajectoryOverError
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.waypoints import Waypoints
+
+
+class EntryPath(NamedTuple):
+    """How a trajectory is followed.
+
+    Attributes
+    ----------
+    curve : PiecewisePolynomial
+        From now on, to the end.
+    belt : ScheduleShift or None
+        Where the trajectory is that is being caught up with, or that goes by; None if the robot is
+        in time.
+    blocked : bool
+        Whether the limits leave no way from the present motion yet, which is to go on.
+    """
+
+    curve: PiecewisePolynomial
+    belt: ScheduleShift | None = None
+    blocked: bool = False
+
+
+def entry_path(
+    waypoints: Waypoints,
+    present: State,
+    joints: Joints,
+    settings: FollowerSettings,
+    late: float,
+    before: ScheduleShift | None,
+    unsettled: bool = False,
+) -> EntryPath:
+    """Join a trajectory; catch up with one that comes late where to join it would be too hard.
+
+    So is one of a stream in time that comes soon after a jump of the clock, since its sender and
+    the robot left out different times.
+
+    Parameters
+    ----------
+    waypoints, present, joints, late
+        As of `join`.
+    settings : FollowerSettings
+        How it is joined.
+    before : ScheduleShift or None
+        What the robot follows, in time, on a clock that is 0 now; None where it stands.
+    unsettled : bool
+        Whether it is of a stream, and the clock has jumped lately.
+
+    Returns
+    -------
+    EntryPath
+
+    Raises
+    ------
+    RobomechError
+        It is refused, as by `join`.
+    """
+    joined = join if settings.interpolate else join_in_steps
+    known = completed(waypoints, present)
+    off_time = late > 0.0 or (unsettled and before is not None)
+    may_catch_up = off_time and settings.interpolate and _can_be_caught(known, late)
+    behind = may_catch_up and before is not None and not before.in_time
+    curve: PiecewisePolynomial | None = None
+    refused: Exception | None = None
+    if not behind:
+        try:
+            curve = joined(waypoints, present, joints, settings.start_tolerance, late)
+        except (LimitExceededError, TrajectoryOverError) as error:
+            if not may_catch_up or (before is None and not _nearly_there(known, present, settings)):
+                raise
+            refused = error
+        if curve is not None:
+            refused = infeasibility(curve, present, joints) if may_catch_up else None
+            if refused is None:
+                return EntryPath(curve)
+    near = replace(known, positions=without_turns(known.positions, present, joints))
+    if (found := late_start(near, present, joints, late, before)) is not None:
+        return EntryPath(*found)
+    if before is not None and (curve is not None or behind):
+        return EntryPath(near.curve, extend_schedule(near, joints, late, before), True)
+    assert refused is not None
+    raise refused
+
+
+def _can_be_caught(waypoints: Waypoints, late: float) -> bool:
+    """Whether a trajectory has velocities everywhere, and has not been over for long."""
+    velocities = waypoints.velocities
+    if velocities is None or not np.isfinite(velocities).all():
+        return False
+    return bool(late < waypoints.times[-1] + LONGEST_LAG)
+
+
+def _nearly_there(waypoints: Waypoints, present: State, settings: FollowerSettings) -> bool:
+    """Whether a robot that stands is as near to the end as it has to be to a start."""
+    off = np.abs(waypoints.positions[-1] - present.position)
+    return bool(np.max(off) <= settings.start_tolerance)

@@ -1,0 +1,208 @@
+"""Pauses of a coroutine in which its node goes on serving others."""
+
+import math
+import queue
+import threading
+import time
+import weakref
+from collections.abc import Callable, Generator
+from typing import Any, TypeVar
+
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.task import Future
+from rclpy.timer import Timer
+
+from robomech_ros.nodes.common.error_codes import OutcomeError
+from robomech_ros.outcomes import Code
+
+_T = TypeVar("_T")
+
+_STEADY = ClockType.STEADY_TIME
+# How long a pause takes, s.
+_PAUSE = 0.02
+# How long abandoned work may go on at the end, s.
+_LAST_WORK = 1.0
+# Others are served after so long at the most, s, and one step of the work.
+_TURN = 0.005
+
+
+class _Pauses:
+    """All pauses of a node: they end together, since a timer for each of a thousand is too slow."""
+
+    def __init__(self, node: Node) -> None:
+        self._over: Future = Future()
+        # By the machine's clock: simulated time may stand still.
+        clock = Clock(clock_type=_STEADY)
+        self._timer = node.create_timer(
+            _PAUSE, self._end, ReentrantCallbackGroup(), clock, autostart=False
+        )
+
+    def begin(self) -> Future:
+        """Return what is done when the pause is over."""
+        if self._timer.is_canceled():
+            self._timer.reset()
+        return self._over
+
+    def _end(self) -> None:
+        self._timer.cancel()
+        ended, self._over = self._over, Future()
+        ended.set_result(None)
+
+
+_pauses: weakref.WeakKeyDictionary[Node, _Pauses] = weakref.WeakKeyDictionary()
+
+
+async def pause(node: Node) -> None:
+    """Let others be served for up to 20 ms."""
+    if node not in _pauses:
+        _pauses[node] = _Pauses(node)
+    await _pauses[node].begin()
+
+
+async def ended_within(node: Node, done: Future, seconds: float) -> None:
+    """Wait for a future, or for a while by the machine's clock, after which its result is None."""
+    clock = Clock(clock_type=_STEADY)
+    timer = passing_timer(node, seconds, lambda: done.done() or done.set_result(None), clock)
+    await done
+    node.destroy_timer(timer)
+
+
+def passing_timer(
+    node: Node, seconds: float, callback: Callable[[], object], clock: Clock
+) -> Timer:
+    """Create a timer that will be destroyed.
+
+    Its callback group goes with it: that of the node would keep a trace of every timer there was
+    (https://github.com/ros2/rclpy/issues/1356, open in November 2026; look again in May 2027).
+    """
+    return node.create_timer(seconds, callback, ReentrantCallbackGroup(), clock)
+
+
+def wake(node: Node) -> None:
+    """Let coroutines go on that wait for what a thread other than the executor's has done."""
+    if node.executor is not None:
+        node.executor.wake()
+
+
+class Worker:
+    """Does long work in a thread of its own, one piece after the other, while others are served.
+
+    Parameters
+    ----------
+    node : Node
+        Whose callbacks have work to be done.
+    """
+
+    def __init__(self, node: Node) -> None:
+        # The thread may outlive the node until its present work ends.
+        self._node = weakref.ref(node)
+        self._pieces: queue.SimpleQueue[tuple[Callable[[], Any], Future] | None]
+        self._pieces = queue.SimpleQueue()
+        self._closed = False
+        self._awaited: set[Future] = set()
+        self._refusal: Exception | None = None
+        self._thread = threading.Thread(target=self._run, name="worker", daemon=True)
+        self._thread.start()
+
+    def begin(self, work: Callable[[], _T]) -> Future:
+        """Have work done when all that came before is; gives what will hold its result."""
+        done: Future = Future()
+        self._pieces.put((work, done))
+        return done
+
+    async def do(self, work: Callable[[], _T], patience: float = math.inf) -> _T:
+        """Return the result of work, or raise what it raises, or the refusal of `give_up`.
+
+        Work that waits for others for longer than ``patience`` (s) is left undone: TIMED_OUT.
+        """
+        if self._refusal is not None:
+            raise self._refusal
+        asked = time.monotonic()
+
+        def in_time() -> _T:
+            if (waited := time.monotonic() - asked) > patience:
+                text = f"waited {waited:.3g} s for other requests, up to {patience:g} s are allowed"
+                raise OutcomeError(Code.TIMED_OUT, f"{text}; ask again later")
+            return work()
+
+        done = self.begin(in_time)
+        self._awaited.add(done)
+        try:
+            result: _T = await done
+        finally:
+            self._awaited.discard(done)
+        return result
+
+    def give_up(self, refusal: Exception) -> None:
+        """Raise this in all calls of `do`, waiting or later; call it in the executor's thread."""
+        self._closed, self._refusal = True, refusal
+        for done in self._awaited:
+            if not done.done():
+                done.set_exception(refusal)
+        node = self._node()
+        if node is not None:
+            wake(node)
+
+    def close(self) -> None:
+        """Do no more; work in progress gets a moment to end, and its result is dropped."""
+        self._closed = True
+        self._pieces.put(None)
+        self._thread.join(_LAST_WORK)
+
+    def _run(self) -> None:
+        while (piece := self._pieces.get()) is not None and not self._closed:
+            work, done = piece
+            try:
+                result = work()
+            except Exception as error:
+                self._tell(done.set_exception, error)
+            else:
+                self._tell(done.set_result, result)
+
+    def _tell(self, tell: Callable[[Any], None], what: object) -> None:
+        """Have the executor resume the waiting coroutine."""
+        node = self._node()
+        executor = None if node is None else node.executor
+        if executor is None or self._closed:
+            return
+
+        def told() -> None:
+            if self._refusal is None:
+                tell(what)
+            # Tasks that wait are looked at before new ones are, and then only when it is woken.
+            executor.wake()
+
+        executor.create_task(told)
+
+
+class _NextTurn:
+    """Makes the coroutine that awaits it go on in the executor's next turn."""
+
+    def __await__(self) -> Generator[None, None, None]:
+        yield
+
+
+class TimeSlices:
+    """Long work in short turns, between which waiting requests are served.
+
+    Parameters
+    ----------
+    node : Node
+        Whose callback does the work.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._began = time.monotonic()
+
+    async def end_if_over(self) -> None:
+        """Let others work if the turn was long enough; to be awaited after every step."""
+        executor = self._node.executor
+        if executor is None or time.monotonic() - self._began <= _TURN:
+            return
+        # Woken, the executor does not wait for work beyond what there is.
+        executor.wake()
+        await _NextTurn()
+        self._began = time.monotonic()

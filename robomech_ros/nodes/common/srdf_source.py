@@ -1,0 +1,131 @@
+"""Groups and named states of a node's robot: from parameters, or from a latched topic."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Protocol
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
+from robomech_ros.robots import RobotDescription, SemanticDescription, load_semantics
+from robomech_ros.robots.documents.guarded_xml import is_xml
+
+# As MoveIt's move_group has it.
+SEMANTIC_TOPIC = "robot_description_semantic"
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_MOST_NOTES = 5
+_LONGEST_NOTE = 500
+
+
+class SemanticsConsumer(Protocol):
+    """A robot that can be told its groups and named postures."""
+
+    description: RobotDescription
+
+    def learn(self, semantic: SemanticDescription) -> None:
+        """Take other groups and named postures than so far."""
+
+
+class SemanticSource:
+    """Joint groups of the robot, as the node knows them.
+
+    Where the parameter is empty, it listens to the topic.  What comes from there never changes the
+    configured chain or its home posture: whether it comes before the robot is chance.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscription, and whose log names what is odd in an SRDF.
+    text_or_path : str
+        The parameter robot_description_semantic.
+    groups : sequence of str
+        The parameter groups.
+    group : str
+        The parameter group.
+
+    Attributes
+    ----------
+    on_news : callable
+        Called after a document came by the topic while no robot was known.
+    """
+
+    def __init__(self, node: Node, text_or_path: str, groups: Sequence[str], group: str) -> None:
+        self.on_news: Callable[[], object] = lambda: None
+        self._log = node.get_logger()
+        self._complaints = ThrottledLog(self._log)
+        self._place = node.resolve_topic_name(SEMANTIC_TOPIC)
+        self._given = text_or_path
+        self._heard = ""
+        self._groups = tuple(groups)
+        self._group = group
+        self._model: SemanticsConsumer | None = None
+        if not self._given:
+            node.create_subscription(String, SEMANTIC_TOPIC, self._receive, _LATCHED)
+
+    @property
+    def lacks_group(self) -> bool:
+        """Whether the parameter group names one that only an SRDF can have, and none is known."""
+        listed = [entry.split(":")[0].strip() for entry in self._groups]
+        known = bool(self._given or self._heard)
+        return bool(self._group) and self._group not in listed and not known
+
+    def semantic(self, description: RobotDescription) -> SemanticDescription:
+        """Return what the chain of a robot is chosen by.
+
+        Raises
+        ------
+        RobomechError
+            The SRDF, or an entry of the parameter groups, does not fit the robot.
+        """
+        known = self._read(description)
+        return known if self._given else replace(known, states={})
+
+    def teach(self, model: SemanticsConsumer) -> None:
+        """Let a robot know its groups, those that come later, too."""
+        self._model = model
+        known = self._read(model.description)
+        model.learn(known)
+        for note in known.notes[:_MOST_NOTES]:
+            self._complaints.warning(note[:_LONGEST_NOTE])
+        if len(known.notes) > _MOST_NOTES:
+            more = len(known.notes) - _MOST_NOTES
+            self._log.warning(f"{more} more such lines: `robomech groups` shows all")
+
+    def _read(self, description: RobotDescription) -> SemanticDescription:
+        try:
+            return load_semantics(description, self._given or self._heard, self._groups)
+        except RobomechError as error:
+            if not self._heard:
+                raise
+            # Of another robot, perhaps: it must not keep this one from starting.
+            self._drop(error)
+            return self._read(description)
+
+    def _receive(self, message: String) -> None:
+        if not is_xml(message.data):
+            # What comes by the topic is a document and never names a file.
+            self._complain("it is no XML")
+            return
+        if self._model is not None and message.data == self._heard:
+            return
+        before, self._heard = self._heard, message.data
+        if self._model is None:
+            self.on_news()
+            return
+        try:
+            load_semantics(self._model.description, self._heard, self._groups)
+        except RobomechError as error:
+            self._drop(error)
+            self._heard = before
+            return
+        self.teach(self._model)
+
+    def _drop(self, error: RobomechError) -> None:
+        self._heard = ""
+        self._complain(str(error)[:_LONGEST_NOTE])
+
+    def _complain(self, why: str) -> None:
+        self._complaints.error(f"unusable SRDF on '{self._place}', ignored: {why}")

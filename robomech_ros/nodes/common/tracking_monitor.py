@@ -1,0 +1,120 @@
+"""Watches the joints: where a stream can begin, and whether they follow it."""
+
+from collections import deque
+from typing import NamedTuple
+
+from robomech_ros.nodes.common.error_codes import NoStateError
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.servo.tracking import TrackedJoints, Tracking
+from robomech_ros.typing import Array
+
+# How long the next state of the joints may take before it is missed (s).
+_STATE_DUE = 0.2
+# How long states may fail to come on top of the tracking delay while the robot is driven (s).
+_STATE_LOST = 0.5
+# Of so many looks the least lag counts.
+_LOOKS = 10
+
+
+class Fault(NamedTuple):
+    """Why a robot is let go, and the joints at fault."""
+
+    why: str
+    joints: tuple[str, ...]
+
+
+class TrackingMonitor:
+    """Knows the joints of a robot that is to be driven.
+
+    Parameters
+    ----------
+    joints : TrackedJoints
+        Those of the robot.
+    monitor : JointStateMonitor
+        Hears their states.
+    tolerance : float
+        How far a joint may be off its commands (rad or m); 0 = any distance.
+    delay : float
+        How far they may lag behind these (s).
+    """
+
+    def __init__(
+        self, joints: TrackedJoints, monitor: JointStateMonitor, tolerance: float, delay: float
+    ) -> None:
+        self._names, self._monitor = joints.joint_names, monitor
+        self._tolerance, self._delay = tolerance, delay
+        self._tracking = Tracking(joints, tolerance, delay)
+        # How many looks have heard of the joints, and when that became more (s).
+        self._heard, self._heard_at = 0, 0.0
+        self._waits_from: float | None = None
+        self._lags: deque[float] = deque(maxlen=_LOOKS)
+
+    def position(self) -> Array | None:
+        """Return the latest positions (rad or m), shape (n,); None while one is not known."""
+        return self._monitor.positions(self._names)
+
+    def fresh_state(self, now: float) -> tuple[Array, Array] | None:
+        """Return positions and velocities (n,) that came after the first call; None until then."""
+        position = self.position()
+        update_count = self._monitor.update_count(self._names)
+        if self._waits_from is None:
+            # What was heard before may be old: the next state is the present one.
+            self._waits_from, self._heard = now, update_count
+        if position is None or update_count <= self._heard:
+            return None
+        return position, self._monitor.velocities(self._names)
+
+    def is_overdue(self, now: float) -> bool:
+        """Whether the state that `fresh_state` waits for should have come by now."""
+        late = self._waits_from is not None and now > self._waits_from + _STATE_DUE
+        return late or self.position() is None
+
+    def stop_waiting(self) -> None:
+        """Wait no longer: the next call of `fresh_state` is a first one."""
+        self._waits_from = None
+
+    def why_no_state(self) -> str:
+        """Say why the joints are not known, or that a state is awaited."""
+        try:
+            self._monitor.require(self._names)
+        except NoStateError as error:
+            return str(error)
+        return "waits for a new state of the joints"
+
+    def begin(self, now: float) -> None:
+        """Watch a stream that begins now (s)."""
+        self._tracking.begin()
+        self._lags.clear()
+        self._waits_from = None
+        self._heard, self._heard_at = self._monitor.update_count(self._names), now
+
+    def tell(self, time: float, position: Array) -> None:
+        """Note the commanded positions at a time (s)."""
+        self._tracking.tell(time, position)
+
+    def lag(self, now: float) -> float | None:
+        """Return the lag (s) of the joints behind the stream, the least of some looks.
+
+        A state is some time old when it is heard, more or less.
+        """
+        position = self.position()
+        lag = None if position is None else self._tracking.lag(now, position)
+        if lag is None:
+            self._lags.clear()
+            return None
+        self._lags.append(lag)
+        return min(self._lags) if len(self._lags) == _LOOKS else None
+
+    def fault(self, now: float) -> Fault | None:
+        """Say which joints do not follow their commands, or that their state is unknown."""
+        if not self._tolerance:
+            return None
+        position = self.position()
+        update_count = self._monitor.update_count(self._names)
+        if position is None or update_count <= self._heard:
+            silent = now - self._heard_at
+            lost = silent > self._delay + _STATE_LOST
+            return Fault(f"no state of the joints for {silent:.3g} s", ()) if lost else None
+        self._heard, self._heard_at = update_count, now
+        found = self._tracking.deviation(now, position)
+        return None if found is None else Fault(found.text, (found.joint,))

@@ -1,0 +1,105 @@
+"""Takes commands of twists from topics, and says which are not followed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Twist, TwistStamped
+from rclpy.node import Node
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.common.pose_messages import require_finite
+from robomech_ros.nodes.common.stall_monitor import StallMonitor
+from robomech_ros.nodes.middleware.polled_subscription import Inbox
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
+
+_DEPTH = 10
+
+
+class TwistInput:
+    """Gives the commands that have come to what follows them.
+
+    Stamped ones come on a topic, those without a stamp on the one with ``_unstamped`` behind it.
+    What has no stamp counts as new, but as old as it may be after the process was held up.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscriptions.
+    topic : str
+        Of stamped commands.
+    follow : callable
+        Takes ``[omega, v_x, v_y]`` (rad/s, m/s) and the age of the command (s), or refuses it by a
+        RobomechError.
+    clock : MotionClock
+
+    Attributes
+    ----------
+    refusal : str
+        Why the last command was not followed; empty if it was.
+    refused : int
+        How many were not.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        topic: str,
+        follow: Callable[[Sequence[float], float], None],
+        clock: MotionClock,
+    ) -> None:
+        self._logger, self._follow, self._clock = node.get_logger(), follow, clock
+        self._log = ThrottledLog(self._logger)
+        self._hold_ups = StallMonitor()
+        self.refusal, self.refused = "", 0
+        readers: list[tuple[type, str, Callable[[Any], tuple[Twist, Time | None]]]] = [
+            (TwistStamped, topic, lambda message: (message.twist, message.header.stamp)),
+            (Twist, f"{topic}_unstamped", lambda message: (message, None)),
+        ]
+        self._readers = [
+            (Inbox(node, kind, name, _DEPTH, lambda: None), read) for kind, name, read in readers
+        ]
+        for inbox, _ in self._readers:
+            inbox.attend(False)
+
+    @property
+    def topic(self) -> str:
+        """Full name of the topic of stamped commands."""
+        return self._readers[0][0].topic
+
+    def take(self) -> None:
+        """Give all that has come since the last look."""
+        now = self._clock.now()
+        if self._hold_ups.look(now):
+            held_up = f"held up for {self._hold_ups.age(now):.3g} s"
+            text = f"{held_up}: commands without a stamp count as that old"
+            self._log.warning(text)
+        for inbox, read in self._readers:
+            for message in inbox.take():
+                twist, stamp = read(message)
+                try:
+                    self._offer(twist, self._age(stamp, now, inbox.topic))
+                except RobomechError as error:
+                    self.refusal = f"command on '{inbox.topic}' ignored: {error}"
+                    self.refused += 1
+                    self._log.warning(self.refusal)
+                else:
+                    self.refusal = ""
+
+    def _age(self, stamp: Time | None, now: float, topic: str) -> float:
+        if stamp is not None:
+            if stamp.sec or stamp.nanosec:
+                return -self._clock.until(stamp, now)
+            text = f"commands on '{topic}' have no stamp, which is taken for now"
+            self._logger.warning(text, once=True)
+        return self._hold_ups.age(now)
+
+    def _offer(self, twist: Twist, age: float) -> None:
+        linear, angular = twist.linear, twist.angular
+        # A message with one number that is none is spoilt, whichever it is.
+        require_finite("linear", linear)
+        require_finite("angular", angular)
+        self._follow([angular.z, linear.x, linear.y], age)

@@ -1,0 +1,136 @@
+"""Demonstration with a parallel robot: pick, place, and a circle with a tilt."""
+
+import numpy as np
+
+from robomech_ros.cartesian import waypoint_path
+from robomech_ros.cartesian.waypoint_paths import PathKind
+from robomech_ros.errors import BadValueError
+from robomech_ros.nodes.demonstration.postures import NoPostureError
+from robomech_ros.nodes.demonstration.report import TipPath
+from robomech_ros.parallel import Mechanism, follow_drives, plan_platform
+from robomech_ros.spatial import matrix_from_rotation_vector
+from robomech_ros.typing import Array
+
+# How many postures are tried: moves from home (parts of the size) and turns (rad) up to these, as
+# far as the drives go by no more than a part of what is left of their range.
+_CANDIDATES, _MOVE, _TURN, _USED_PART = 60, 0.3, 0.1, 0.5
+# No posture on the way is conditioned worse, and pick and place are apart by this part of what is
+# possible.
+_CONDITION, _APART = 30.0, 0.5
+# Points of a way of the drives that are looked at.
+_LOOKS = 20
+# Lifts, radii (parts of the size) and tilts (rad) that are tried, the largest first.
+_LIFTS, _RADII, _TILTS = (0.1, 0.05, 0.025), (0.12, 0.08, 0.04), (0.15, 0.1, 0.05, 0.0)
+# The part of the circle that is gone (rad), in so many waypoints.
+_ROUND, _WAYPOINTS = np.radians(300.0), 10
+
+
+class DemoPlatform:
+    """A parallel robot; the same poses every time.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Of n joints.
+    """
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+        self.name, self.base = mechanism.name, mechanism.base_link
+        self.joint_names, self.units = mechanism.joint_names, mechanism.units
+        self.shown = mechanism.drive_index.tolist()
+        limbs, n, m = len(mechanism.limbs), mechanism.n, mechanism.dof
+        self.title = (
+            f"{mechanism.name}: {limbs} limbs, {n} joints, {m} of them driven, "
+            f"{mechanism.base_link} to {mechanism.platform_link}"
+        )
+        self._place = mechanism.home()
+
+    def home(self) -> Array:
+        """Start posture, shape (n,), rad or m."""
+        return self.mechanism.home()
+
+    def pose(self, q: Array) -> Array:
+        """Pose of the platform in the base (4, 4), of joints (n,)."""
+        return self.mechanism.pose(q)
+
+    def targets(self) -> tuple[Array, Array]:
+        """Poses (4, 4) where to pick and where to place, between which nothing is in the way.
+
+        Raises
+        ------
+        NoPostureError
+            There are none.
+        """
+        ends = self._ends()
+        if not len(ends):
+            raise NoPostureError(f"the platform of '{self.name}' goes nowhere")
+        pick = ends[0]
+        apart = [self._distance(pick, q) for q in ends]
+        far = [q for q, d in zip(ends, apart, strict=True) if d >= _APART * max(apart)]
+        self._place = next((q for q in far if self._free(pick, q) is not None), pick)
+        return self.pose(pick), self.pose(self._place)
+
+    def _ends(self) -> list[Array]:
+        """Find postures (n,) to which the drives can go straight from home."""
+        robot, home = self.mechanism, self.home()
+        drives = robot.drive_index
+        rng = np.random.default_rng(1)
+        most = np.repeat([_TURN, _MOVE * robot.size], 3)
+        twists = rng.uniform(-most, most, (_CANDIDATES, 6))
+        ways = twists @ np.linalg.pinv(robot.twist_matrix(home)).T
+        below = _USED_PART * (robot.lower - home)[drives]
+        above = _USED_PART * (robot.upper - home)[drives]
+        goals = home[drives] + np.clip(ways, below, above)
+        found = [self._free(home, goal) for goal in goals]
+        return [q for q in found if q is not None]
+
+    def _free(self, start: Array, goal: Array) -> Array | None:
+        """Return the posture at the end of a straight way of the drives; None if one ends it."""
+        drives = self.mechanism.drive_index
+        end = goal[drives] if len(goal) == self.mechanism.n else goal
+        way = np.linspace(start[drives], end, _LOOKS)
+        found = follow_drives(self.mechanism, way, start, condition=_CONDITION)
+        return None if found.stop is not None else found.q[-1]
+
+    def _distance(self, a: Array, b: Array) -> float:
+        T = self.pose(np.stack([a, b]))
+        turned = self.mechanism.size * np.linalg.norm(T[0, :3, :3] - T[1, :3, :3])
+        return float(np.linalg.norm(T[0, :3, 3] - T[1, :3, 3]) + turned)
+
+    def path_to_place(self, pick: Array, place: Array) -> TipPath | None:
+        """Lift, go over to the place, and put down, in straight lines; None if that cannot be."""
+        start = self.mechanism.postures(pick, seed=self.home()).q[0]
+        for lift in _LIFTS:
+            up = np.array([0.0, 0.0, lift * self.mechanism.size])
+            waypoints = np.stack([pick, place, place])
+            waypoints[:2, :3, 3] += up
+            if self._possible(start, waypoints, "straight"):
+                return TipPath("place", "STRAIGHT", waypoints)
+        return None
+
+    def path_onward(self, place: Array) -> TipPath | None:
+        """Return a circle that begins at place, as in machining; with a tilt if it can turn so."""
+        angles = np.linspace(0.0, _ROUND, _WAYPOINTS + 1)[1:]
+        # Its middle is where home is, seen from the place: there is most room.
+        inwards = self.pose(self.home())[:2, 3] - place[:2, 3]
+        far = float(np.linalg.norm(inwards))
+        x, y = inwards / far if far > 0.0 else (1.0, 0.0)
+        about = np.stack([1.0 - np.cos(angles), np.sin(angles)], axis=1) @ [[x, y], [-y, x]]
+        round_about = np.pad(about, ((0, 0), (0, 1)))
+        for tilt in _TILTS:
+            for radius in _RADII:
+                waypoints = np.tile(place, (_WAYPOINTS, 1, 1))
+                waypoints[:, :3, 3] += radius * self.mechanism.size * round_about
+                turns = matrix_from_rotation_vector(tilt * round_about)
+                waypoints[:, :3, :3] = turns @ place[:3, :3]
+                if self._possible(self._place, waypoints, "spline"):
+                    return TipPath("circle with tilt" if tilt else "circle", "SPLINE", waypoints)
+        return None
+
+    def _possible(self, start: Array, waypoints: Array, kind: PathKind) -> bool:
+        try:
+            path = waypoint_path(self.pose(start), waypoints, kind)
+            return path is not None and plan_platform(self.mechanism, path, start).stop is None
+        except BadValueError:  # the platform does not move so
+            return False

@@ -1,0 +1,143 @@
+"""Frames of a robot that are heard from others on /tf and /tf_static."""
+
+import random
+from collections import Counter
+from typing import Any
+
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+from robomech_ros.nodes.display.frame_publisher import FramePublisher
+from robomech_ros.nodes.display.other_publishers import OtherPublishers
+from robomech_ros.nodes.middleware.polled_subscription import Inbox
+from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
+
+# Others that are silent for so long publish no more, s.  Up to the second number is added by
+# chance, so that of two nodes that yield to each other one is back first.
+SILENCE, BY_CHANCE = 3.0, 1.0
+# As many messages of /tf are read in a look, the latest: to unpack one takes 0.1 ms, in which the
+# robot may have to move.
+_DEPTH = 40
+# So many of its own messages may still be on their way to itself.
+_AWAITED = 500
+# As tf2_ros has it.
+_FIXED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_NANO = 1_000_000_000
+
+
+class MovingFrames:
+    """Frames that others publish on /tf.
+
+    While nobody else publishes there, nothing is read.  Messages do not say who sent them: of those
+    with a stamp and frames of its own, as many as the node itself has sent are its own.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscription.
+    publisher : FramePublisher
+        Its own.
+    rate : float
+        How often frames are due (Hz).
+    """
+
+    def __init__(self, node: Node, publisher: FramePublisher, rate: float) -> None:
+        self._node, self._publisher = node, publisher
+        self._frames = frozenset(publisher.moving)
+        self.others = OtherPublishers(node, publisher.topic)
+        silence = SILENCE + random.uniform(0.0, BY_CHANCE)
+        self._silence = max(2, round(silence * rate))
+        # When a frame was heard of last, in turns of the publisher: simulated time may stand.
+        self._heard: dict[str, int] = {}
+        self._own: Counter[tuple[int, frozenset[str]]] = Counter()
+        self._inbox: Inbox | None = None
+
+    def look(self) -> frozenset[str]:
+        """Return the frames that others publish at present."""
+        if not self.others.look():
+            self._heard.clear()
+            return frozenset()
+        if self._inbox is None:
+            kind, topic = self._publisher.kind, self._publisher.topic
+            self._inbox = Inbox(self._node, kind, topic, _DEPTH, lambda: None)
+            self._inbox.attend(False)
+        # In this order: what arrived was sent, and noted, before.
+        self._listen([*self._inbox.take()], self._newly_sent())
+        turn = self._publisher.turns
+        return frozenset(f for f, heard in self._heard.items() if turn - heard < self._silence)
+
+    def _newly_sent(self) -> Counter[tuple[int, frozenset[str]]]:
+        sent = self._publisher.sent
+        return Counter(sent.popleft() for _ in range(len(sent)))
+
+    def _listen(self, messages: list[Any], sent: Counter[tuple[int, frozenset[str]]]) -> None:
+        """Note what others have said, given what was sent since the last look."""
+        own = self._own + sent
+        for message in messages:
+            children = frozenset(_children(message))
+            frames = self._frames & children
+            if not frames:
+                continue
+            stamp = message.transforms[0].header.stamp
+            what = stamp.sec * _NANO + stamp.nanosec, children
+            if own[what] > 0:
+                own[what] -= 1
+            else:
+                self._heard.update(dict.fromkeys(frames, self._publisher.turns))
+        # What is older will not arrive any more, even on a busy machine.
+        waiting = [(what, n) for what, n in own.items() if n > 0]
+        self._own = Counter(dict(waiting[-_AWAITED:]))
+
+
+class FixedFrames:
+    """Frames that others publish on /tf_static, and that are not gone with them.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscription.
+    publisher : FramePublisher
+        Its own.
+    """
+
+    def __init__(self, node: Node, publisher: FramePublisher) -> None:
+        self._node, self._publisher = node, publisher
+        self._frames = frozenset(publisher.fixed)
+        self.others = OtherPublishers(node, publisher.fixed_topic)
+        self._heard: set[str] = set()
+        self._log = ThrottledLog(node.get_logger())
+        self._subscription: Any = None
+
+    def look(self) -> frozenset[str] | None:
+        """Return the frames that others publish; None where that will be known at the next look."""
+        if not self.others.look():
+            self._heard.clear()
+            return frozenset()
+        if self._subscription is not None and not self.others.one_left:
+            return frozenset(self._heard)
+        # Which frames went with who left, the latched messages of those who are there will tell.
+        # The callback group of the node would keep a trace of every subscription there was.
+        if self._subscription is not None:
+            self._node.destroy_subscription(self._subscription)
+        self._heard.clear()
+        kind, topic = self._publisher.kind, self._publisher.fixed_topic
+        self._subscription = self._node.create_subscription(
+            kind, topic, self._take, _FIXED, callback_group=ReentrantCallbackGroup(), raw=True
+        )
+        return None
+
+    def _take(self, data: bytes) -> None:
+        try:
+            message = unpack(data, self._publisher.kind)
+        except UnreadableMessageError as error:
+            self._log.warning(f"passed over on '{self._publisher.fixed_topic}': {error}")
+            return
+        if message != self._publisher.at_rest:
+            self._heard.update(self._frames & _children(message))
+
+
+def _children(message: Any) -> set[str]:
+    """Name the frames that a message places, without the slash that tf had before them once."""
+    return {str(entry.child_frame_id).removeprefix("/") for entry in message.transforms}

@@ -1,0 +1,113 @@
+"""Common part of all actions of the controller: active goals, their cancellation and end."""
+
+from abc import ABC, abstractmethod
+from typing import Any, Generic, TypeVar
+
+from rclpy.action import CancelResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.node import Node
+from rclpy.task import Future
+
+from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
+from robomech_ros.nodes.middleware.liveliness import LIVELY
+from robomech_ros.nodes.middleware.queue_depth import serve_action
+
+# A client may ask for the result this long after the motion has ended, s.
+_RESULT_KEPT = 60
+
+Motion = TypeVar("Motion")
+
+
+class ActionBase(ABC, Generic[Motion]):
+    """Serves an action; the joints are moved by the node's cycles, nothing here waits.
+
+    Its clients see by the liveliness of its status when the process is killed.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the action server.
+    joints : CommandedJoints
+        What moves.
+    kind : type
+        The action.
+    name : str
+        Its name.
+    options
+        More for the action server.
+    """
+
+    def __init__(
+        self, node: Node, joints: CommandedJoints, kind: Any, name: str, **options: Any
+    ) -> None:
+        self._node = node
+        self._lock = joints.lock
+        # Motions by goal; the lock is to be held while it changes.
+        self._served: dict[bytes, tuple[ServerGoalHandle, Motion]] = {}
+        self._idle: Future = Future()
+        self._destroyed = False
+        self._server = serve_action(
+            node,
+            kind,
+            name,
+            self._execute,
+            cancel_callback=self._cancel,
+            result_timeout=_RESULT_KEPT,
+            status_pub_qos_profile=LIVELY,
+            **options,
+        )
+
+    @abstractmethod
+    async def _execute(self, handle: ServerGoalHandle) -> Any:
+        """Serve a goal to its end; returns the result."""
+
+    @abstractmethod
+    def _stop(self, motion: Motion) -> bool:
+        """Stop a motion that a client cancels; returns whether it was under way."""
+
+    @abstractmethod
+    def publish_feedback(self) -> None:
+        """Tell the clients how far their goals have come; the joints' lock is to be held."""
+
+    async def _until_ended(self, handle: ServerGoalHandle, motion: Motion, ended: Future) -> Any:
+        """Let the client cancel a goal and see how far it has come, until it has ended."""
+        key = _key(handle)
+        with self._lock:
+            self._served[key] = handle, motion
+        if handle.is_cancel_requested:
+            self._cancel(handle)
+        result = await ended
+        with self._lock:
+            del self._served[key]
+        return result
+
+    def _handed_over(self) -> None:
+        """Note that the result of a goal is known to its handle."""
+        if not self._served and not self._idle.done():
+            self._idle.set_result(None)
+
+    def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
+        served = self._served.get(_key(handle))
+        if served is None:
+            # It has not begun yet: it is cancelled as soon as it begins.
+            return CancelResponse.ACCEPT
+        with self._lock:
+            stopped = self._stop(served[1])
+        return CancelResponse.ACCEPT if stopped else CancelResponse.REJECT
+
+    def destroy(self) -> None:
+        """Give up the action server; once is enough."""
+        if not self._destroyed:
+            self._destroyed = True
+            self._server.destroy()
+
+    def all_ended(self) -> Future:
+        """Return a future that is done when the results of all goals have been handed over."""
+        self._idle = Future()
+        if not self._served:
+            self._idle.set_result(None)
+        return self._idle
+
+
+def _key(handle: ServerGoalHandle) -> bytes:
+    return bytes(handle.goal_id.uuid)

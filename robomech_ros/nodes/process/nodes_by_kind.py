@@ -1,0 +1,98 @@
+"""Robots that are no arms: their nodes, what of bringup does not concern them, their demonstration.
+
+Arms and parallel robots share the other nodes.  A new kind takes a row here, one in
+:data:`robomech_ros.robots.robot_kinds.KINDS`, and one in the table of ``robomech robots``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from robomech_ros.hands import load_hand
+from robomech_ros.rolling import rolling_robot
+
+
+@dataclass(frozen=True, kw_only=True)
+class NodesOfKind:
+    """Nodes for robots of one kind.
+
+    Parameters
+    ----------
+    called : str
+        What such a robot is, for people.
+    nodes : tuple of str
+        Names of its nodes, in the order in which they are started.
+    load : callable
+        Loads a robot by name or path, and raises a ``RobomechError`` where that cannot be.
+    refused : tuple of str
+        Options of bringup that such robots have no use for.
+    simulator : str, optional
+        The node that publishes ``joint_states``, with the parameters ``publish_rate`` and
+        ``simulation``; empty for none.
+    frame_prefix : str, optional
+        The parameter with what names of frames begin with.
+    variant : callable, optional
+        Names the variant of a robot by name or path, such as its drive: its nodes also get the
+        parameters in ``config/<node>.<variant>.yaml``, if there is such a file.
+    demonstration : str, optional
+        The module of the demonstration, with ``demonstrate(robot, output)``; empty for none.
+    """
+
+    called: str
+    nodes: tuple[str, ...]
+    load: Callable[[str], object]
+    refused: tuple[str, ...]
+    simulator: str = ""
+    frame_prefix: str = "frame_prefix"
+    variant: Callable[[str], str] | None = None
+    demonstration: str = ""
+
+
+# What only arms have.
+_OF_ARMS = ("joint_limits", "srdf", "group", "base_link", "tip_link", "calibration", "auto_execute")
+
+
+def _drive(robot: str) -> str:
+    return rolling_robot(robot).drive
+
+
+def _legged(robot: str) -> object:
+    # What is compiled for legs is loaded only where there are some.
+    from robomech_ros.walking import load_legged
+
+    return load_legged(robot)
+
+
+KIND_NODES = {
+    "rolling": NodesOfKind(
+        called="rolling robot",
+        nodes=("mobile_base",),
+        simulator="mobile_base",
+        load=rolling_robot,
+        refused=_OF_ARMS,
+        frame_prefix="tf_frame_prefix",
+        variant=_drive,
+        demonstration="robomech_ros.nodes.demonstration.rolling_session",
+    ),
+    "hand": NodesOfKind(
+        called="hand",
+        nodes=("grasping",),
+        load=load_hand,
+        refused=(*_OF_ARMS, "rate", "dynamic", "view", "view_port", "view_host"),
+    ),
+    "walking": NodesOfKind(
+        called="walking machine",
+        nodes=("joint_trajectory_controller", "walker"),
+        simulator="joint_trajectory_controller",
+        load=_legged,
+        refused=(*_OF_ARMS, "dynamic"),
+        demonstration="robomech_ros.nodes.demonstration.walk_session",
+    ),
+}
+
+# What of the options of bringup parallel robots and each of these kinds have no use for.
+REFUSED = {
+    "parallel robots": ("joint_limits", "srdf", "group"),
+    **{f"{one.called}s": one.refused for one in KIND_NODES.values()},
+}

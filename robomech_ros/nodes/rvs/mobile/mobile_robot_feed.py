@@ -1,0 +1,170 @@
+"""Tells the page where a robot is over the ground, and what limits it, while somebody looks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+from std_msgs.msg import Float64
+
+from robomech_interfaces.msg import FootContacts
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.status_report import TOPIC
+from robomech_ros.nodes.middleware.polled_subscription import Inbox
+from robomech_ros.nodes.rvs.mobile.mobile_robots import MobileRobot
+from robomech_ros.nodes.rvs.poll_thread import PollThread
+from robomech_ros.nodes.rvs.settings import RvsSettings
+from robomech_ros.rvs.model.running.live_mobile_robot import LiveMobileRobotView, Stance
+from robomech_ros.rvs.model.running.observed_robot import on_plane
+from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.typing import Array
+
+# How often it is looked whether states are old (s).
+_SELDOM = 0.1
+# Messages that wait at the most; the latest counts.  Diagnostics come from many nodes.
+_DEPTH, _MANY = 10, 100
+# The margin that walking machines keep, until they say so themselves (m).
+_BOUND = 0.01
+
+
+class MobileRobotFeed(PollThread):
+    """Reads odometry, joint states, contacts and diagnostics, from a thread of its own.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscriptions.
+    mobile_robot : MobileRobot
+    settings : RvsSettings
+    view : LiveMobileRobotView
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        mobile_robot: MobileRobot,
+        settings: RvsSettings,
+        view: LiveMobileRobotView,
+    ) -> None:
+        super().__init__(view, settings.rate, node.get_logger())
+        self._view, self._settings = view, settings
+        self._mover, self._joints = mobile_robot, mobile_robot.followed.joints
+        self._monitor = JointStateMonitor(node)
+        self._states = node.resolve_topic_name("joint_states")
+        self._odometry = _inbox(node, Odometry, mobile_robot.odometry)
+        self._reports = _inbox(node, DiagnosticArray, TOPIC, _MANY)
+        self._reporter = node.resolve_topic_name(mobile_robot.node).lstrip("/")
+        self._contacts = self._margins = None
+        if mobile_robot.legged is not None:
+            self._contacts = _inbox(node, FootContacts, "foot_contacts")
+            self._margins = _inbox(node, Float64, f"{mobile_robot.node}/stability_margin")
+        self._T: Array | None = None
+        self._margin, self._bound, self._gait = math.nan, _BOUND, ""
+        self._heard, self._heard_at, self._placed_at = 0, -math.inf, -math.inf
+        self._looked_at = -math.inf
+        self.begin()
+
+    def look(self, now: float) -> None:
+        """Show what has come, and say what is wrong with it."""
+        known = self._monitor.known_positions(self._joints)
+        heard = self._monitor.update_count(self._joints)
+        if heard > self._heard:
+            self._heard, self._heard_at = heard, now
+        for message in self._odometry.take():
+            self._T = matrix_from_pose(message.pose.pose, "odometry")
+            self._placed_at = now
+        if self._T is not None and now in (self._heard_at, self._placed_at):
+            placed = self._mover.followed.placed(self._T)
+            self._view.show_pose({**known, **placed}, on_plane(self._T))
+        if self._margins is not None:
+            self._hear_feet()
+        if now - self._looked_at >= _SELDOM:
+            self._looked_at = now
+            self._hear_reports()
+            self.condition = self._fault(now)
+            self._view.show_state(self.condition)
+
+    def _fault(self, now: float) -> str:
+        """Say what is wrong with odometry or joint states."""
+        heard = ((self._odometry.topic, self._placed_at), (self._states, self._heard_at))
+        for topic, at in heard:
+            if math.isinf(at):
+                return f"Nothing yet on '{topic}': where the robot is is not known."
+            if now - at > self._settings.state_timeout:
+                return f"Nothing on '{topic}' for {now - at:.0f} s: the robot may be elsewhere."
+        return ""
+
+    def _hear_feet(self) -> None:
+        """Take contacts and margin."""
+        assert self._margins is not None and self._contacts is not None
+        for margin in self._margins.take():
+            self._margin = margin.data
+        contacts = list(self._contacts.take())
+        if contacts and self._T is not None and math.isfinite(self._margin):
+            self._view.show_stance(self._stance(contacts[-1], self._T))
+
+    def _stance(self, message: FootContacts, T: Array) -> Stance:
+        from robomech_ros.rvs.model.walking.support import Support
+
+        legs = self._mover.legged
+        assert legs is not None
+        found = {
+            name: (stands, (foot.x, foot.y, foot.z))
+            for name, stands, foot in zip(
+                message.names, message.contacts, message.feet, strict=True
+            )
+        }
+        missing = [name for name in legs.leg_names if name not in found]
+        if missing:
+            raise MissingLegsError(missing)
+        contacts = np.array([found[name][0] for name in legs.leg_names], dtype=np.bool_)
+        feet = as_finite("feet", [found[name][1] for name in legs.leg_names], (3,))
+        centre = (T[:3, :3] @ legs.mass_centre + T[:3, 3])[:2]
+        support = Support(legs.leg_names, feet, contacts, centre)
+        return Stance(support, self._margin, self._bound, self._gait)
+
+    def _hear_reports(self) -> None:
+        """Take what the node of the robot says of what limits it."""
+        latest = None
+        for message in self._reports.take():
+            for status in message.status:
+                if status.name.partition(":")[0] == self._reporter:
+                    latest = status
+        if latest is None:
+            return
+        values = {one.key: one.value for one in latest.values}
+        self._bound = _number(values.get("stability bound (m)", ""), self._bound)
+        self._gait = values.get("gait", "")
+        limited = values.get("limited by", "").split(", ")
+        links = [f"{name}_link" for name in self._joints if name in limited]
+        warns = latest.level != DiagnosticStatus.OK
+        text = f"{latest.message[:1].upper()}{latest.message[1:]}."
+        self._view.show_condition(text, links, warns=warns)
+
+
+class MissingLegsError(RobomechError):
+    """Contacts do not name all legs."""
+
+    def __init__(self, legs: Iterable[str]) -> None:
+        super().__init__(f"foot_contacts does not name {', '.join(legs)}")
+
+
+def _inbox(node: Node, kind: type, topic: str, depth: int = _DEPTH) -> Inbox:
+    inbox = Inbox(node, kind, topic, depth, lambda: None)
+    inbox.attend(False)
+    return inbox
+
+
+def _number(text: Any, otherwise: float) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        return otherwise
+    return number if math.isfinite(number) else otherwise

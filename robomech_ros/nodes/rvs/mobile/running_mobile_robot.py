@@ -1,0 +1,125 @@
+"""A robot of a page that runs over the ground: it is jogged by twists, and stopped by one."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import Pose, TwistStamped
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.nodes.rvs.jog_thread import JogThread
+from robomech_ros.nodes.rvs.messages import twist_jog
+from robomech_ros.nodes.rvs.mobile.mobile_robot_feed import MobileRobotFeed
+from robomech_ros.nodes.rvs.mobile.mobile_robots import MobileRobot
+from robomech_ros.nodes.rvs.settings import RvsSettings
+from robomech_ros.rvs.model.jog import HoldHeartbeat, JogDirection
+from robomech_ros.rvs.model.running.live_mobile_robot import LiveMobileRobotView
+from robomech_ros.spatial import matrix_from_roll_pitch_yaw
+from robomech_ros.spatial.poses import assembled
+
+_DEPTH = 10
+_Jog = tuple[JogDirection, float]
+
+
+class RunningMobileRobot:
+    """Carries out what a page asks for, see ``LiveMobileRobot``, and tells it what is heard.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of all that it needs.
+    mobile_robot : MobileRobot
+    settings : RvsSettings
+    """
+
+    def __init__(self, node: Node, mobile_robot: MobileRobot, settings: RvsSettings) -> None:
+        self._node, self._mover, self._settings = node, mobile_robot, settings
+        self._clock = node.get_clock()
+        self._twists = node.create_publisher(TwistStamped, mobile_robot.command, _DEPTH)
+        self._gaits = self._poses = None
+        if mobile_robot.legged is not None:
+            self._poses = node.create_publisher(Pose, "body_pose", _DEPTH)
+            self._gaits = node.create_publisher(String, f"{mobile_robot.node}/gait", _DEPTH)
+
+    def begin(self, view: LiveMobileRobotView) -> None:
+        """Tell this page, from now on."""
+        self._view = view
+        self._feed = MobileRobotFeed(self._node, self._mover, self._settings, view)
+        self._jogger = JogThread[_Jog](
+            self._settings.jog_timeout,
+            self._mover.period,
+            self._send,
+            lambda _: self._missing(),
+            view.show_jog,
+            self._node.get_logger(),
+        )
+
+    @property
+    def condition(self) -> str:
+        """Problem of odometry or joint states; empty if there is none."""
+        return self._feed.condition
+
+    @property
+    def jogs(self) -> bool:
+        """Whether a button is held."""
+        return self._jogger.held
+
+    def hold(self, beat: HoldHeartbeat, speed: float) -> None:
+        """Jog while this is said again and again, at a part of the greatest jogging speed."""
+        self._jogger.hold((beat.direction, speed), beat)
+
+    def let_go(self) -> None:
+        """End the jog."""
+        self._jogger.let_go()
+
+    def stop(self) -> None:
+        """End the jog, and command to stand."""
+        self._jogger.let_go()
+        missing = self._missing()
+        self._publish(TwistStamped())
+        text = f"Stop may have failed: {missing}" if missing else "Commanded to stand."
+        self._view.show_result(text, failed=bool(missing))
+
+    def choose_gait(self, gait: str) -> None:
+        """Have it walk in another gait."""
+        if self._gaits is not None:
+            text = f"Gait '{gait}': as soon as it stands."
+            self._command(self._gaits, String(data=gait), text)
+
+    def move_trunk(self, shift: Sequence[float]) -> None:
+        """Have the trunk take a pose beside the level one: x, y, z (m), roll, pitch, yaw (rad)."""
+        if self._poses is not None:
+            position, angles = np.array(shift[:3]), np.array(shift[3:])
+            T = assembled(matrix_from_roll_pitch_yaw(angles), position)
+            self._command(self._poses, pose_from_matrix(T), "Pose of the trunk commanded.")
+
+    def close(self) -> None:
+        """End what was begun; the topics go with the node."""
+        self._jogger.close()
+        self._feed.close()
+
+    def _command(self, publisher: Any, message: Any, text: str) -> None:
+        """Publish, and say so, or that nobody listens."""
+        heard = publisher.get_subscription_count()
+        publisher.publish(message)
+        nobody = f"Nobody listens on '{publisher.topic_name}'."
+        self._view.show_result(text if heard else nobody, failed=not heard)
+
+    def _missing(self) -> str:
+        """Say what is missing to move; empty for nothing."""
+        if not self._twists.get_subscription_count():
+            return f"Nobody listens on '{self._twists.topic_name}'."
+        return ""
+
+    def _send(self, jog: _Jog, moves: bool) -> None:
+        direction, part = jog
+        part = part if moves else 0.0
+        given = self._settings
+        speeds = part * given.jog_linear_speed, part * given.jog_angular_speed
+        self._publish(twist_jog("", direction, *speeds))
+
+    def _publish(self, twist: TwistStamped) -> None:
+        twist.header.stamp = self._clock.now().to_msg()
+        self._twists.publish(twist)

@@ -1,0 +1,168 @@
+"""Goals of an action on their way to a controller, and their results."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from action_msgs.msg import GoalStatus
+from rclpy.node import Node
+from rclpy.task import Future
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_ros.execution.client.execution_request import ExecutionRequest
+from robomech_ros.execution.motion_result import MotionResult
+from robomech_ros.nodes.middleware.queue_depth import ask_action
+from robomech_ros.outcomes import Code
+
+OnResult = Callable[[ExecutionRequest, int, str], None]
+Moved = Callable[[], bool]
+
+_ENDED = (GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_ABORTED, GoalStatus.STATUS_CANCELED)
+
+
+@dataclass(frozen=True)
+class AskedTolerances:
+    """Tolerances that every goal requests from the controller; 0 = the controller's own setting.
+
+    Attributes
+    ----------
+    path, goal : float
+        How far a joint may be from its path and from its last point, rad or m; -1 = any distance.
+    goal_time : float
+        How long after its end a trajectory may still reach its goal, s.
+    """
+
+    path: float = 0.0
+    goal: float = 0.0
+    goal_time: float = 0.0
+
+
+def request_topic(action: str) -> str:
+    """Name the middleware's topic on which a server of an action takes goals."""
+    return f"rq{action}/_action/send_goalRequest"
+
+
+class ActionGoals(Protocol):
+    """Goals of an action: how they are put, and what results mean.
+
+    Attributes
+    ----------
+    kind : type
+        The action.
+    name : str
+        Its name below the controller.
+    """
+
+    kind: Any
+    name: str
+
+    def goal(self, trajectory: JointTrajectory, tolerances: AskedTolerances) -> Any:
+        """Make a goal."""
+
+    def verdict(self, status: int, result: Any, began: bool) -> MotionResult:
+        """Return the code and the text of a result; `began` says whether the robot moved."""
+
+
+class ActionTransport:
+    """Sends deliveries as goals; of all goals the result of the last one counts.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the client.
+    controller : str
+        Name of the controller.
+    goals : ActionGoals
+        Those of the action.
+    tolerances : AskedTolerances
+        What every goal asks of the controller.
+    on_result : callable
+        Called with every delivery whose result has come, its code and its text.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        controller: str,
+        goals: ActionGoals,
+        tolerances: AskedTolerances,
+        on_result: OnResult,
+    ) -> None:
+        name = f"{controller}/{goals.name}"
+        self.name = node.resolve_service_name(name)
+        self._client = ask_action(node, goals.kind, name)
+        self._goals = goals
+        self._tolerances = tolerances
+        self._on_result = on_result
+        self._destroyed = False
+        # Goals are numbered; the result of the last one counts.
+        self._last = self._cancelled = 0
+        self._handles: dict[int, Any] = {}
+
+    @property
+    def ready(self) -> bool:
+        """Whether the controller serves the action."""
+        return bool(self._client.server_is_ready())
+
+    @property
+    def runs(self) -> bool:
+        """Whether the controller executes a goal."""
+        return bool(self._handles)
+
+    def send(self, delivery: ExecutionRequest, message: JointTrajectory, moved: Moved) -> None:
+        """Send the message of a delivery; `moved` says whether the robot has moved since."""
+        self._last += 1
+        number = self._last
+        sent = self._client.send_goal_async(self._goals.goal(message, self._tolerances))
+        sent.add_done_callback(lambda future: self._take_handle(number, delivery, moved, future))
+
+    def cancel(self) -> None:
+        """Ask the controller to give up all that was sent, also what it has not accepted yet."""
+        self._cancelled = self._last
+        for handle in self._handles.values():
+            handle.cancel_goal_async()
+
+    def destroy(self) -> None:
+        """Give up the action client; once is enough."""
+        if not self._destroyed:
+            self._destroyed = True
+            self._client.destroy()
+
+    def _take_handle(
+        self, number: int, delivery: ExecutionRequest, moved: Moved, future: Future
+    ) -> None:
+        if future.exception() is not None:
+            text = f"sending the goal failed: {future.exception()}"
+            self._conclude(number, delivery, Code.REJECTED, text)
+            return
+        handle = future.result()
+        if not handle.accepted:
+            text = f"action '{self.name}' rejected the goal without a reason"
+            self._conclude(number, delivery, Code.REJECTED, text)
+            return
+        self._handles[number] = handle
+        if number <= self._cancelled:
+            handle.cancel_goal_async()
+        result = handle.get_result_async()
+        result.add_done_callback(lambda done: self._take_result(number, delivery, moved, done))
+
+    def _take_result(
+        self, number: int, delivery: ExecutionRequest, moved: Moved, future: Future
+    ) -> None:
+        self._handles.pop(number, None)
+        if future.exception() is not None:
+            text = f"asking for the result failed: {future.exception()}"
+            self._conclude(number, delivery, Code.REJECTED, text)
+            return
+        answer = future.result()
+        if answer.status not in _ENDED:
+            text = f"action '{self.name}' does not know the goal; how the motion ended is not known"
+            self._conclude(number, delivery, Code.REJECTED, text)
+            return
+        verdict = self._goals.verdict(answer.status, answer.result, moved())
+        self._conclude(number, delivery, *verdict)
+
+    def _conclude(self, number: int, delivery: ExecutionRequest, code: int, text: str) -> None:
+        """Hand over the result of what was sent last."""
+        if number == self._last:
+            self._on_result(delivery, code, text)

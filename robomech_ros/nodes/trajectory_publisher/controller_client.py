@@ -1,0 +1,152 @@
+"""The way to the controller by topic and by action, and to the state of the robot."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from rclpy.node import Node
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_ros.execution.client.execution_request import ExecutionRequest, Transport
+from robomech_ros.execution.client.position_check import STILL
+from robomech_ros.execution.joints import JointKinds, Joints
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.middleware.liveliness import LivelinessMonitor
+from robomech_ros.nodes.trajectory_publisher.action_transport import ActionTransport, request_topic
+from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals
+from robomech_ros.nodes.trajectory_publisher.messages import message_from_delivery
+from robomech_ros.typing import Array
+
+_DEPTH = 10
+
+
+class ControllerClient:
+    """Sends trajectories to one controller.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of publisher, client and subscription.
+    controller : str
+        Name of the controller.
+    clock : MotionClock
+        The time of deliveries.
+    action : ActionTransport
+        The way by action.
+    refusals : ControllerRefusals
+        What the controller says of trajectories sent by topic.
+    life : LivelinessMonitor
+        Whether the controller lives.
+    monitor : JointStateMonitor
+        Where the joints are.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        controller: str,
+        clock: MotionClock,
+        action: ActionTransport,
+        refusals: ControllerRefusals,
+        life: LivelinessMonitor,
+        monitor: JointStateMonitor,
+    ) -> None:
+        self._action = action
+        self._life = life
+        self._refusals = refusals
+        self._monitor = monitor
+        self._publisher = node.create_publisher(
+            JointTrajectory, f"{controller}/joint_trajectory", _DEPTH
+        )
+        self._continuous: frozenset[str] | None = None
+        self._units: dict[str, str] = {}
+        self._acceleration: dict[str, float] = {}
+        self._clock = clock
+
+    def know_robot(self, model: RobotModel) -> None:
+        """Note which joints turn without limits, their units and acceleration limits."""
+        self._units = {joint.name: joint.unit for joint in model.description.joints}
+        self._continuous = frozenset(
+            joint.name
+            for joint in model.description.joints
+            if joint.type != "prismatic" and np.isneginf(joint.lower) and np.isposinf(joint.upper)
+        )
+        joints = Joints.of(model.commanded)
+        limits = joints.acceleration.tolist()
+        self._acceleration = dict(zip(joints.names, limits, strict=True))
+
+    def missing(self, transport: Transport) -> str:
+        """Say what is not there to send by; empty if all is."""
+        if self.died:
+            return "the process of the controller"
+        if transport.answers:
+            name = self._action.name
+            there = self._action.ready and self._life.reads(request_topic(name), no_mangle=True)
+            return "" if there else f"action '{name}'"
+        topic = self._publisher.topic_name
+        there = self._publisher.get_subscription_count() > 0 and self._life.reads(topic)
+        return "" if there else f"subscriber of '{topic}'"
+
+    @property
+    def died(self) -> bool:
+        """Whether the controller was there and shows no sign of life any more."""
+        return self._life.ended
+
+    @property
+    def replaced(self) -> bool:
+        """Whether the controller that was sent to last has died, and another process is there."""
+        return self._life.has_successor(self._sent_to)
+
+    def positions(self, names: Sequence[str]) -> Array | None:
+        """Return the present positions, rad or m; None if not known."""
+        return self._monitor.positions(names)
+
+    def update_count(self, names: Sequence[str]) -> int:
+        """Return a number that has grown when all these joints were heard of anew."""
+        return self._monitor.update_count(names)
+
+    def kinds(self, names: Sequence[str]) -> JointKinds:
+        """Say which joints turn without limits; all may as long as the robot is not known.
+
+        The controller has the last word on a start that is a whole turn away.
+        """
+        known = self._continuous
+        continuous = np.array([known is None or name in known for name in names])
+        return JointKinds(continuous, [self._units.get(name, "") for name in names])
+
+    def acceleration(self, names: Sequence[str]) -> Array | None:
+        """Return the acceleration limits, rad/s^2 or m/s^2; None where they are not all known."""
+        if not all(name in self._acceleration for name in names):
+            return None
+        return np.array([self._acceleration[name] for name in names])
+
+    def send(self, delivery: ExecutionRequest) -> None:
+        """Send by the transport of the delivery."""
+        self._sent_to = self._life.server
+        message = message_from_delivery(delivery, self._clock.stamp(delivery.sent_at))
+        if delivery.transport is Transport.TOPIC:
+            self._refusals.expect(delivery, message)
+            self._publisher.publish(message)
+            return
+        start = self.positions(delivery.names)
+        self._action.send(delivery, message, lambda: self._left(start, delivery.names))
+
+    def runs_before(self, delivery: ExecutionRequest) -> bool:
+        """Say whether the controller still executes a goal before the last one."""
+        return self._action.runs
+
+    def cancel(self, delivery: ExecutionRequest) -> None:
+        """Ask the controller to give up all that was sent, also what it has not accepted yet."""
+        self._action.cancel()
+
+    def _left(self, start: Array | None, names: Sequence[str]) -> bool:
+        """Whether the robot is elsewhere than at a start, rad or m."""
+        place = self.positions(names)
+        if start is None or place is None:
+            return False
+        return bool(np.max(np.abs(place - start)) > STILL)
+
+    def destroy(self) -> None:
+        """Give up the action client; once is enough."""
+        self._action.destroy()

@@ -1,0 +1,141 @@
+"""Motions of rolling robots in time, under torques."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.integrate import solve_ivp
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.rolling.argument_checks import duration as checked_duration
+from robomech_ros.rolling.argument_checks import one_vector
+from robomech_ros.rolling.dynamics import RollingDynamics
+from robomech_ros.typing import Array
+
+# From the time (s), the twist (3,) and the brackets' angles (c,) to torques (k,) (N m).
+Torques = Callable[[float, Array, Array], ArrayLike]
+
+# Of the integrator, relative and absolute: the energy of ten seconds is kept to 1e-8.
+_RTOL, _ATOL = 1e-11, 1e-12
+_LONGEST = 3600.0
+
+
+@dataclass(frozen=True, eq=False)
+class RollingSimulation:
+    """Simulated motion of a rolling robot.
+
+    Attributes
+    ----------
+    t : ndarray, shape (n,)
+        Times (s).
+    pose : ndarray, shape (n, 3)
+        x, y (m) and heading (rad).
+    twist : ndarray, shape (n, 3)
+        ``[omega, v_x, v_y]`` (rad/s, m/s), in the axes of the base.
+    brackets : ndarray, shape (n, c)
+        Angles of the casters' brackets (rad).
+    kinetic : ndarray, shape (n,)
+        Energy (J).
+    work : ndarray, shape (n,)
+        What the motors put in (J).
+    drift : float
+        Largest magnitude of what the energy balance leaves (J).
+    """
+
+    t: Array
+    pose: Array
+    twist: Array
+    brackets: Array
+    kinetic: Array
+    work: Array
+    drift: float
+
+
+def simulate_rolling(
+    dynamics: RollingDynamics,
+    twist: ArrayLike,
+    torques: Torques | None,
+    duration: float,
+    *,
+    pose: ArrayLike = (0.0, 0.0, 0.0),
+    brackets: ArrayLike | None = None,
+    samples: int = 101,
+) -> RollingSimulation:
+    """Move a base under torques of its driven wheels.
+
+    Parameters
+    ----------
+    dynamics : RollingDynamics
+    twist : array_like, shape (3,)
+        At the start: ``[omega, v_x, v_y]`` (rad/s, m/s).
+    torques : callable or None
+        ``torques(t, twist, brackets)`` gives those of the driven wheels (N m); None for none.
+    duration : float
+        In s, up to an hour.
+    pose : array_like, shape (3,), optional
+        At the start: x, y (m) and heading (rad).
+    brackets : array_like, shape (c,), optional
+        At the start, angles of the casters' brackets (rad).  Default 0.
+    samples : int, optional
+        How many moments are kept, evenly spaced, 2 or more.
+
+    Returns
+    -------
+    RollingSimulation
+
+    Raises
+    ------
+    BadValueError
+        Not such values, or torques that are none.
+
+    Examples
+    --------
+    A base that nothing drives keeps its energy, wherever its caster turns:
+
+    >>> from robomech_ros.rolling import rolling_robot, simulate_rolling
+    >>> moving = rolling_robot("differential").dynamics
+    >>> run = simulate_rolling(moving, [0.8, 0.5, 0.0], None, 2.0, brackets=[1.0])
+    >>> bool(run.drift < 1e-9 * run.kinetic[0])
+    True
+    """
+    if not isinstance(dynamics, RollingDynamics):
+        raise BadValueError("dynamics", dynamics, "a RollingDynamics")
+    if torques is not None and not callable(torques):
+        raise BadValueError("torques", torques, "a function of time, twist and brackets, or None")
+    time = checked_duration("duration", duration)
+    if time > _LONGEST:
+        raise BadValueError("duration", duration, f"up to {_LONGEST:g} s")
+    if type(samples) is not int or not 2 <= samples <= 1_000_000:
+        raise BadValueError("samples", samples, "a number from 2 to a million")
+    base, m, c = dynamics.base, dynamics.free.shape[1], len(dynamics.base.casters)
+    start = one_vector("twist", twist, 3)
+    dynamics.bodies(start, brackets)
+    psi = np.zeros(c) if brackets is None else one_vector("brackets", brackets, c)
+    rates = np.linalg.lstsq(dynamics.free, start, rcond=None)[0]
+    state = np.concatenate([one_vector("pose", pose, 3), rates, psi, [0.0]])
+
+    def derivative(t: float, y: Array) -> Array:
+        now, angles = dynamics.free @ y[3 : 3 + m], y[3 + m : -1]
+        drive = np.zeros(len(base.driven))
+        if torques is not None:
+            drive = one_vector("torques", torques(t, now, angles), len(base.driven))
+        change = dynamics.bodies(now, angles).forward(dynamics.drives.T @ drive)
+        cosine, sine = np.cos(y[2]), np.sin(y[2])
+        moving = [cosine * now[1] - sine * now[2], sine * now[1] + cosine * now[2], now[0]]
+        power = drive @ (dynamics.drives @ y[3 : 3 + m])
+        return np.concatenate([moving, change, base.caster_rates(now, angles), [power]])
+
+    t = np.linspace(0.0, time, samples)
+    found = solve_ivp(derivative, (0.0, time), state, "DOP853", t, rtol=_RTOL, atol=_ATOL)
+    if not found.success or found.y.shape[1] != samples:
+        raise BadValueError("motion", found.message, "one that can be integrated")
+    y = found.y.T
+    twists, angles = y[:, 3 : 3 + m] @ dynamics.free.T, y[:, 3 + m : -1]
+    pairs = zip(twists, angles, strict=True)
+    kinetic = np.array([dynamics.kinetic_energy(*one) for one in pairs])
+    work = y[:, -1]
+    drift = float(np.abs(kinetic - kinetic[0] - work).max())
+    return RollingSimulation(t, y[:, :3], twists, angles, kinetic, work, drift)

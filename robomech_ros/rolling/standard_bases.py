@@ -1,0 +1,303 @@
+"""Bases of known kinds from their measures: the book's, and those that are sold.
+
+Signs are those of the controllers of ros2_control, so that rates can be exchanged with them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.rolling.argument_checks import above_zero, angle
+from robomech_ros.rolling.argument_checks import length as checked_length
+from robomech_ros.rolling.base import RollingBase
+from robomech_ros.rolling.wheels import Wheel
+from robomech_ros.spatial.arrays import as_finite
+
+
+def differential_drive(
+    radius: float, track: float, *, casters: Sequence[Wheel] = (), **options: Any
+) -> RollingBase:
+    """Make the book's base with two driven wheels on one axle, and casters.
+
+    Parameters
+    ----------
+    radius, track : float
+        Of the wheels, and between them (m).
+    casters : sequence of Wheel, optional
+        Of kind ``"caster"``.
+    **options
+        Of both wheels, such as ``max_rate``.
+
+    Returns
+    -------
+    RollingBase
+        With the wheels ``left`` and ``right``; the origin is in the middle of the axle.
+
+    Raises
+    ------
+    BadValueError
+        Not lengths.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.5.1.
+
+    Examples
+    --------
+    >>> from robomech_ros.rolling import differential_drive
+    >>> differential_drive(radius=0.1, track=0.4).wheel_rates([1.0, 0.5, 0.0]).round(9).tolist()
+    [3.0, 7.0]
+    """
+    half = 0.5 * checked_length("track", track)
+    both: list[Wheel] = [
+        Wheel(
+            kind="fixed", position=np.array([0.0, side * half]), radius=radius, name=name, **options
+        )
+        for name, side in (("left", 1.0), ("right", -1.0))
+    ]
+    return RollingBase([*both, *_listed(casters)], name="differential_drive")
+
+
+def omnidirectional(
+    count: int, radius: float, distance: float, *, offset: float = 0.0, **options: Any
+) -> RollingBase:
+    """Make a base with omnidirectional wheels on a circle, evenly spaced.
+
+    Parameters
+    ----------
+    count : int
+        How many, 3 or more.
+    radius, distance : float
+        Of the wheels, and from the centre to them (m).
+    offset : float, optional
+        From x to the first of them, counter-clockwise as all (rad).
+    **options
+        Of all wheels, such as ``max_rate``.
+
+    Returns
+    -------
+    RollingBase
+        Positive rates of all wheels turn it clockwise.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.5.2.
+
+    Examples
+    --------
+    >>> from robomech_ros.rolling import omnidirectional
+    >>> base = omnidirectional(3, radius=0.1, distance=0.5)
+    >>> base.wheel_rates([0.1, 0.1, 0.2]).round(6).tolist()
+    [-2.5, 1.366025, -0.366025]
+    """
+    if type(count) is not int or not 3 <= count <= 100:
+        raise BadValueError("count", count, "a number of wheels from 3 to 100")
+    rho = checked_length("distance", distance)
+    start = angle("offset", offset)
+    wheels = []
+    for i in range(count):
+        azimuth = start + 2.0 * math.pi * i / count
+        wheels.append(
+            Wheel(
+                kind="omni",
+                position=rho * np.array([math.cos(azimuth), math.sin(azimuth)]),
+                radius=radius,
+                heading=azimuth - 0.5 * math.pi,
+                name=f"wheel_{i + 1}",
+                **options,
+            )
+        )
+    return RollingBase(wheels, name="omnidirectional")
+
+
+def mecanum(
+    radius: float, length: float, width: float, *, roller: float = 0.25 * math.pi, **options: Any
+) -> RollingBase:
+    """Make a base with four mecanum wheels.
+
+    Parameters
+    ----------
+    radius, length, width : float
+        Of the wheels; from the front axle to the rear one; from the left wheels to the right ones
+        (m).
+    roller : float, optional
+        From the rolling direction of the rear left and front right wheels to the axes of their
+        rollers on the ground (rad); minus that for the others.
+    **options
+        Of all wheels, such as ``max_rate``.
+
+    Returns
+    -------
+    RollingBase
+        With the wheels ``front_left``, ``front_right``, ``rear_right`` and ``rear_left``; positive
+        rates drive forward.
+
+    Raises
+    ------
+    BadValueError, UnderdeterminedError
+        Not such values, or wheels that cannot give every twist.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.5.2.
+
+    Examples
+    --------
+    >>> from robomech_ros.rolling import mecanum
+    >>> mecanum(0.1, 0.6, 0.4).wheel_rates([0.2, 1.0, 0.5]).round(9).tolist()
+    [4.0, 16.0, 6.0, 14.0]
+    """
+    x, y = (0.5 * checked_length(*one) for one in (("length", length), ("width", width)))
+    to_axis = angle("roller", roller)
+    corners = (("front_left", x, y, -to_axis), ("front_right", x, -y, to_axis),
+               ("rear_right", -x, -y, -to_axis), ("rear_left", -x, y, to_axis))  # fmt: skip
+    wheels = [
+        Wheel(
+            kind="omni",
+            position=np.array([px, py]),
+            radius=radius,
+            roller=turn,
+            name=name,
+            **options,
+        )
+        for name, px, py, turn in corners
+    ]
+    return RollingBase(wheels, name="mecanum")
+
+
+def tricycle(
+    radius: float, wheelbase: float, track: float, *, steering_limit: float = 0.5 * math.pi
+) -> RollingBase:
+    """Make a base with two wheels behind and a driven, steered one in front.
+
+    Parameters
+    ----------
+    radius, wheelbase, track : float
+        Of the wheels; from the rear axle to the front wheel; between the rear wheels (m).
+    steering_limit : float, optional
+        To both sides (rad).
+
+    Returns
+    -------
+    RollingBase
+        With the wheels ``front``, which drives, ``rear_right`` and ``rear_left``; the origin is in
+        the middle of the rear axle.
+
+    Examples
+    --------
+    >>> from robomech_ros.rolling import tricycle
+    >>> base = tricycle(0.1, wheelbase=1.0, track=0.6)
+    >>> base.steering_angles([1.0, 1.0, 0.0]).round(6).tolist(), base.mobility.type
+    ([0.785398], '(1,1)')
+    """
+    half, limit = (
+        0.5 * checked_length("track", track),
+        above_zero("steering_limit", steering_limit, "rad"),
+    )
+    front = np.array([checked_length("wheelbase", wheelbase), 0.0])
+    right, left = np.array([0.0, -half]), np.array([0.0, half])
+    wheels = [
+        Wheel(kind="steered", position=front, radius=radius,
+              steering_limits=(-limit, limit), name="front"),
+        Wheel(kind="fixed", position=right, radius=radius, driven=False, name="rear_right"),
+        Wheel(kind="fixed", position=left, radius=radius, driven=False, name="rear_left"),
+    ]  # fmt: skip
+    return RollingBase(wheels, name="tricycle")
+
+
+def ackermann(
+    radius: float, wheelbase: float, track: float, *, steering_limit: float = 0.7, **options: Any
+) -> RollingBase:
+    """Make a car: two steered wheels in front, two driven ones behind.
+
+    Parameters
+    ----------
+    radius, wheelbase, track : float
+        Of the wheels; from axle to axle; from the left wheels to the right ones (m).
+    steering_limit : float, optional
+        Of each front wheel, to both sides (rad).
+    **options
+        Of the driven wheels, such as ``max_rate``.
+
+    Returns
+    -------
+    RollingBase
+        With the wheels ``rear_right`` and ``rear_left``, which drive, ``front_right`` and
+        ``front_left``; the origin is in the middle of the rear axle.
+
+    Examples
+    --------
+    >>> from robomech_ros.rolling import ackermann
+    >>> car = ackermann(0.15, wheelbase=1.2, track=0.8)
+    >>> car.wheel_rates([0.5, 1.0, 0.0]).round(6).tolist()
+    [8.0, 5.333333]
+    >>> car.steering_angles([0.5, 1.0, 0.0]).round(6).tolist()
+    [0.463648, 0.643501]
+    """
+    half, limit = (
+        0.5 * checked_length("track", track),
+        above_zero("steering_limit", steering_limit, "rad"),
+    )
+    x, wheels = checked_length("wheelbase", wheelbase), []
+    for side, y in (("right", -half), ("left", half)):
+        name = f"rear_{side}"
+        wheels.append(
+            Wheel(kind="fixed", position=np.array([0.0, y]), radius=radius, name=name, **options)
+        )
+    for side, y in (("right", -half), ("left", half)):
+        wheels.append(
+            Wheel(
+                kind="steered",
+                position=np.array([x, y]),
+                radius=radius,
+                driven=False,
+                steering_limits=(-limit, limit),
+                name=f"front_{side}",
+            )
+        )
+    return RollingBase(wheels, name="ackermann")
+
+
+def swerve(radius: float, positions: ArrayLike, **options: Any) -> RollingBase:
+    """Make a base whose wheels are all driven and steered.
+
+    Parameters
+    ----------
+    radius : float
+        Of the wheels (m).
+    positions : array_like, shape (n, 2)
+        Of two wheels or more (m).
+    **options
+        Of all wheels, such as ``max_rate`` and ``max_steering_rate``.
+
+    Returns
+    -------
+    RollingBase
+
+    Examples
+    --------
+    >>> from robomech_ros.rolling import swerve
+    >>> base = swerve(0.05, [[0.2, 0.2], [0.2, -0.2], [-0.2, -0.2], [-0.2, 0.2]])
+    >>> base.mobility.type, base.wheel_rates([0.0, 0.0, 1.0]).round(6).tolist()
+    ('(1,2)', [20.0, 20.0, 20.0, 20.0])
+    """
+    places = as_finite("positions", positions, (2,))
+    if places.ndim != 2:
+        raise WrongSizeError("positions", places.shape, "(n, 2)")
+    wheels = [
+        Wheel(kind="steered", position=place, radius=radius, name=f"wheel_{i + 1}", **options)
+        for i, place in enumerate(places)
+    ]
+    return RollingBase(wheels, name="swerve")
+
+
+def _listed(casters: object) -> list[Wheel]:
+    if not isinstance(casters, list | tuple) or not all(isinstance(one, Wheel) for one in casters):
+        raise BadValueError("casters", casters, "a list of wheels")
+    return list(casters)

@@ -1,0 +1,259 @@
+"""Capabilities of an arm: key figures, ellipsoids of velocity and force, and lost motions."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.rvs.model.analysis import (
+    ROWS,
+    ArmFacts,
+    DrawnEllipsoid,
+    NextSingularity,
+    PostureFacts,
+    arm_facts,
+    drawn_ellipsoid,
+    next_singularity,
+    posture_facts,
+    twist_arrows,
+)
+from robomech_ros.rvs.model.solids import sphere
+from robomech_ros.rvs.page.clients import Controls
+from robomech_ros.rvs.page.fact_table import fact_table
+from robomech_ros.rvs.page.folder import Folder
+from robomech_ros.rvs.page.layer import LayerContext
+from robomech_ros.rvs.page.robot_nodes import placed
+from robomech_ros.rvs.page.switches import Switches
+from robomech_ros.rvs.page.twist_nodes import TwistNodes
+from robomech_ros.rvs.serving.worker import Worker
+from robomech_ros.spatial.arrays import as_choice
+
+ORDER = 10
+COLOURS = {"velocity": (40, 125, 230), "force": (235, 130, 30)}
+OPACITY = 0.4
+# What can be shown, and its label.
+LABELS = {
+    "numbers": "numbers",
+    "velocity": "velocity ellipsoid",
+    "force": "force ellipsoid",
+    "lost": "lost directions",
+}
+LOST, WEAKEST = ((225, 40, 45), (190, 50, 190)), ((235, 165, 60), (190, 140, 220))
+
+
+class AnalysisLayer:
+    """The layer.
+
+    Parameters
+    ----------
+    place : LayerContext
+    """
+
+    def __init__(self, place: LayerContext) -> None:
+        self._place = place
+        # The next robot shows the same.
+        first = {"on": dict.fromkeys(LABELS, False), "part": "translation"}
+        self._kept: dict[str, Any] = place.kept.setdefault("understand", first)
+        self._switches = Switches(place, LABELS, self._kept["on"])
+        self._worker = Worker()
+        self._facts: ArmFacts | None = None
+        self._next: NextSingularity | None = None
+        self._asked_for_facts, self._goes = False, False
+        self._asked_at: Any = None
+        self._nodes: dict[str, Any] = {}
+        self._arrows = TwistNodes(place.server.scene, f"{place.base}/lost_", place.seen.reach)
+        self._folder: Folder | None = None
+        self._table: Any = None
+
+    def show(self) -> None:
+        """Follow the arm."""
+        q = self._place.arm.q
+        found = {kind: self._show_ellipsoid(kind) for kind in COLOURS}
+        judged = None
+        if self._judges:
+            self._find_facts()
+        if self._judges and self._facts is not None:
+            length = self._facts.length
+            judged = posture_facts(self._place.chain, q, length)
+            if self._switches["numbers"] and not np.array_equal(q, self._asked_at):
+                self._asked_at = q
+                self._worker.submit("next", lambda: self._search(q, length))
+        self._show_arrows(judged if self._switches["lost"] else None)
+        if self._folder is not None and not self._folder.removed:
+            self._table.content = fact_table("understand", self._lines(judged, found))
+
+    def controls(self, client: Any) -> Controls:
+        """Give a browser the folder "Understand"."""
+        gui = client.gui
+        folder = self._folder = Folder(gui, self._place.units, "Understand", ORDER)
+        with folder:
+            self._table = folder.text()
+            for name in LABELS:
+                self._switches.add_to(folder, name)
+                if name == "force":
+                    parts = tuple(ROWS)
+                    part = gui.add_dropdown(
+                        "ellipsoids of", parts, initial_value=self._kept["part"]
+                    )
+                    folder.listen(part, self._choose_part)
+            folder.button("Go to the least condition number", self._go)
+        self.show()
+        return folder
+
+    def close(self) -> None:
+        """Stop what runs."""
+        self._worker.close(wait=False)
+
+    @property
+    def _judges(self) -> bool:
+        """Whether the posture is judged, for which the characteristic length is needed."""
+        return self._switches["numbers"] or self._switches["lost"]
+
+    def _choose_part(self, value: Any) -> None:
+        def chosen() -> None:
+            self._kept["part"] = as_choice("ellipsoids of", value, tuple(ROWS))
+
+        self._place.ask((self, "part"), chosen)
+
+    def _find_facts(self) -> None:
+        """Have the facts found, once for the robot."""
+        if not self._asked_for_facts:
+            self._asked_for_facts = True
+            self._worker.submit("facts", self._find)
+
+    def _find(self) -> None:
+        facts = arm_facts(self._place.chain)
+
+        def known() -> None:
+            self._facts = facts
+            if self._goes:
+                self._goes = False
+                self._take_best(facts)
+
+        self._place.ask((self, "facts"), known)
+
+    def _search(self, q: Any, length: float) -> None:
+        found = next_singularity(self._place.chain, q, length)
+
+        def known() -> None:
+            self._next = found
+
+        self._place.ask((self, "next"), known)
+
+    def _go(self) -> None:
+        def asked() -> None:
+            if self._facts is None:
+                self._goes = True
+                self._find_facts()
+            else:
+                self._take_best(self._facts)
+
+        self._place.ask((self, "go"), asked)
+
+    def _take_best(self, facts: ArmFacts) -> None:
+        if facts.best is None:
+            expected = "one that is regular in some posture"
+            raise BadValueError("arm", self._place.chain.name, expected)
+        self._place.arm.move_to(facts.best.q)
+
+    def _show_ellipsoid(self, kind: str) -> DrawnEllipsoid | None:
+        wanted = self._switches[kind]
+        node = self._nodes.get(kind)
+        if not wanted:
+            if node is not None:
+                node.visible = False
+            return None
+        arm, reach = self._place.arm, self._place.seen.reach
+        drawn = drawn_ellipsoid(arm.chain, arm.q, kind, self._kept["part"], reach)
+        if node is None:
+            node = self._nodes[kind] = self._add_ellipsoid(kind)
+        place = placed(drawn.pose)
+        node.position, node.wxyz = place["position"], place["wxyz"]
+        node.scale = tuple(drawn.half_axes.tolist())
+        node.visible = True
+        return drawn
+
+    def _add_ellipsoid(self, kind: str) -> Any:
+        solid = sphere(1.0)
+        return self._place.server.scene.add_mesh_simple(
+            f"{self._place.base}/{kind}_ellipsoid",
+            solid.vertices,
+            solid.faces,
+            color=COLOURS[kind],
+            opacity=OPACITY,
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+
+    def _show_arrows(self, judged: PostureFacts | None) -> None:
+        if judged is None:
+            self._arrows.show(None, LOST)
+            return
+        tip, reach = self._place.arm.tip[:3, 3], self._place.seen.reach
+        colours = LOST if judged.report.singular else WEAKEST
+        self._arrows.show(twist_arrows(tip, judged.twists, reach), colours)
+
+    def _lines(
+        self, judged: PostureFacts | None, found: dict[str, DrawnEllipsoid | None]
+    ) -> list[tuple[str, str]]:
+        """Write what is known."""
+        lines: list[tuple[str, str]] = []
+        facts = self._facts
+        if self._judges and facts is None:
+            lines.append(("", "Looking for the characteristic length ..."))
+        if self._switches["numbers"] and facts is not None and judged is not None:
+            lines += _of_arm(facts) + _of_posture(judged, self._next)
+        if self._switches["lost"] and judged is not None:
+            what, colours = "takes the greatest effort", "amber, rotations about lilac"
+            if judged.report.singular:
+                what, colours = "the tip cannot do", "red, rotations about purple"
+            lines.append(("arrows", f"what {what}: motions along {colours}"))
+        for kind, drawn in found.items():
+            if drawn is not None:
+                values = ", ".join(f"{value:.3g}" for value in drawn.values)
+                of = "rates" if kind == "velocity" else "torques"
+                lines.append(
+                    (f"{kind} ellipsoid", f"{values} {drawn.unit} at joint {of} of norm 1")
+                )
+        return lines or [("", "Conditioning, ellipsoids and singularities of this arm, live.")]
+
+
+def _of_arm(facts: ArmFacts) -> list[tuple[str, str]]:
+    best = "none, every posture is singular"
+    if facts.best is not None:
+        best = (
+            f"{facts.least_condition:.3f}, conditioning index {100 / facts.least_condition:.1f} %"
+        )
+        if facts.best.condition_number > facts.least_condition * (1.0 + 1e-6):
+            best += f"; inside the limits {facts.best.condition_number:.3f}"
+    reach = f"{facts.least_reach:.3f} to {facts.greatest_reach:.3f} m from the first joint"
+    return [
+        ("characteristic length", f"{facts.length:.4f} m"),
+        ("reach", reach),
+        ("least condition number", best),
+    ]
+
+
+def _of_posture(judged: PostureFacts, near: NextSingularity | None) -> list[tuple[str, str]]:
+    report = judged.report
+    condition = report.normalised_condition_number
+    here = "infinite, manipulability 0"
+    if math.isfinite(condition):
+        here = f"{condition:.3f}, manipulability {report.manipulability:.4g}"
+    lines = [("condition number here", here)]
+    if report.singular:
+        count = len(report.lost_directions)
+        noun = "direction" if count == 1 else "directions"
+        lines.append(("singular", f"{', '.join(report.kinds)}: {count} {noun} lost"))
+    elif report.factors:
+        parts = ", ".join(f"{name} {value:+.3f}" for name, value in report.factors.items())
+        lines.append(("regular", f"{parts}; 0 is singular"))
+    if near is not None and not report.singular:
+        found = "none found"
+        if math.isfinite(near.distance):
+            found = f"{', '.join(near.kinds)}, {near.distance:.3f} rad away"
+        lines.append(("next singularity", found))
+    return lines

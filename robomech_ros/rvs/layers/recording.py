@@ -1,0 +1,223 @@
+"""Storage of recordings, motion files, pictures, and the view in the address."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.rvs.model.recorder import Recorder
+from robomech_ros.rvs.model.view_state import ViewState, state_from_text, text_from_state
+from robomech_ros.rvs.page.clients import Controls
+from robomech_ros.rvs.page.folder import Folder
+from robomech_ros.rvs.page.layer import LayerContext
+from robomech_ros.rvs.page.recording import motion_page
+from robomech_ros.rvs.page.units import Units
+from robomech_ros.rvs.serving.scripts import keep_in_address, read_address_into, save_picture
+from robomech_ros.rvs.serving.worker import Worker
+
+VIEW = "View"
+RECORD, END = "Record", "End the recording"
+# The address follows what is seen so late (s): browsers take few changes a second.
+LATE = 0.5
+
+
+class RecordingLayer:
+    """Keeps what is done and seen.
+
+    Parameters
+    ----------
+    place : LayerContext
+    """
+
+    def __init__(self, place: LayerContext) -> None:
+        self._place = place
+        self.recorder = Recorder()
+        self.known: KnownBrowsers = place.kept.setdefault("keeping", KnownBrowsers())
+        self.known.notice = self.notice
+        self._controls: RecordingControls | None = None
+        self._writing = Worker()
+        self._changed, self._closing = threading.Event(), threading.Event()
+        self._follower = threading.Thread(target=self._follow, name="address", daemon=True)
+        self._follower.start()
+
+    def show(self) -> None:
+        """Keep where the arm is."""
+        recorder = self.recorder
+        if recorder.running and not recorder.add(time.monotonic(), self._place.arm.q):
+            self._end()
+        self.notice()
+
+    def controls(self, client: Any) -> Controls:
+        """Give the browser that commands the folder Keep."""
+        self._controls = RecordingControls(client, self._place.units, self, self._place.ask)
+        self.notice()
+        return self._controls
+
+    def close(self) -> None:
+        """Stop writing."""
+        self._closing.set()
+        self._changed.set()
+        self._follower.join()
+        self._writing.close()
+
+    def notice(self) -> None:
+        """Have the address follow what is seen."""
+        self._changed.set()
+
+    # What the controls ask for, on the thread of the page.
+
+    def record_or_end(self) -> None:
+        """Begin a recording, or end it and show it as the plan."""
+        if self.recorder.running:
+            self._end()
+        else:
+            self.recorder.begin(time.monotonic(), self._place.arm.q)
+            self._label()
+
+    def download(self, client: Any) -> None:
+        """Send the plan that is shown to a browser, as a page in a file."""
+        motion, name = self._place.plan.motion, self._place.chain.name
+        if motion is None:
+            raise BadValueError("plan", "none", "a plan or a recording to be saved")
+        title = f"{name}: {self._place.plan.name}"
+
+        def write() -> None:
+            page = motion_page(self._place.description, motion, title)
+            client.send_file_download(f"{name}.html", page.encode(), save_immediately=True)
+
+        self._writing.submit("download", write)
+
+    def restore(self, text: str, client: Any) -> None:
+        """Show what a text says, or refuse it as a whole.
+
+        Raises
+        ------
+        BadValueError
+            It is no view of this arm, or outside its limits.
+        """
+        place = self._place
+        if self._controls is not None:
+            # What is refused does not stay in the address.
+            self._controls.written = ""
+        state = state_from_text(text, place.chain.n, tuple(place.switched()))
+        q = place.arm.checked(state.q)
+        place.arm.move_to(q)
+        for what, shown in state.shown.items():
+            place.switch(what, shown)
+        client.camera.position, client.camera.look_at = state.eye, state.at
+
+    # What happens inside.
+
+    def _end(self) -> None:
+        try:
+            motion = self.recorder.end(time.monotonic(), self._place.chain)
+        finally:
+            self._label()
+        self._place.plan.show(motion, "recording")
+
+    def _label(self) -> None:
+        if self._controls is not None and not self._controls.gone:
+            self._controls.record.label = END if self.recorder.running else RECORD
+
+    def _follow(self) -> None:
+        while not self._closing.is_set():
+            self._changed.wait()
+            self._closing.wait(LATE)
+            self._changed.clear()
+            if not self._closing.is_set():
+                self._place.run("address", self._write)
+
+    def _write(self) -> None:
+        controls, place = self._controls, self._place
+        if controls is None or controls.gone or self._closing.is_set():
+            return
+        camera = controls.client.camera
+        state = ViewState(place.arm.q, camera.position, camera.look_at, place.switched())
+        text = text_from_state(state)
+        if text != controls.written:
+            controls.written = controls.view.value = text
+            keep_in_address(controls.client, text)
+
+
+class KnownBrowsers:
+    """The browsers that have commanded; those of one robot, the next one knows, too.
+
+    Attributes
+    ----------
+    notice : callable
+        Called when the camera of one of them moves.
+    """
+
+    def __init__(self) -> None:
+        self.notice: Callable[[], None] = lambda: None
+        self._numbers: set[int] = set()
+
+    def is_new(self, client: Any) -> bool:
+        """Say whether a browser (viser.ClientHandle) commands for the first time."""
+        if client.client_id in self._numbers:
+            return False
+        self._numbers.add(client.client_id)
+
+        @client.camera.on_update
+        async def _(_: Any) -> None:
+            self.notice()
+
+        return True
+
+
+class RecordingControls:
+    """The folder Keep of one browser.
+
+    Parameters
+    ----------
+    client : viser.ClientHandle
+    units : Units
+    layer : RecordingLayer
+    ask : Ask
+    """
+
+    def __init__(
+        self, client: Any, units: Units, layer: RecordingLayer, ask: Callable[..., None]
+    ) -> None:
+        self.client, self.written = client, ""
+        self._folder = folder = Folder(client.gui, units, "Keep", 60)
+        with folder:
+            label = END if layer.recorder.running else RECORD
+            self.record = folder.button(
+                label,
+                partial(ask, "record", layer.record_or_end),
+                "What the arm does becomes the plan",
+            )
+            folder.button(
+                "Save the plan",
+                partial(ask, "download", partial(layer.download, client)),
+                "As a page in a file that plays it",
+            )
+            folder.button(
+                "Save a picture", partial(save_picture, client, "view.png"), "Of the scene, as PNG"
+            )
+            hint = "Posture, eye and what is shown; it is in the address of this page, too"
+            self.view = client.gui.add_text(VIEW, "", hint=hint)
+
+            def restore(text: str) -> None:
+                if text != self.written:
+                    ask("view", partial(layer.restore, text, client))
+
+            folder.listen(self.view, restore)
+
+        # Later its address says only where this browser left the arm.
+        if layer.known.is_new(client):
+            read_address_into(client, VIEW)
+
+    @property
+    def gone(self) -> bool:
+        """Whether the browser commands no more."""
+        return self._folder.removed
+
+    def remove(self) -> None:
+        """Take the controls from the browser."""
+        self._folder.remove()

@@ -1,0 +1,231 @@
+"""Analysis of an arm and its posture: conditioning, ellipsoids, singularities."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.kinetostatics import (
+    BestPosture,
+    SingularityReport,
+    best_conditioned_posture,
+    characteristic_length,
+    jacobian,
+    manipulability_ellipsoid,
+    nearest_singular_posture,
+    reach_limits,
+    singularity_report,
+)
+from robomech_ros.kinetostatics.conditioning import length_scale
+from robomech_ros.robots import SerialChain
+from robomech_ros.typing import Array
+
+# Rows of the Jacobian, by what they are of, and the units of their velocities and forces.
+ROWS = {"translation": slice(3, 6), "rotation": slice(0, 3)}
+UNITS = {"translation": ("m/s", "N"), "rotation": ("rad/s", "N m")}
+# In reaches of the arm: half an axis of the ellipsoid of a tip that moves with one reach a second,
+# or turns with one rad/s; that of a force, at the same; and the least and the most that is drawn.
+VELOCITY, FORCE = 0.3, 0.075
+LEAST, MOST = 0.004, 0.5
+# Length of an arrow in reaches, and parts of a twist that are none.
+ARROW, NONE = 0.35, 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class ArmFacts:
+    """Facts that are the same in every posture of an arm.
+
+    Parameters
+    ----------
+    length : float
+        The characteristic length (m), or the size of an arm that has none.
+    least_condition : float
+        Of any posture, limits left aside; infinite where every posture is singular.
+    best : BestPosture or None
+        The best one inside the limits; None where every posture is singular.
+    least_reach, greatest_reach : float
+        Of the tip from the first joint (m).
+    """
+
+    length: float
+    least_condition: float
+    best: BestPosture | None
+    least_reach: float
+    greatest_reach: float
+
+
+@dataclass(frozen=True, eq=False)
+class PostureFacts:
+    """Facts about a posture that need no search.
+
+    Parameters
+    ----------
+    report : SingularityReport
+    twists : ndarray, shape (r, 6)
+        What the tip cannot do where the posture is singular; else the one twist that it does with
+        the greatest effort.  Angular first, in the base (rad/s and m/s).
+    """
+
+    report: SingularityReport
+    twists: Array
+
+
+@dataclass(frozen=True)
+class NextSingularity:
+    """The singular posture that is nearest.
+
+    Parameters
+    ----------
+    distance : float
+        Of the joint values, slides over the characteristic length (rad); infinite where none is
+        found.
+    kinds : tuple of str
+        What is singular there.
+    """
+
+    distance: float
+    kinds: tuple[str, ...]
+
+
+class DrawnEllipsoid(NamedTuple):
+    """An ellipsoid as it is drawn, and what it says.
+
+    Parameters
+    ----------
+    pose : ndarray, shape (4, 4)
+        Its axes at the tip, in the base (m).
+    half_axes : ndarray, shape (3,)
+        As drawn (m), neither too flat nor too long to be seen.
+    values : ndarray, shape (3,)
+        Longest first: m/s or rad/s, N or N m.
+    unit : str
+    """
+
+    pose: Array
+    half_axes: Array
+    values: Array
+    unit: str
+
+
+class TwistArrows(NamedTuple):
+    """Arrows from the tip, in the base (m), each shape (k, 2, 3).
+
+    Parameters
+    ----------
+    linear : ndarray
+        Along motions.
+    angular : ndarray
+        Along axes of rotations.
+    """
+
+    linear: Array
+    angular: Array
+
+
+def arm_facts(chain: SerialChain) -> ArmFacts:
+    """Find what is the same in every posture of an arm; takes a second or two.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of one joint or more.
+    """
+    reach = reach_limits(chain)
+    try:
+        length = characteristic_length(chain)
+    except BadValueError:
+        return ArmFacts(length_scale(chain), math.inf, None, *reach)
+    best = best_conditioned_posture(chain, length=float(length))
+    return ArmFacts(float(length), length.condition_number, best, *reach)
+
+
+def posture_facts(chain: SerialChain, q: Array, length: float) -> PostureFacts:
+    """Judge a posture.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    q : ndarray, shape (n,)
+        rad or m.
+    length : float
+        What linear motions are divided by (m).
+    """
+    report = singularity_report(chain, q, length=length)
+    assert isinstance(report, SingularityReport)
+    if report.singular:
+        return PostureFacts(report, report.lost_directions)
+    scale = np.repeat((1.0, length), 3)
+    left = np.linalg.svd(jacobian(chain, q) / scale[:, None])[0]
+    return PostureFacts(report, (left[:, report.rank - 1] * scale)[None])
+
+
+def next_singularity(chain: SerialChain, q: Array, length: float) -> NextSingularity:
+    """Search for the singular posture that is nearest, and name it; takes some 0.1 s.
+
+    Parameters
+    ----------
+    chain, q, length
+        As for :func:`posture_facts`.
+    """
+    found = nearest_singular_posture(chain, q, length=length)
+    if not math.isfinite(found.distance):
+        return NextSingularity(math.inf, ())
+    report = singularity_report(chain, found.q, length=length)
+    assert isinstance(report, SingularityReport)
+    return NextSingularity(found.distance, report.kinds)
+
+
+def drawn_ellipsoid(
+    chain: SerialChain, q: Array, kind: str, part: str, reach: float
+) -> DrawnEllipsoid:
+    """Place the ellipsoid of velocities or of forces at the tip.
+
+    Parameters
+    ----------
+    chain, q
+        As for :func:`posture_facts`.
+    kind : {"velocity", "force"}
+    part : {"translation", "rotation"}
+    reach : float
+        Of the robot (m), which gives the scale: the same in all postures.
+    """
+    found = manipulability_ellipsoid(jacobian(chain, q)[ROWS[part]])
+    one = reach if part == "translation" else 1.0
+    if kind == "velocity":
+        values, drawn = found.velocity, VELOCITY * reach / one * found.velocity
+    else:
+        values, drawn = found.force, FORCE * reach * one * found.force
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = found.axes, forward_kinematics(chain, q)[:3, 3]
+    half_axes = np.clip(drawn, LEAST * reach, MOST * reach)
+    return DrawnEllipsoid(pose, half_axes, np.sort(values)[::-1], UNITS[part][kind == "force"])
+
+
+def twist_arrows(tip: Array, twists: Array, reach: float) -> TwistArrows:
+    """Draw twists at the tip as arrows of one length.
+
+    Parameters
+    ----------
+    tip : ndarray, shape (3,)
+        In the base (m).
+    reach : float
+        Of the robot (m).
+    twists : ndarray, shape (r, 6)
+        Angular first, in the base (rad/s and m/s).
+    """
+    # A motion counts beside a rotation as far as it moves the arm.
+    sizes = np.maximum(np.linalg.norm(twists * np.repeat((reach, 1.0), 3), axis=1), 1e-300)
+    arrows = []
+    for rows, weight in ((slice(3, 6), 1.0), (slice(0, 3), reach)):
+        parts = twists[:, rows]
+        lengths = np.linalg.norm(parts, axis=1)
+        seen = weight * lengths > NONE * sizes
+        ends = tip + ARROW * reach * parts[seen] / lengths[seen, None]
+        arrows.append(np.stack((np.broadcast_to(tip, ends.shape), ends), axis=1))
+    return TwistArrows(*arrows)

@@ -1,0 +1,132 @@
+"""Camera pose in which a robot and its ghosts fill the picture."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from robomech_ros.rvs.model.live_robot import ViewMarker
+from robomech_ros.rvs.model.visual_model import VisualModel
+from robomech_ros.typing import Array
+
+# From where a robot is seen at first, and how: less of a field than viser's own distorts less.
+DIRECTION = (0.56, -0.72, 0.4)
+FIELD = math.radians(50.0)
+# Of a picture that is not known yet: no wider than it will be.
+ASPECT = 1.0
+# Part of the picture that is filled, and the least size of what is looked at (m).
+FILLED, LEAST = 0.9, 0.02
+
+
+class Camera(NamedTuple):
+    """An eye.
+
+    Parameters
+    ----------
+    position, look_at : ndarray, shape (3,)
+        In the root (m).
+    """
+
+    position: Array
+    look_at: Array
+
+
+def visible_points(seen: VisualModel, postures: Iterable[Mapping[str, float]]) -> Array:
+    """Return the corners of boxes around all bodies in several postures.
+
+    Parameters
+    ----------
+    seen : VisualModel
+    postures : iterable of mapping of str to float
+        Joints by name (rad or m).
+
+    Returns
+    -------
+    ndarray, shape (k, 3)
+        In the root (m).
+    """
+    corners = [(body.link, _corners(body.solid.vertices, body.pose)) for body in seen.bodies]
+    points = []
+    for positions in postures:
+        poses = seen.tree.link_poses(positions)
+        points += [at @ poses[link][:3, :3].T + poses[link][:3, 3] for link, at in corners]
+    return np.vstack(points) if points else np.zeros((1, 3))
+
+
+def marker_points(
+    seen: VisualModel, markers: Iterable[ViewMarker], positions: Mapping[str, float]
+) -> Array:
+    """Return where markers are, and the ends of their lines.
+
+    Parameters
+    ----------
+    seen : VisualModel
+    markers : iterable of ViewMarker
+    positions : mapping of str to float
+        Of the joints (rad or m).
+
+    Returns
+    -------
+    ndarray, shape (k, 3)
+        In the root (m).
+    """
+    poses = seen.tree.link_poses(positions)
+    points = [np.empty((0, 3))]
+    for marker in markers:
+        T = poses[marker.link] @ marker.pose
+        ends = marker.points if len(marker.points) else np.zeros((1, 3))
+        points.append(ends @ T[:3, :3].T + T[:3, 3])
+    return np.vstack(points)
+
+
+def fitted_camera(
+    points: Array, *, fov: float = FIELD, aspect: float = ASPECT, backwards: Array | None = None
+) -> Camera:
+    """Place an eye so that points just fit into its picture.
+
+    Parameters
+    ----------
+    points : ndarray, shape (k, 3)
+        In the root (m).
+    fov : float, optional
+        Angle from the lower to the upper edge of the picture (rad).
+    aspect : float, optional
+        Its width as part of its height.
+    backwards : ndarray, shape (3,), optional
+        From what is looked at to the eye; default from before, above and the right.
+
+    Notes
+    -----
+    With x, y across and z into the picture, the point i is left of its right edge where
+    ``x_i - e_x <= t (z_i - e_z)``.  The greatest ``x_i - t z_i`` and ``-x_i - t z_i`` give the
+    nearest eye and its middle exactly, and so do those of y.
+    """
+    back = np.array(DIRECTION if backwards is None else backwards, float)
+    into = -back / np.linalg.norm(back)
+    side = np.cross(into, [0.0, 0.0, 1.0])
+    # From straight above, any direction is across.
+    side = np.array([1.0, 0.0, 0.0]) if np.linalg.norm(side) < 1e-6 else side
+    side = side / np.linalg.norm(side)
+    up = np.cross(side, into)
+    x, y, z = points @ side, points @ up, points @ into
+    slope = math.tan(0.5 * fov) * FILLED
+    middles, depths = [], []
+    for across, t in ((x, slope * aspect), (y, slope)):
+        most, least = float(np.max(across - t * z)), float(np.max(-across - t * z))
+        middles.append(0.5 * (most - least))
+        depths.append(-0.5 * (most + least) / t)
+    depth = min(*depths, float(np.min(z)) - LEAST)
+    position = middles[0] * side + middles[1] * up + depth * into
+    ahead = max(0.5 * float(np.max(z) + np.min(z)) - depth, LEAST)
+    return Camera(position, position + ahead * into)
+
+
+def _corners(vertices: Array, pose: Array) -> Array:
+    ends = np.stack([vertices.min(axis=0), vertices.max(axis=0)])
+    corners = np.array(list(itertools.product(*ends.T)))
+    placed: Array = corners @ pose[:3, :3].T + pose[:3, 3]
+    return placed

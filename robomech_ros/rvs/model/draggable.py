@@ -1,0 +1,199 @@
+"""A robot that is moved on a page: an arm by its tip, a platform, an object in a hand."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from numpy.typing import ArrayLike
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinetostatics import SelfMotionCurve
+from robomech_ros.numerics.arrays import finite_number
+from robomech_ros.rvs.model.ghosts import GhostMaker, NoGhosts
+from robomech_ros.rvs.model.postures import PoseStudy
+from robomech_ros.rvs.model.visual_model import VisualModel
+from robomech_ros.typing import Array
+
+# Half the travel of sliders of turning joints without a limit (rad).
+OPEN_TURN = 2.0 * math.pi
+# A typed number may be beyond a limit by this much, rounding of what is shown (rad or m): fields
+# have four decimals, or two of degrees.
+ROUNDING = 9e-5
+
+
+class SliderRange(NamedTuple):
+    """Range of a joint's slider (rad or m)."""
+
+    low: float
+    high: float
+
+
+class DraggableRobot(ABC):
+    """A robot with its present posture; not for several threads at a time.
+
+    Parameters
+    ----------
+    name : str
+        Name of the robot.
+    base, end : str
+        Link in which poses are, and the link that is dragged.
+    joint_names, units : sequence of str
+        Joints that sliders move, and their units.
+    state_joints : sequence of str
+        Joints of a posture.
+    """
+
+    # Whether postures are listed, of which one can be taken; what errors call a slider.
+    lists_postures, slider_noun = True, "joint"
+
+    def __init__(
+        self,
+        name: str,
+        base: str,
+        end: str,
+        joint_names: Sequence[str],
+        units: Sequence[str],
+        state_joints: Sequence[str],
+    ) -> None:
+        self.name, self.base, self.end = name, base, end
+        self.joint_names, self.units = tuple(joint_names), tuple(units)
+        self.state_joints = tuple(state_joints)
+
+    @property
+    def room(self) -> float:
+        """Least side of the ground around it (m)."""
+        return 0.0
+
+    @property
+    @abstractmethod
+    def q(self) -> Array:
+        """Present posture, all joints (rad or m)."""
+
+    @property
+    @abstractmethod
+    def values(self) -> Array:
+        """Positions of the joints that sliders move (rad or m)."""
+
+    @property
+    def positions(self) -> dict[str, float]:
+        """All joints by name (rad or m)."""
+        return self.positions_of(self.q)
+
+    def positions_of(self, q: Array) -> dict[str, float]:
+        """Name the joints of a posture (n,)."""
+        return dict(zip(self.state_joints, q.tolist(), strict=True))
+
+    @property
+    @abstractmethod
+    def study(self) -> PoseStudy:
+        """Study of the pose that the end has or is dragged to."""
+
+    @property
+    def target(self) -> Array:
+        """Pose of the gizmo in the base (m), shape (4, 4)."""
+        return self.study.target
+
+    @property
+    @abstractmethod
+    def tip(self) -> Array:
+        """Pose of the end in the base (m), shape (4, 4)."""
+
+    @property
+    def faulty_links(self) -> tuple[str, ...]:
+        """Links that are in the way of what was asked for."""
+        return ()
+
+    def gizmo(self, scale: float) -> dict[str, Any]:
+        """Return the options of viser's transform controls: a size (m), handles."""
+        return {"scale": scale}
+
+    @abstractmethod
+    def travel(self, joint: int) -> SliderRange:
+        """Return the range of a slider."""
+
+    def checked_slide(self, joint: int, value: float) -> float:
+        """Check a value of a slider (rad or m), and round it into its range.
+
+        Raises
+        ------
+        BadValueError
+            It is no finite number, or outside the range.
+        """
+        what, unit = f"{self.slider_noun} '{self.joint_names[joint]}'", self.units[joint]
+        given, (low, high) = finite_number(what, value, unit), self.travel(joint)
+        if not low - ROUNDING <= given <= high + ROUNDING:
+            raise BadValueError(what, value, f"{low:.6g} to {high:.6g} {unit}")
+        return min(max(given, low), high)
+
+    @abstractmethod
+    def set_joint(self, joint: int, value: float) -> None:
+        """Move one joint (rad or m).
+
+        Raises
+        ------
+        BadValueError
+            It is no finite number, outside the limits, or the robot cannot follow: it stays.
+        """
+
+    @abstractmethod
+    def move_to(self, q: ArrayLike) -> None:
+        """Take a posture (n,) (rad or m); a BadValueError if a joint is outside its limits."""
+
+    def follow(self, q: Array) -> None:
+        """Be where a robot is, all joints (rad or m)."""
+        self.move_to(q)
+
+    @abstractmethod
+    def go_home(self) -> None:
+        """Go to where it began."""
+
+    @abstractmethod
+    def drag(self, T: ArrayLike) -> None:
+        """Bring the end to a pose (4, 4), in the base (m).
+
+        Raises
+        ------
+        RobomechError
+            It is no pose, or the robot cannot take it: it stays.
+        """
+
+    def release(self) -> None:
+        """Let go of the gizmo."""
+        return
+
+    def take(self, number: int) -> None:
+        """Take one of the postures of the study, counted from 0; the nearest if there is none.
+
+        Raises
+        ------
+        BadValueError
+            There is none of this number, or a joint of it is outside its limits.
+        """
+        known = [posture.q for posture in self.study.postures]
+        if not known and self.study.nearest is not None:
+            known = [self.study.nearest]
+        if number not in range(len(known)):
+            expected = f"1 to {len(known)}" if known else "nothing: there is none"
+            raise BadValueError("posture", number + 1, expected)
+        self.move_to(known[int(number)])
+
+    def self_motion(self) -> SelfMotionCurve | None:
+        """Return how it can move while its end stays; None if it cannot."""
+        return None
+
+    def slide(self, length: float) -> None:
+        """Move along the self-motion (rad or m from its beginning), as far as limits allow.
+
+        Raises
+        ------
+        BadValueError
+            It is no finite number, or the robot has no self-motion.
+        """
+        raise BadValueError("self-motion", length, "an arm of more than six joints")
+
+    def ghosts(self, seen: VisualModel) -> GhostMaker:
+        """Return the pieces of ghosts: none."""
+        return NoGhosts()

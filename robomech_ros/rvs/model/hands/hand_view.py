@@ -1,0 +1,287 @@
+"""A hand that is seen: its fingers follow the object that they touch."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from robomech_ros.hands import Contact, Hand, grasp_postures, hand_postures, load_hand
+from robomech_ros.kinematics import InverseKinematicsResult, Status, forward_kinematics
+from robomech_ros.robots import SerialChain
+from robomech_ros.rvs.model.draggable import SliderRange
+from robomech_ros.rvs.model.hands.ghosts import HandGhosts
+from robomech_ros.rvs.model.hands.grasp import Grasp
+from robomech_ros.rvs.model.hands.grasped_object import HeldObject
+from robomech_ros.rvs.model.hands.tree import OBJECT, OBJECT_JOINTS, finger_links, hand_tree
+from robomech_ros.rvs.model.kinds.tree_view import TreeView
+from robomech_ros.rvs.model.postures import MOST_POSTURES, PoseStudy, PoseSummary, Posture
+from robomech_ros.rvs.model.visual_model import VisualModel
+from robomech_ros.spatial import roll_pitch_yaw_from_matrix
+from robomech_ros.typing import Array
+
+# Where the object is at first, on the way from the middle of the fingers' bases to that of their
+# tips with all joints amid their limits: short of the end, so that fingers can follow it.
+OUT = 0.85
+# Sizes of the object that are tried at first, parts of how far the tips are from their middle.
+SIZES = (0.7, 0.6, 0.5, 0.4, 0.3, 0.2)
+# Of the contacts at first; the torsional friction in sizes of the object; and the load (N).
+FRICTION, TORSIONAL, WEIGHT = 0.6, 0.2, 2.0
+
+# Of a spot: from, to, and the unit; and between what the size is, times that at first.
+SPOT = {"angle": (-math.pi, math.pi, "rad"), "height": (-0.95, 0.95, "times the size")}
+SMALLEST, LARGEST = 0.2, 1.5
+# What reasons end with, where the orientation of a tip is free, as that of all fingers here is.
+MASKED = "; only x, y and z"
+
+
+@dataclass(frozen=True)
+class Spot:
+    """Contact of a finger with the object.
+
+    Parameters
+    ----------
+    touches : bool
+        Whether it does.
+    angle, height : float
+        As for ``HeldObject.touched``.
+    """
+
+    touches: bool
+    angle: float
+    height: float = 0.0
+
+
+class HandView(TreeView):
+    """A hand, the object between its fingers, and a load; not for several threads at a time.
+
+    Parameters
+    ----------
+    hand : Hand
+
+    Attributes
+    ----------
+    held : HeldObject
+    spots : list of Spot
+        One for each finger.
+    model : str
+        Of all contacts, see :class:`~robomech_ros.hands.Contact`.
+    friction, torsional : float
+        The latter in m.
+    load : ndarray, shape (6,)
+        On the object: moment about its centre (N m), then force (N), in the axes of the palm.
+    sizes : tuple of float
+        Between what the size of the object is chosen (m).
+    reached : tuple of int
+        The fingers that touch the object.
+    """
+
+    lists_postures = True
+
+    def __init__(self, hand: Hand) -> None:
+        self.hand = hand
+        tree, self._shapes = hand_tree(hand)
+        bases = np.array([finger.packed[0, 10:13] for finger in hand.fingers])
+        far = max(_length(finger) for finger in hand.fingers)
+        far += float(np.linalg.norm(bases, axis=1).max())
+        slide, turn = SliderRange(-far, far), SliderRange(-math.pi, math.pi)
+        half = SliderRange(-0.5 * math.pi, 0.5 * math.pi)
+        travels = dict(zip(OBJECT_JOINTS, (slide, slide, slide, turn, half, turn), strict=True))
+        super().__init__(tree, travels, OBJECT)
+        q = np.concatenate([finger.midrange() for finger in hand.fingers])
+        self._at.update(self._named(q))
+        tips = np.array(
+            [
+                forward_kinematics(finger, part)[:3, 3]
+                for finger, part in zip(hand.fingers, hand.split(q), strict=True)
+            ]
+        )
+        middle, begin = tips.mean(axis=0), bases.mean(axis=0)
+        centre = begin + OUT * (middle - begin)
+        self._at.update(dict(zip(OBJECT_JOINTS, centre.tolist(), strict=False)))
+        self.spots = _spots(tips - middle)
+        self.model, self.friction = "point", FRICTION
+        self.load = np.array([0.0, 0.0, 0.0, 0.0, 0.0, -WEIGHT])
+        self.reached: tuple[int, ...] = ()
+        self._study = PoseSummary(self.tip, (), True, Status.SUCCESS, "")
+        apart = float(np.linalg.norm(tips - middle, axis=1).mean()) or far
+        for part in SIZES:
+            self.held = HeldObject("ball", float(f"{part * apart:.2g}"))
+            self.torsional = TORSIONAL * self.held.size
+            self._follow()
+            if self._study.postures:
+                break
+        low, high = (float(f"{part * self.held.size:.2g}") for part in (SMALLEST, LARGEST))
+        self.sizes = (low, high)
+        self._home = dict(self._at)
+
+    @property
+    def state(self) -> Hashable:
+        """All that the grasp depends on."""
+        contacts = (self.held, self.model, self.friction, self.torsional, *self.spots)
+        return (self.q.tobytes(), self.load.tobytes(), *contacts)
+
+    @property
+    def fingers_q(self) -> Array:
+        """All joints of the fingers (rad or m), shape (n,)."""
+        at = self.positions
+        return np.array([at[name] for name in self.hand.joint_names])
+
+    @property
+    def study(self) -> PoseStudy:
+        """Study of the object's pose: all postures of the fingers."""
+        return self._study
+
+    @property
+    def faulty_links(self) -> tuple[str, ...]:
+        """The fingers that are to touch the object and do not reach it."""
+        missing = [k for k, spot in enumerate(self.spots) if spot.touches and k not in self.reached]
+        return tuple(link for k in missing for link in finger_links(self.hand.fingers[k]))
+
+    def contact(self, finger: int) -> Contact:
+        """Return where a finger touches, in the frame of the object."""
+        spot = self.spots[finger]
+        place, normal = self.held.touched(spot.angle, spot.height)
+        return Contact(place, normal, self.model, self.friction, self.torsional)
+
+    def contacts(self, fingers: Sequence[int]) -> tuple[Contact, ...]:
+        """Return where fingers touch, in the palm."""
+        T = self.tip
+        found = []
+        for one in map(self.contact, fingers):
+            place = T[:3, :3] @ one.position + T[:3, 3]
+            normal = T[:3, :3] @ one.normal
+            found.append(Contact(place, normal, one.model, one.friction, one.torsional))
+        return tuple(found)
+
+    @property
+    def grasp(self) -> Grasp:
+        """Grasp by the fingers that reach the object."""
+        contacts, centre = self.contacts(self.reached), self.tip[:3, 3]
+        return Grasp(self.hand, self.fingers_q, contacts, self.reached, centre, self.load)
+
+    def place(self, positions: Mapping[str, float]) -> None:
+        """Put joints where they are (rad or m), of fingers or object; fingers follow."""
+        super().place(positions)
+        self._follow()
+
+    def touch(self) -> None:
+        """Let the fingers follow, after something of object or contacts has changed."""
+        self._follow()
+
+    def dragged(self, T: Array) -> Mapping[str, float]:
+        """Return the joints that bring the object to a pose, at the ends of its travels at most."""
+        roll, pitch, yaw = roll_pitch_yaw_from_matrix(T[:3, :3]).tolist()
+        values = [*T[:3, 3].tolist(), yaw, pitch, roll]
+        ends = [self.travel(k) for k in range(len(OBJECT_JOINTS))]
+        inside = (min(max(x, e.low), e.high) for x, e in zip(values, ends, strict=True))
+        return dict(zip(OBJECT_JOINTS, inside, strict=True))
+
+    def ghosts(self, seen: VisualModel) -> HandGhosts:
+        """Return the pieces of ghosts."""
+        fingers = [seen.tree.chain(one.base, one.tip) for one in self.hand.fingers]
+        return HandGhosts(fingers, self._shapes, lambda: self.q)
+
+    def _named(self, q: Array) -> dict[str, float]:
+        return dict(zip(self.hand.joint_names, q.tolist(), strict=True))
+
+    def _follow(self) -> None:
+        """Bring the fingers to their contacts, in the postures nearest to the present ones."""
+        hand, T, q = self.hand, self.tip, self.fingers_q
+        wanted = [k for k, spot in enumerate(self.spots) if spot.touches]
+        self.reached = ()
+        if not wanted:
+            text = "No finger is to touch the object."
+            self._study = PoseSummary(T, (), True, Status.SUCCESS, "", text=text)
+            return
+        contacts = [self.contact(k) for k in wanted]
+        found = dict(
+            zip(wanted, grasp_postures(hand, T, contacts, fingers=wanted, seed=q), strict=True)
+        )
+        self.reached = tuple(k for k in wanted if len(found[k].q))
+        postures: tuple[Posture, ...] = ()
+        if self.reached:
+            results = [found[k] for k in self.reached]
+            whole, _ = hand_postures(
+                hand, results, fingers=self.reached, seed=q, most=MOST_POSTURES
+            )
+            lower, upper = (
+                np.concatenate([getattr(finger, end) for finger in hand.fingers])
+                for end in ("lower", "upper")
+            )
+            whole = np.clip(whole, lower, upper)
+            super().place(self._named(whole[0]))
+            postures = self._postures(whole, found)
+        self._study = self._studied(T, postures, found)
+
+    def _postures(
+        self, whole: Array, found: Mapping[int, InverseKinematicsResult]
+    ) -> tuple[Posture, ...]:
+        """Describe postures of the hand (m, n) by those of its fingers."""
+        placed = self.q[self.hand.n :]
+        described = []
+        for row in whole:
+            part = self.hand.split(row)
+            names, margins, conditions = [], [], []
+            for k in self.reached:
+                branch = int(np.argmin(np.abs(found[k].q - part[k]).max(axis=1)))
+                names.append(found[k].branches[branch].removeprefix("posture-"))
+                margins.append(float(found[k].limit_margin[branch]))
+                conditions.append(float(found[k].condition_number[branch]))
+            distance = float(np.abs(row - whole[0]).max())
+            described.append(
+                Posture(
+                    np.concatenate([row, placed]),
+                    " | ".join(names),
+                    distance,
+                    min(margins),
+                    max(conditions),
+                )
+            )
+        return tuple(sorted(described, key=lambda posture: posture.name))
+
+    def _studied(
+        self,
+        T: Array,
+        postures: tuple[Posture, ...],
+        found: Mapping[int, InverseKinematicsResult],
+    ) -> PoseSummary:
+        missing = [k for k in found if k not in self.reached]
+        if missing:
+            names = self.hand.finger_names
+            reasons = [f"{names[k]}: {found[k].reason.partition(MASKED)[0]}." for k in missing]
+            return PoseSummary(T, (), True, found[missing[0]].status, "", text=" ".join(reasons))
+        count = math.prod(len(one.q) for one in found.values())
+        complete = all(one.complete for one in found.values())
+        noun = "posture touches" if count == 1 else "postures touch"
+        rest = "these are all" if complete else "there may be more"
+        if count == 1 and complete:
+            rest = "this is the only one"
+        if len(postures) < count:
+            rest += f"; the nearest {len(postures)} are listed"
+        text = f"{count} {noun} the object so; {rest}."
+        return PoseSummary(T, postures, complete, Status.SUCCESS, "", text=text)
+
+
+def load_hand_view(robot: str | os.PathLike[str]) -> HandView:
+    """Load a hand to be seen; errors are those of ``load_hand``."""
+    return HandView(load_hand(robot))
+
+
+def _length(finger: SerialChain) -> float:
+    """Add up the lengths of a finger stretched out (m)."""
+    fixed = float(np.linalg.norm(finger.packed[1:, 10:13], axis=1).sum())
+    slides = [max(abs(finger.lower[k]), abs(finger.upper[k])) for k in range(finger.n)]
+    slides = [one for one, unit in zip(slides, finger.units, strict=True) if unit == "m"]
+    return fixed + float(sum(one for one in slides if math.isfinite(one)))
+
+
+def _spots(ways: Array) -> list[Spot]:
+    """Let each finger touch where its tip comes from, or all round where they are at one place."""
+    flat = np.linalg.norm(ways[:, :2], axis=1)
+    if flat.min() < 1e-6:
+        return [Spot(True, angle) for angle in 2.0 * np.pi * np.arange(len(ways)) / len(ways)]
+    return [Spot(True, round(math.atan2(way[1], way[0]), 6) + 0.0) for way in ways]

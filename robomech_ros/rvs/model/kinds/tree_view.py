@@ -1,0 +1,130 @@
+"""A robot that is neither an arm nor parallel: joints of a tree, and a link that is dragged."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics import Status
+from robomech_ros.robots import RobotDescription
+from robomech_ros.rvs.model.draggable import DraggableRobot, SliderRange
+from robomech_ros.rvs.model.postures import PoseStudy, PoseSummary
+from robomech_ros.spatial import as_pose
+from robomech_ros.typing import Array
+
+
+class TreeView(DraggableRobot):
+    """A robot with its present joints; not for several threads at a time.
+
+    What takes part of a kind overrides ``dragged``.
+
+    Parameters
+    ----------
+    description : RobotDescription
+    travels : mapping of str to SliderRange
+        Between what each slider moves its joint (rad or m).
+    end : str
+        The link that is dragged, in the root.
+    """
+
+    def __init__(
+        self, description: RobotDescription, travels: Mapping[str, SliderRange], end: str
+    ) -> None:
+        self.description = description
+        self._travels = dict(travels)
+        unit_of = {
+            joint.name: "m" if joint.type == "prismatic" else "rad" for joint in description.joints
+        }
+        super().__init__(
+            description.name,
+            description.root,
+            end,
+            tuple(travels),
+            [unit_of[name] for name in travels],
+            description.joint_names,
+        )
+        at = description.joint_positions(description.home)
+        self._at = {name: float(at[name]) for name in self.state_joints}
+        self._home = dict(self._at)
+        self._text, self._refused = "", False
+        self._faulty: tuple[str, ...] = ()
+
+    lists_postures = False
+
+    @property
+    def q(self) -> Array:
+        """All joints (rad or m), shape (n,)."""
+        return np.array([self._at[name] for name in self.state_joints])
+
+    @property
+    def values(self) -> Array:
+        """Positions of the joints with sliders (rad or m)."""
+        return np.array([self._at[name] for name in self._travels])
+
+    @property
+    def tip(self) -> Array:
+        """Pose of the dragged link (m), shape (4, 4)."""
+        return np.asarray(self.description.link_poses(self._at)[self.end])
+
+    @property
+    def target(self) -> Array:
+        """Pose of the gizmo, equal to that of the dragged link (m), shape (4, 4)."""
+        return self.tip
+
+    @property
+    def study(self) -> PoseStudy:
+        """Study of the pose."""
+        status = Status.OUT_OF_REACH if self._refused else Status.SUCCESS
+        return PoseSummary(self.tip, (), True, status, "", text=self._text)
+
+    @property
+    def faulty_links(self) -> tuple[str, ...]:
+        """Links that are in the way of what was asked for."""
+        return self._faulty
+
+    def tell(self, text: str, faulty: Sequence[str] = (), *, refused: bool = False) -> None:
+        """Say what is known, in a sentence, or why something is refused; and mark links."""
+        self._text, self._faulty, self._refused = text, tuple(faulty), refused
+
+    def place(self, positions: Mapping[str, float]) -> None:
+        """Put joints where they are (rad or m); the others stay."""
+        self._at.update({name: float(value) for name, value in positions.items()})
+
+    def travel(self, joint: int) -> SliderRange:
+        """Return between what a slider moves."""
+        return self._travels[self.joint_names[joint]]
+
+    def set_joint(self, joint: int, value: float) -> None:
+        """Move one joint; see ``DraggableRobot``."""
+        self.place({self.joint_names[joint]: self.checked_slide(joint, value)})
+
+    def move_to(self, q: ArrayLike) -> None:
+        """Take a posture (n,) (rad or m)."""
+        self.place(self.positions_of(np.array(q, dtype=np.float64)))
+
+    def go_home(self) -> None:
+        """Go to where it began."""
+        self.place(self._home)
+
+    def drag(self, T: ArrayLike) -> None:
+        """Bring the link to a pose (4, 4), as far as it can, in the root (m).
+
+        Raises
+        ------
+        RobomechError
+            It is no pose, or the robot cannot take it: it stays.
+        """
+        self.place(self.dragged(as_pose(T)))
+
+    def dragged(self, T: Array) -> Mapping[str, float]:
+        """Return the joints that change as the link is brought to a pose.
+
+        Raises
+        ------
+        BadValueError
+            The link is not moved so.
+        """
+        raise BadValueError("pose", T.tolist(), f"none: '{self.end}' is not dragged")

@@ -1,0 +1,237 @@
+"""The parallel robot that is seen: where its joints are, and what its platform can do."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics import Status
+from robomech_ros.outcomes import Code
+from robomech_ros.parallel import Mechanism, ParallelRobot
+from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.rvs.model.draggable import OPEN_TURN, ROUNDING, DraggableRobot, SliderRange
+from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
+from robomech_ros.rvs.model.platforms.lists import PlatformList
+from robomech_ros.rvs.model.postures import PoseStudy, PoseSummary
+from robomech_ros.rvs.model.visual_model import VisualModel
+from robomech_ros.spatial import as_pose, pose_error
+from robomech_ros.typing import Array
+
+# A drive without a limit slides so many sizes of the robot at most.
+OPEN_SIZES = 2.0
+# Columns of a twist [angular; linear].
+TWIST, ANGULAR, ABOUT_Z = 6, 3, 2
+# How many times larger the gizmo of a platform is that only turns.
+AROUND = 3.0
+# Entries of twists that are nothing, of the largest; steps towards a pose that is not taken.
+NOTHING, STEPS = 1e-9, 8
+
+
+class PlatformView(DraggableRobot):
+    """A parallel robot with its present posture, all loops closed.
+
+    Parameters
+    ----------
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR, Spherical3RRR or Mechanism
+    """
+
+    def __init__(self, robot: ParallelRobot | Mechanism) -> None:
+        self.robot, self.mechanism = robot, robot.mechanism
+        mechanism = robot.mechanism
+        super().__init__(
+            mechanism.name,
+            mechanism.base_link,
+            mechanism.platform_link,
+            mechanism.actuated,
+            [mechanism.units[k] for k in mechanism.drive_index],
+            mechanism.joint_names,
+        )
+        self._q = self.mechanism.home()
+        self._home = self._q
+        twists = np.abs(self.mechanism.twist_matrix(self._q)).max(axis=1)
+        self._motions = tuple(np.flatnonzero(twists > NOTHING * twists.max()).tolist())
+        self._list: PlatformList | None = None
+        self._study = self._at_rest()
+        # The limb that ended the last drag, from 0; None where none did.
+        self._faulty: int | None = None
+
+    slider_noun = "drive"
+
+    @property
+    def q(self) -> Array:
+        """All joints (rad or m), shape (n,)."""
+        return self._q
+
+    def follow(self, q: Array) -> None:
+        """Be where a robot is (rad or m)."""
+        self._go(q)
+
+    @property
+    def values(self) -> Array:
+        """Positions of the drives (rad or m)."""
+        return np.asarray(self._q[self.mechanism.drive_index])
+
+    @property
+    def study(self) -> PoseStudy:
+        """Study of the pose that the platform has or is dragged to."""
+        return self._study
+
+    @property
+    def tip(self) -> Array:
+        """Pose of the platform: ``T_base_platform`` (m), shape (4, 4)."""
+        return self.mechanism.pose(self._q)
+
+    @property
+    def faulty_links(self) -> tuple[str, ...]:
+        """The links of the limb that ended the last drag."""
+        if self._faulty is None:
+            return ()
+        return tuple(self.mechanism.limbs[self._faulty].chain.links[1:-1])
+
+    def gizmo(self, scale: float) -> dict[str, Any]:
+        """Return the options of the gizmo: a size (m), and handles for the platform's motions."""
+        turns = [k for k in range(ANGULAR) if k in self._motions]
+        slides = [k for k in range(ANGULAR) if k + ANGULAR in self._motions]
+        if not slides:
+            # Around the platform, which is where all axes meet.
+            return {"scale": AROUND * scale, "disable_axes": True, "disable_sliders": True}
+        if turns == [ABOUT_Z]:
+            return {"scale": scale, "active_axes": (True, True, False)}
+        return {"scale": scale, "disable_rotations": not turns}
+
+    def travel(self, joint: int) -> SliderRange:
+        """Return between what a drive's slider moves: its limits, or a range about its home."""
+        index = int(self.mechanism.drive_index[joint])
+        low, high = (float(row[index]) for row in (self.mechanism.lower, self.mechanism.upper))
+        middle, most = 0.0, OPEN_TURN
+        if self.mechanism.types[index] == PRISMATIC:
+            middle, most = float(self._home[index]), OPEN_SIZES * self.mechanism.size
+        low = low if math.isfinite(low) else middle - most
+        return SliderRange(low, high if math.isfinite(high) else middle + most)
+
+    def set_joint(self, joint: int, value: float) -> None:
+        """Move one drive, the assembly mode stays; see ``DraggableRobot``."""
+        drives, what = self.values, f"drive '{self.joint_names[joint]}'"
+        drives[joint] = self.checked_slide(joint, value)
+        found = self.mechanism.close(drives, self._q)
+        if found.status != Code.NONE:
+            expected = f"what the robot can follow: {found.reason}"
+            raise BadValueError(what, value, expected)
+        self._check_inside(found.q)
+        self._go(found.q)
+
+    def move_to(self, q: ArrayLike) -> None:
+        """Take a posture (n,) whose loops are closed.
+
+        Raises
+        ------
+        BadValueError
+            A joint is outside its limits.
+        """
+        given = np.array(q, dtype=np.float64)
+        self._check_inside(given)
+        self._go(given)
+
+    def go_home(self) -> None:
+        """Go to where the robot began."""
+        self._go(self._home)
+
+    def drag(self, T: ArrayLike) -> None:
+        """Bring the platform to a pose, as near to the present posture as its limbs can.
+
+        Motions that the platform does not have are left out; one whose motions depend on each other
+        goes to about the nearest pose.  Where a limb does not reach, the robot stays, and the study
+        names it.
+
+        Raises
+        ------
+        BadValueError
+            It is no pose; or the nearest one is outside the limits.
+        """
+        target = self._possible(as_pose(T))
+        found = self.mechanism.postures(target, seed=self._q)
+        if len(found):
+            self._go(found.q[0])
+            self._study = replace(self._study, target=target)
+            return
+        if self.mechanism is self.robot and self.mechanism.dof < TWIST:
+            # Its motions depend on each other: it hardly ever takes a pose exactly.
+            self.move_to(self._nearest(target))
+            return
+        self._faulty = int(np.argmax(found.excess)) if found.excess.any() else None
+        text = f"Stopped: {found.reason}."
+        self._study = PoseSummary(target, (), True, Status.OUT_OF_REACH, "", text=text)
+
+    def release(self) -> None:
+        """Let go of the gizmo: where the robot could not follow, it goes back to the platform."""
+        self._go(self._q)
+
+    def know(self, found: PlatformList) -> None:
+        """Show a list of postures, whatever was found of the robot a moment ago."""
+        self._list = found
+        if self._faulty is None:
+            self._study = self._at_rest(self._study.target)
+
+    def ghosts(self, seen: VisualModel) -> PlatformGhosts:
+        """Return the pieces of ghosts."""
+        return PlatformGhosts(self.mechanism, seen.reach)
+
+    def _go(self, q: Array) -> None:
+        self._q, self._faulty = q, None
+        self._study = self._at_rest()
+
+    def _at_rest(self, target: Array | None = None) -> PoseSummary:
+        at = self.tip if target is None else target
+        if self._list is None:
+            return PoseSummary(
+                at, (), True, Status.SUCCESS, "", text="Looking for other postures ..."
+            )
+        known = self._list
+        return PoseSummary(at, known.postures, known.complete, Status.SUCCESS, "", text=known.text)
+
+    def _possible(self, T: Array) -> Array:
+        """Leave motions out that the platform does not have."""
+        present, motions = self.tip, self._motions
+        for k in range(3):
+            if k + ANGULAR not in motions:
+                T[k, 3] = present[k, 3]
+        if set(range(ANGULAR)) <= set(motions):
+            return T
+        R = present[:3, :3]
+        if ABOUT_Z in motions:
+            angle = math.atan2(T[1, 0], T[0, 0])
+            cos, sin = math.cos(angle), math.sin(angle)
+            R = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        T[:3, :3] = R
+        return T
+
+    def _nearest(self, T: Array) -> Array:
+        """Follow the drives towards a pose, in the sense of least squares."""
+        mechanism, q = self.mechanism, self._q
+        scale = np.repeat((mechanism.size, 1.0), 3)
+        for _ in range(STEPS):
+            missing = scale * pose_error(T, mechanism.pose(q))
+            step = np.linalg.lstsq(scale[:, None] * mechanism.twist_matrix(q), missing)[0]
+            found = mechanism.close(q[mechanism.drive_index] + step, q)
+            if found.status != Code.NONE:
+                break
+            q = found.q
+        return q
+
+    def _check_inside(self, q: Array) -> None:
+        mechanism = self.mechanism
+        off = mechanism.limit_excess(q)
+        worst = int(np.argmax(off))
+        if off[worst] > ROUNDING:
+            low, high = float(mechanism.lower[worst]), float(mechanism.upper[worst])
+            unit = mechanism.units[worst]
+            expected = (
+                f"{low:.6g} to {high:.6g} {unit}, or in its cone: {off[worst]:.3g} {unit} off"
+            )
+            joint = f"joint '{mechanism.joint_names[worst]}'"
+            raise BadValueError(joint, float(q[worst]), expected)

@@ -1,0 +1,100 @@
+"""Scene of every browser: the robot, its ghosts, results for the pose."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from robomech_ros.rvs.model.draggable import DraggableRobot
+from robomech_ros.rvs.model.ghosts import PALETTE
+from robomech_ros.rvs.model.visual_model import VisualModel
+from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
+from robomech_ros.rvs.page.robot_nodes import RobotNodes, placed
+from robomech_ros.rvs.page.surroundings import add_surroundings
+from robomech_ros.rvs.page.tables import notice, posture_table, summary
+from robomech_ros.rvs.page.units import Units
+
+# The node at the base of the arm, in which its poses are.
+BASE = "/base"
+NEAREST_COLOUR = (120, 120, 120)
+# Where the arm is to go, beside a robot that is elsewhere: red, green, blue and alpha.
+GOAL_ROOT, GOAL_TINT = "/goal", (1.0, 0.55, 0.1, 0.4)
+
+
+class PageScene:
+    """The scene and the shared part of the panel.
+
+    Parameters
+    ----------
+    server : viser.ViserServer
+    seen : VisualModel
+    moved : DraggableRobot
+        The arm of it that is moved, or its platform.
+    units : Units
+    """
+
+    def __init__(self, server: Any, seen: VisualModel, moved: DraggableRobot, units: Units) -> None:
+        self._server, self._seen, self._units = server, seen, units
+        scene, gui = server.scene, server.gui
+        with server.atomic():
+            # Beside the scene, not over it.
+            gui.main_panel.dock_right()
+            self._ground = add_surroundings(server, max(seen.reach, 0.5 * moved.room))
+            self._robot = self._arm = RobotNodes(scene, seen)
+            add_base(scene, seen, moved.base)
+            self.ghosts = GhostNodes(scene, BASE, moved.ghosts(seen), seen.reach)
+            self._summary = units.html(gui, order=0)
+            self._notice = units.html(gui, order=1)
+            self._table = gui.add_html("", order=2)
+
+    def show(self, arm: DraggableRobot, notices: Sequence[str]) -> None:
+        """Show where an arm is, what is known of its pose, and what went wrong."""
+        study = arm.study
+        colours = [PALETTE[k % len(PALETTE)] for k in range(len(study.postures))]
+        ghosts = [
+            Ghost(number, posture.q, colours[number])
+            for number, posture in enumerate(study.postures)
+            if not posture.is_here
+        ]
+        if study.nearest is not None:
+            ghosts = [Ghost(0, study.nearest, NEAREST_COLOUR)]
+        with self._server.atomic():
+            self._arm.move(arm.positions)
+            self._arm.mark(arm.faulty_links)
+            self.ghosts.show(ghosts)
+            self._summary.content = summary(arm)
+            self._notice.content = notice([*self._seen.missing, *notices])
+            self._table.content = posture_table(study.postures, colours, arm.units, self._units)
+
+    def separate(self) -> tuple[RobotNodes, RobotNodes]:
+        """Draw the arm as a goal, translucent, beside the robot, which the caller moves.
+
+        Returns
+        -------
+        robot, goal : RobotNodes
+            The goal is to be shown or hidden by the caller, and is moved here.
+        """
+        with self._server.atomic():
+            self._arm = RobotNodes(self._server.scene, self._seen, GOAL_ROOT, GOAL_TINT)
+        return self._robot, self._arm
+
+    def path(self, link: str) -> str:
+        """Return the name of the node of a link of the robot."""
+        return self._robot.path(link)
+
+    def switch(self, what: str, shown: bool) -> None:
+        """Show a part of the scene, or not."""
+        if what == "ghosts":
+            self.ghosts.want(shown)
+        elif what == "frames":
+            self._robot.show_frames(shown)
+        elif what == "joint axes":
+            self._robot.show_axes(shown)
+        elif what == "ground":
+            self._ground.visible = shown
+
+
+def add_base(scene: Any, seen: VisualModel, base: str) -> None:
+    """Add the node at the base of an arm, a link."""
+    T_root_base = seen.tree.link_poses()[base]
+    scene.add_frame(BASE, show_axes=False, **placed(T_root_base))
