@@ -76,6 +76,6 @@ setup(
         "console_scripts": [
             *(f"{name} = {PACKAGE}.nodes.process.start:{name}" for name in EXECUTABLES),
             "robomech = robomech_ros.cli.main:main",
-        ],
+        ]
     },
 )

@@ -25,8 +25,7 @@ def main() -> int:
             if not client.wait_for_service(timeout_sec=28.0):
                 return 1
         pose = Pose(
-            position=Point(x=0.6, y=0.1, z=0.4),
-            orientation=Quaternion(x=0.5, y=0.5, z=0.5, w=0.5),
+            position=Point(x=0.6, y=0.1, z=0.4), orientation=Quaternion(x=0.5, y=0.5, z=0.5, w=0.5)
         )
         # An empty frame_id is the base, an empty seed the present joint state.
         future = client.call_async(SolveIK.Request(target=PoseStamped(pose=pose)))

@@ -6,24 +6,25 @@ from typing import Any
 
 
 def lazy_exports(
-    package: str, modules: Mapping[str, str], names: dict[str, Any]
-) -> Callable[[str], Any]:
-    """Make the ``__getattr__`` of a package.
+    package: str, names: dict[str, Any], modules: Mapping[str, str]
+) -> tuple[Callable[[str], Any], list[str]]:
+    """Make the ``__getattr__`` and the ``__all__`` of a package.
 
     Parameters
     ----------
     package : str
         Its ``__name__``.
-    modules : mapping
-        For each name that it exports the module below it that has it.
     names : dict
-        Its ``globals()``, where a name is kept once it was asked for.
+        Its ``globals()``, where a name is kept after its first use.
+    modules : mapping
+        For each module below it the names that it exports, separated by spaces.
     """
+    homes = {name: module for module, listed in modules.items() for name in listed.split()}
 
     def load(name: str) -> Any:
-        if name not in modules:
+        if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        names[name] = getattr(import_module(f"{package}.{modules[name]}"), name)
+        names[name] = getattr(import_module(f"{package}.{homes[name]}"), name)
         return names[name]
 
-    return load
+    return load, sorted(homes)

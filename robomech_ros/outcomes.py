@@ -39,10 +39,7 @@ class Code(IntEnum):
     NO_STATE = 107, "the present joint state is unknown, or the robot moves"
     WRONG_SIZE = 108, "an array of the wrong length, or a duplicate name"
     BAD_VALUE = 109, "a value outside its allowed range or set"
-    MISSING_LIMITS = (
-        110,
-        "the robot lacks a velocity, acceleration or jerk limit that is needed",
-    )
+    MISSING_LIMITS = (110, "the robot lacks a velocity, acceleration or jerk limit that is needed")
     MISSING_INERTIA = 111, "the mass of a moving link is unknown"
 
     OUT_OF_REACH = 201, "the position cannot be reached, whatever the orientation"
@@ -50,10 +47,7 @@ class Code(IntEnum):
     LIMITS_EXCLUDE_ALL = 203, "solutions exist, every one of them outside the joint limits"
     NOT_CONVERGED = 204, "an iterative solver found no solution; one may still exist"
     TIMED_OUT = 205, "the time limit was exceeded"
-    SINGULAR_CONTINUUM = (
-        206,
-        "a continuum of solutions, none found inside the limits",
-    )
+    SINGULAR_CONTINUUM = (206, "a continuum of solutions, none found inside the limits")
     UNDETERMINED = 207, "the samples do not determine the whole result"
     CONTRADICTORY = 208, "the samples contradict each other, or the specified setup"
     LOAD_NOT_HELD = 209, "no contact forces inside the friction cones hold the load"

@@ -10,58 +10,38 @@ from typing import TYPE_CHECKING
 from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
-    from robomech_ros.cartesian.arms import serial_arm
+    from robomech_ros.cartesian.arms import serial_arm as serial_arm
     from robomech_ros.cartesian.following import (
-        PathFollowingResult,
-        StopReason,
-        follow_path,
-        waypoint_fraction,
+        PathFollowingResult as PathFollowingResult,
+        StopReason as StopReason,
+        follow_path as follow_path,
+        waypoint_fraction as waypoint_fraction,
     )
-    from robomech_ros.cartesian.link_speeds import link_speed_limit
+    from robomech_ros.cartesian.link_speeds import link_speed_limit as link_speed_limit
     from robomech_ros.cartesian.path_checks import (
-        PathCheck,
-        PathStopLimits,
-        relative_jump,
-        stop_on_condition,
+        PathCheck as PathCheck,
+        PathStopLimits as PathStopLimits,
+        relative_jump as relative_jump,
+        stop_on_condition as stop_on_condition,
     )
-    from robomech_ros.cartesian.planning import CartesianPlan, plan_along, plan_followed
-    from robomech_ros.cartesian.sampling import Sampling
-    from robomech_ros.cartesian.waypoint_paths import waypoint_path
+    from robomech_ros.cartesian.planning import (
+        CartesianPlan as CartesianPlan,
+        plan_along as plan_along,
+        plan_followed as plan_followed,
+    )
+    from robomech_ros.cartesian.sampling import Sampling as Sampling
+    from robomech_ros.cartesian.waypoint_paths import waypoint_path as waypoint_path
 
-__all__ = [
-    "CartesianPlan",
-    "PathCheck",
-    "PathFollowingResult",
-    "PathStopLimits",
-    "Sampling",
-    "StopReason",
-    "follow_path",
-    "link_speed_limit",
-    "plan_along",
-    "plan_followed",
-    "relative_jump",
-    "serial_arm",
-    "stop_on_condition",
-    "waypoint_fraction",
-    "waypoint_path",
-]
-
-_MODULES = {
-    "CartesianPlan": "planning",
-    "PathFollowingResult": "following",
-    "PathStopLimits": "path_checks",
-    "PathCheck": "path_checks",
-    "Sampling": "sampling",
-    "StopReason": "following",
-    "stop_on_condition": "path_checks",
-    "follow_path": "following",
-    "link_speed_limit": "link_speeds",
-    "waypoint_path": "waypoint_paths",
-    "plan_along": "planning",
-    "plan_followed": "planning",
-    "relative_jump": "path_checks",
-    "serial_arm": "arms",
-    "waypoint_fraction": "following",
-}
-
-__getattr__ = lazy_exports(__name__, _MODULES, globals())
+__getattr__, __all__ = lazy_exports(
+    __name__,
+    globals(),
+    {
+        "arms": "serial_arm",
+        "following": "PathFollowingResult StopReason follow_path waypoint_fraction",
+        "link_speeds": "link_speed_limit",
+        "path_checks": "PathCheck PathStopLimits relative_jump stop_on_condition",
+        "planning": "CartesianPlan plan_along plan_followed",
+        "sampling": "Sampling",
+        "waypoint_paths": "waypoint_path",
+    },
+)

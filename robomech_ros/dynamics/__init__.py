@@ -8,243 +8,160 @@ from typing import TYPE_CHECKING
 from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
-    from robomech_ros.dynamics.chain_dynamics import ChainDynamics
-    from robomech_ros.dynamics.complement.constrained_bodies import ConstrainedBodies
+    from robomech_ros.dynamics.chain_dynamics import ChainDynamics as ChainDynamics
+    from robomech_ros.dynamics.complement.constrained_bodies import (
+        ConstrainedBodies as ConstrainedBodies,
+    )
     from robomech_ros.dynamics.complement.reactions import (
-        ConstraintReactions,
-        constraint_reactions,
+        ConstraintReactions as ConstraintReactions,
+        constraint_reactions as constraint_reactions,
     )
     from robomech_ros.dynamics.derivatives import (
-        ForwardDerivatives,
-        InverseDerivatives,
-        forward_dynamics_derivatives,
-        inverse_dynamics_derivatives,
+        ForwardDerivatives as ForwardDerivatives,
+        InverseDerivatives as InverseDerivatives,
+        forward_dynamics_derivatives as forward_dynamics_derivatives,
+        inverse_dynamics_derivatives as inverse_dynamics_derivatives,
     )
     from robomech_ros.dynamics.energy import (
-        PowerBalance,
-        center_of_mass,
-        kinetic_energy,
-        momentum,
-        potential_energy,
-        power_balance,
+        PowerBalance as PowerBalance,
+        center_of_mass as center_of_mass,
+        kinetic_energy as kinetic_energy,
+        momentum as momentum,
+        potential_energy as potential_energy,
+        power_balance as power_balance,
     )
     from robomech_ros.dynamics.formulations.complexity import (
-        ALGORITHMS,
-        Operations,
-        operation_counts,
+        ALGORITHMS as ALGORITHMS,
+        Operations as Operations,
+        operation_counts as operation_counts,
     )
     from robomech_ros.dynamics.formulations.dynamics_by_complement import (
-        forward_dynamics_by_cholesky,
-        forward_dynamics_by_reflections,
-        inverse_dynamics_by_orthogonal_complement,
+        forward_dynamics_by_cholesky as forward_dynamics_by_cholesky,
+        forward_dynamics_by_reflections as forward_dynamics_by_reflections,
+        inverse_dynamics_by_orthogonal_complement as inverse_dynamics_by_orthogonal_complement,
     )
     from robomech_ros.dynamics.formulations.kane import (
-        PartialVelocities,
-        forward_dynamics_by_kane,
-        inverse_dynamics_by_kane,
-        partial_velocities,
+        PartialVelocities as PartialVelocities,
+        forward_dynamics_by_kane as forward_dynamics_by_kane,
+        inverse_dynamics_by_kane as inverse_dynamics_by_kane,
+        partial_velocities as partial_velocities,
     )
     from robomech_ros.dynamics.formulations.lagrange import (
-        christoffel_symbols,
-        forward_dynamics_by_lagrange,
-        inverse_dynamics_by_lagrange,
-        mass_matrix_gradient,
+        christoffel_symbols as christoffel_symbols,
+        forward_dynamics_by_lagrange as forward_dynamics_by_lagrange,
+        inverse_dynamics_by_lagrange as inverse_dynamics_by_lagrange,
+        mass_matrix_gradient as mass_matrix_gradient,
     )
     from robomech_ros.dynamics.formulations.newton_euler import (
-        NewtonEuler,
-        newton_euler,
+        NewtonEuler as NewtonEuler,
+        newton_euler as newton_euler,
     )
     from robomech_ros.dynamics.formulations.orthogonal_complement import (
-        OrthogonalComplement,
-        natural_orthogonal_complement,
+        OrthogonalComplement as OrthogonalComplement,
+        natural_orthogonal_complement as natural_orthogonal_complement,
     )
     from robomech_ros.dynamics.formulations.planar import (
-        PlanarComplement,
-        planar_orthogonal_complement,
+        PlanarComplement as PlanarComplement,
+        planar_orthogonal_complement as planar_orthogonal_complement,
     )
     from robomech_ros.dynamics.forward import (
-        METHODS,
-        forward_dynamics,
+        METHODS as METHODS,
+        forward_dynamics as forward_dynamics,
     )
     from robomech_ros.dynamics.friction import (
-        dissipated_power,
-        dissipation,
-        friction_torque,
+        dissipated_power as dissipated_power,
+        dissipation as dissipation,
+        friction_torque as friction_torque,
     )
     from robomech_ros.dynamics.identification.consistent_fit import (
-        ConsistentFit,
-        consistent_fit,
+        ConsistentFit as ConsistentFit,
+        consistent_fit as consistent_fit,
     )
     from robomech_ros.dynamics.identification.fit import (
-        Identification,
-        excitation,
-        identify,
+        Identification as Identification,
+        excitation as excitation,
+        identify as identify,
     )
     from robomech_ros.dynamics.identification.regressor import (
-        BaseParameters,
-        base_parameters,
-        torque_regressor,
+        BaseParameters as BaseParameters,
+        base_parameters as base_parameters,
+        torque_regressor as torque_regressor,
     )
     from robomech_ros.dynamics.inverse import (
-        bias_torque,
-        gravity_torque,
-        inverse_dynamics,
+        bias_torque as bias_torque,
+        gravity_torque as gravity_torque,
+        inverse_dynamics as inverse_dynamics,
     )
     from robomech_ros.dynamics.matrices import (
-        coriolis_matrix,
-        mass_matrix,
+        coriolis_matrix as coriolis_matrix,
+        mass_matrix as mass_matrix,
     )
-    from robomech_ros.dynamics.model import (
-        body_parameters,
+    from robomech_ros.dynamics.model import body_parameters as body_parameters
+    from robomech_ros.dynamics.motion_torques import (
+        TorqueSummary as TorqueSummary,
+        torque_summary as torque_summary,
     )
-    from robomech_ros.dynamics.motion_torques import TorqueSummary, torque_summary
-    from robomech_ros.dynamics.payload import (
-        with_payload,
-    )
+    from robomech_ros.dynamics.payload import with_payload as with_payload
     from robomech_ros.dynamics.pseudo_inertias import (
-        bodies_from_parameters,
-        is_physically_consistent,
-        nearest_consistent,
-        pseudo_inertia,
+        bodies_from_parameters as bodies_from_parameters,
+        is_physically_consistent as is_physically_consistent,
+        nearest_consistent as nearest_consistent,
+        pseudo_inertia as pseudo_inertia,
     )
-    from robomech_ros.dynamics.simulation.controlled_arm import ControlledArm, ControlledMotion
-    from robomech_ros.dynamics.simulation.simulate import Simulation, simulate
-    from robomech_ros.dynamics.systems import DynamicSystem
+    from robomech_ros.dynamics.simulation.controlled_arm import (
+        ControlledArm as ControlledArm,
+        ControlledMotion as ControlledMotion,
+    )
+    from robomech_ros.dynamics.simulation.simulate import (
+        Simulation as Simulation,
+        simulate as simulate,
+    )
+    from robomech_ros.dynamics.systems import DynamicSystem as DynamicSystem
 
-__all__ = [
-    "ALGORITHMS",
-    "METHODS",
-    "BaseParameters",
-    "ChainDynamics",
-    "ConsistentFit",
-    "ConstrainedBodies",
-    "ConstraintReactions",
-    "ControlledArm",
-    "ControlledMotion",
-    "DynamicSystem",
-    "ForwardDerivatives",
-    "Identification",
-    "InverseDerivatives",
-    "NewtonEuler",
-    "Operations",
-    "OrthogonalComplement",
-    "PartialVelocities",
-    "PlanarComplement",
-    "PowerBalance",
-    "Simulation",
-    "TorqueSummary",
-    "base_parameters",
-    "bias_torque",
-    "bodies_from_parameters",
-    "body_parameters",
-    "center_of_mass",
-    "christoffel_symbols",
-    "consistent_fit",
-    "constraint_reactions",
-    "coriolis_matrix",
-    "dissipated_power",
-    "dissipation",
-    "excitation",
-    "forward_dynamics",
-    "forward_dynamics_by_cholesky",
-    "forward_dynamics_by_kane",
-    "forward_dynamics_by_lagrange",
-    "forward_dynamics_by_reflections",
-    "forward_dynamics_derivatives",
-    "friction_torque",
-    "gravity_torque",
-    "identify",
-    "inverse_dynamics",
-    "inverse_dynamics_by_kane",
-    "inverse_dynamics_by_lagrange",
-    "inverse_dynamics_by_orthogonal_complement",
-    "inverse_dynamics_derivatives",
-    "is_physically_consistent",
-    "kinetic_energy",
-    "mass_matrix",
-    "mass_matrix_gradient",
-    "momentum",
-    "natural_orthogonal_complement",
-    "nearest_consistent",
-    "newton_euler",
-    "operation_counts",
-    "partial_velocities",
-    "planar_orthogonal_complement",
-    "potential_energy",
-    "power_balance",
-    "pseudo_inertia",
-    "simulate",
-    "torque_regressor",
-    "torque_summary",
-    "with_payload",
-]
-
-_MODULES = {
-    "ALGORITHMS": "formulations.complexity",
-    "METHODS": "forward",
-    "BaseParameters": "identification.regressor",
-    "ChainDynamics": "chain_dynamics",
-    "DynamicSystem": "systems",
-    "ConsistentFit": "identification.consistent_fit",
-    "ConstrainedBodies": "complement.constrained_bodies",
-    "ConstraintReactions": "complement.reactions",
-    "ForwardDerivatives": "derivatives",
-    "Identification": "identification.fit",
-    "InverseDerivatives": "derivatives",
-    "NewtonEuler": "formulations.newton_euler",
-    "Operations": "formulations.complexity",
-    "OrthogonalComplement": "formulations.orthogonal_complement",
-    "PartialVelocities": "formulations.kane",
-    "PlanarComplement": "formulations.planar",
-    "PowerBalance": "energy",
-    "ControlledArm": "simulation.controlled_arm",
-    "ControlledMotion": "simulation.controlled_arm",
-    "Simulation": "simulation.simulate",
-    "TorqueSummary": "motion_torques",
-    "base_parameters": "identification.regressor",
-    "bias_torque": "inverse",
-    "bodies_from_parameters": "pseudo_inertias",
-    "body_parameters": "model",
-    "center_of_mass": "energy",
-    "christoffel_symbols": "formulations.lagrange",
-    "consistent_fit": "identification.consistent_fit",
-    "constraint_reactions": "complement.reactions",
-    "coriolis_matrix": "matrices",
-    "dissipated_power": "friction",
-    "dissipation": "friction",
-    "excitation": "identification.fit",
-    "forward_dynamics": "forward",
-    "forward_dynamics_by_cholesky": "formulations.dynamics_by_complement",
-    "forward_dynamics_by_kane": "formulations.kane",
-    "forward_dynamics_by_lagrange": "formulations.lagrange",
-    "forward_dynamics_by_reflections": "formulations.dynamics_by_complement",
-    "forward_dynamics_derivatives": "derivatives",
-    "friction_torque": "friction",
-    "gravity_torque": "inverse",
-    "identify": "identification.fit",
-    "inverse_dynamics": "inverse",
-    "inverse_dynamics_by_kane": "formulations.kane",
-    "inverse_dynamics_by_lagrange": "formulations.lagrange",
-    "inverse_dynamics_by_orthogonal_complement": "formulations.dynamics_by_complement",
-    "inverse_dynamics_derivatives": "derivatives",
-    "is_physically_consistent": "pseudo_inertias",
-    "kinetic_energy": "energy",
-    "mass_matrix": "matrices",
-    "mass_matrix_gradient": "formulations.lagrange",
-    "momentum": "energy",
-    "natural_orthogonal_complement": "formulations.orthogonal_complement",
-    "nearest_consistent": "pseudo_inertias",
-    "newton_euler": "formulations.newton_euler",
-    "operation_counts": "formulations.complexity",
-    "partial_velocities": "formulations.kane",
-    "planar_orthogonal_complement": "formulations.planar",
-    "potential_energy": "energy",
-    "power_balance": "energy",
-    "pseudo_inertia": "pseudo_inertias",
-    "simulate": "simulation.simulate",
-    "torque_regressor": "identification.regressor",
-    "torque_summary": "motion_torques",
-    "with_payload": "payload",
-}
-
-__getattr__ = lazy_exports(__name__, _MODULES, globals())
+__getattr__, __all__ = lazy_exports(
+    __name__,
+    globals(),
+    {
+        "chain_dynamics": "ChainDynamics",
+        "complement.constrained_bodies": "ConstrainedBodies",
+        "complement.reactions": "ConstraintReactions constraint_reactions",
+        "derivatives": (
+            "ForwardDerivatives InverseDerivatives forward_dynamics_derivatives "
+            "inverse_dynamics_derivatives"
+        ),
+        "energy": (
+            "PowerBalance center_of_mass kinetic_energy momentum potential_energy power_balance"
+        ),
+        "formulations.complexity": "ALGORITHMS Operations operation_counts",
+        "formulations.dynamics_by_complement": (
+            "forward_dynamics_by_cholesky forward_dynamics_by_reflections "
+            "inverse_dynamics_by_orthogonal_complement"
+        ),
+        "formulations.kane": (
+            "PartialVelocities forward_dynamics_by_kane inverse_dynamics_by_kane partial_velocities"
+        ),
+        "formulations.lagrange": (
+            "christoffel_symbols forward_dynamics_by_lagrange inverse_dynamics_by_lagrange "
+            "mass_matrix_gradient"
+        ),
+        "formulations.newton_euler": "NewtonEuler newton_euler",
+        "formulations.orthogonal_complement": "OrthogonalComplement natural_orthogonal_complement",
+        "formulations.planar": "PlanarComplement planar_orthogonal_complement",
+        "forward": "METHODS forward_dynamics",
+        "friction": "dissipated_power dissipation friction_torque",
+        "identification.consistent_fit": "ConsistentFit consistent_fit",
+        "identification.fit": "Identification excitation identify",
+        "identification.regressor": "BaseParameters base_parameters torque_regressor",
+        "inverse": "bias_torque gravity_torque inverse_dynamics",
+        "matrices": "coriolis_matrix mass_matrix",
+        "model": "body_parameters",
+        "motion_torques": "TorqueSummary torque_summary",
+        "payload": "with_payload",
+        "pseudo_inertias": (
+            "bodies_from_parameters is_physically_consistent nearest_consistent pseudo_inertia"
+        ),
+        "simulation.controlled_arm": "ControlledArm ControlledMotion",
+        "simulation.simulate": "Simulation simulate",
+        "systems": "DynamicSystem",
+    },
+)

@@ -11,12 +11,7 @@ from robomech_ros._kernels.dynamics import mass as kernels
 from robomech_ros.dynamics.forward import forward_dynamics
 from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.inverse import bias_torque, gravity_torque, inverse_dynamics
-from robomech_ros.dynamics.model import (
-    GRAVITY,
-    dynamic_model,
-    raise_outcome,
-    surroundings,
-)
+from robomech_ros.dynamics.model import GRAVITY, dynamic_model, raise_outcome, surroundings
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, as_states
 from robomech_ros.robots.chain import SerialChain

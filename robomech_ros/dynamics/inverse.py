@@ -7,12 +7,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.dynamics import inverse as kernels
-from robomech_ros.dynamics.model import (
-    GRAVITY,
-    dynamic_model,
-    raise_outcome,
-    surroundings,
-)
+from robomech_ros.dynamics.model import GRAVITY, dynamic_model, raise_outcome, surroundings
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.typing import Array

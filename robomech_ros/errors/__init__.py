@@ -11,15 +11,8 @@ from robomech_ros.errors.limits import (
     LimitExceededError,
     SeedOutsideLimitsError,
 )
-from robomech_ros.errors.machine import (
-    MapFileError,
-    NotEnoughMemoryError,
-)
-from robomech_ros.errors.names import (
-    UnknownJointError,
-    UnknownLinkError,
-    UnknownRobotError,
-)
+from robomech_ros.errors.machine import MapFileError, NotEnoughMemoryError
+from robomech_ros.errors.names import UnknownJointError, UnknownLinkError, UnknownRobotError
 from robomech_ros.errors.robots import (
     LoopClosureError,
     MissingInertiaError,

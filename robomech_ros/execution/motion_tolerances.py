@@ -41,11 +41,7 @@ class Tolerances:
 
 
 def override_tolerances(
-    default: Array,
-    asked: Sequence[float],
-    order: Sequence[int],
-    names: Sequence[str],
-    what: str,
+    default: Array, asked: Sequence[float], order: Sequence[int], names: Sequence[str], what: str
 ) -> Array:
     """Replace defaults by the tolerances that a goal brings along.
 

@@ -73,12 +73,7 @@ def constant_pace(begin: float, place: float, pace: float) -> TimeScaling:
 
 
 def pace_change(
-    curve: PiecewisePolynomial,
-    begin: float,
-    place: float,
-    pace: float,
-    target: float,
-    limit: Array,
+    curve: PiecewisePolynomial, begin: float, place: float, pace: float, target: float, limit: Array
 ) -> TimeScaling:
     """Change the pace as fast as the acceleration limits allow.
 
@@ -115,12 +110,7 @@ def pace_change(
 
 
 def paced_step(
-    curve: PiecewisePolynomial,
-    place: float,
-    pace: float,
-    target: float,
-    span: float,
-    limit: Array,
+    curve: PiecewisePolynomial, place: float, pace: float, target: float, span: float, limit: Array
 ) -> tuple[float, float, float]:
     """Let time pass while the pace goes to its target as fast as it may.
 

@@ -19,12 +19,9 @@ from robomech_ros.hands.contacts import (
     rows_of,
     span,
 )
-from robomech_ros.hands.force_search import ForceStatus, search
+from robomech_ros.hands.force_search import ForceStatus as ForceStatus, search
 from robomech_ros.spatial.arrays import as_choice, as_finite
 from robomech_ros.typing import Array
-
-__all__ = ["SMALLEST", "ContactForces", "ForceStatus", "contact_forces"]
-
 
 SMALLEST = ("largest", "total")
 _MOST_LOAD = 1e12
@@ -161,11 +158,7 @@ def _along(n: list[float], r: list[float]) -> list[float]:
 
 
 def _result(
-    contacts: Sequence[Contact],
-    rows: Array,
-    y: Array,
-    status: ForceStatus,
-    direction: Array | None,
+    contacts: Sequence[Contact], rows: Array, y: Array, status: ForceStatus, direction: Array | None
 ) -> ContactForces:
     """Return forces (k, size) and components of normal forces and bounded parts y (k, 4)."""
     size = len(contacts[0].position)

@@ -25,11 +25,7 @@ import numpy as np
 import yaml
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import (
-    BadValueError,
-    RobotDescriptionError,
-    WrongSizeError,
-)
+from robomech_ros.errors import BadValueError, RobotDescriptionError, WrongSizeError
 from robomech_ros.hands.contacts import Contact, as_contacts
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.documents.guarded_yaml import check_keys

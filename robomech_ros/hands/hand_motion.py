@@ -146,12 +146,7 @@ def grasp_mobility(
     inner = null_space(G)
     rigid = inner @ null_space(J.T @ inner) if inner.shape[1] else inner
     return GraspMobility(
-        together.shape[1],
-        moved[:, s > 1e-9],
-        null_space(G.T),
-        null_space(J),
-        inner,
-        rigid,
+        together.shape[1], moved[:, s > 1e-9], null_space(G.T), null_space(J), inner, rigid
     )
 
 

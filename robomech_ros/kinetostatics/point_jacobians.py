@@ -21,10 +21,7 @@ _ORIGIN = np.zeros(3)
 
 
 def point_jacobian(
-    chain: SerialChain,
-    q: ArrayLike,
-    point: ArrayLike = TIP,
-    axes: ArrayLike | str | None = None,
+    chain: SerialChain, q: ArrayLike, point: ArrayLike = TIP, axes: ArrayLike | str | None = None
 ) -> Array:
     r"""Compute the matrix that maps joint rates to the twist of a point of the tip link.
 

@@ -56,12 +56,7 @@ class Iteration:
 
 
 def newton_raphson(
-    f: Function,
-    jacobian: Function,
-    x: ArrayLike,
-    *,
-    tolerance: float = 1e-12,
-    iterations: int = 50,
+    f: Function, jacobian: Function, x: ArrayLike, *, tolerance: float = 1e-12, iterations: int = 50
 ) -> Iteration:
     r"""Solve as many equations as unknowns; near a regular root the error is squared by each step.
 

@@ -8,146 +8,109 @@ from typing import TYPE_CHECKING
 from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
-    from robomech_ros.parallel.delta import Delta
-    from robomech_ros.parallel.dynamics.complement import JointReactions
-    from robomech_ros.parallel.dynamics.parallel_dynamics import ParallelDynamics
-    from robomech_ros.parallel.files import list_parallel
-    from robomech_ros.parallel.kinetostatics.conditioning import (
-        dexterity,
-        platform_length,
-        singularity_distances,
+    from robomech_ros.parallel.delta import Delta as Delta
+    from robomech_ros.parallel.dynamics.complement import JointReactions as JointReactions
+    from robomech_ros.parallel.dynamics.parallel_dynamics import (
+        ParallelDynamics as ParallelDynamics,
     )
-    from robomech_ros.parallel.kinetostatics.pose_limits import PoseLimits, pose_limits
-    from robomech_ros.parallel.kinetostatics.singularities import LoopSingularity, loop_singularity
-    from robomech_ros.parallel.kinetostatics.statics import drive_forces, platform_wrench
+    from robomech_ros.parallel.files import list_parallel as list_parallel
+    from robomech_ros.parallel.kinetostatics.conditioning import (
+        dexterity as dexterity,
+        platform_length as platform_length,
+        singularity_distances as singularity_distances,
+    )
+    from robomech_ros.parallel.kinetostatics.pose_limits import (
+        PoseLimits as PoseLimits,
+        pose_limits as pose_limits,
+    )
+    from robomech_ros.parallel.kinetostatics.singularities import (
+        LoopSingularity as LoopSingularity,
+        loop_singularity as loop_singularity,
+    )
+    from robomech_ros.parallel.kinetostatics.statics import (
+        drive_forces as drive_forces,
+        platform_wrench as platform_wrench,
+    )
     from robomech_ros.parallel.kinetostatics.velocity_maps import (
-        VelocityMatrices,
-        drive_accelerations,
-        drive_rates,
-        platform_acceleration,
-        platform_twist,
-        velocity_matrices,
-        velocity_matrix_rates,
+        VelocityMatrices as VelocityMatrices,
+        drive_accelerations as drive_accelerations,
+        drive_rates as drive_rates,
+        platform_acceleration as platform_acceleration,
+        platform_twist as platform_twist,
+        velocity_matrices as velocity_matrices,
+        velocity_matrix_rates as velocity_matrix_rates,
     )
     from robomech_ros.parallel.kinetostatics.workspace import (
-        PlatformWorkspace,
-        platform_orientation_workspace,
-        platform_position_workspace,
+        PlatformWorkspace as PlatformWorkspace,
+        platform_orientation_workspace as platform_orientation_workspace,
+        platform_position_workspace as platform_position_workspace,
     )
-    from robomech_ros.parallel.library import ParallelRobot, load_parallel
-    from robomech_ros.parallel.mechanism.limb import Limb
-    from robomech_ros.parallel.mechanism.model import Mechanism
-    from robomech_ros.parallel.mechanism.parts import LinkBodies
+    from robomech_ros.parallel.library import (
+        ParallelRobot as ParallelRobot,
+        load_parallel as load_parallel,
+    )
+    from robomech_ros.parallel.mechanism.limb import Limb as Limb
+    from robomech_ros.parallel.mechanism.model import Mechanism as Mechanism
+    from robomech_ros.parallel.mechanism.parts import LinkBodies as LinkBodies
     from robomech_ros.parallel.mechanism.result import (
-        AssemblyModes,
-        LoopClosure,
-        MechanismPostures,
+        AssemblyModes as AssemblyModes,
+        LoopClosure as LoopClosure,
+        MechanismPostures as MechanismPostures,
     )
-    from robomech_ros.parallel.motion.drive_paths import DrivePath, follow_drives
-    from robomech_ros.parallel.motion.path_model import MechanismPathModel
-    from robomech_ros.parallel.motion.planning import DrivePlan, plan_drives, plan_platform
-    from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
-    from robomech_ros.parallel.result import DirectKinematicsResult, FollowedPose, LimbPostures
-    from robomech_ros.parallel.spherical import Spherical3RRR
-    from robomech_ros.parallel.stewart_gough import StewartGough
-    from robomech_ros.parallel.tree_description import DescribedRobot, load_tree_description
+    from robomech_ros.parallel.motion.drive_paths import (
+        DrivePath as DrivePath,
+        follow_drives as follow_drives,
+    )
+    from robomech_ros.parallel.motion.path_model import MechanismPathModel as MechanismPathModel
+    from robomech_ros.parallel.motion.planning import (
+        DrivePlan as DrivePlan,
+        plan_drives as plan_drives,
+        plan_platform as plan_platform,
+    )
+    from robomech_ros.parallel.planar import Planar3RPR as Planar3RPR, Planar3RRR as Planar3RRR
+    from robomech_ros.parallel.result import (
+        DirectKinematicsResult as DirectKinematicsResult,
+        FollowedPose as FollowedPose,
+        LimbPostures as LimbPostures,
+    )
+    from robomech_ros.parallel.spherical import Spherical3RRR as Spherical3RRR
+    from robomech_ros.parallel.stewart_gough import StewartGough as StewartGough
+    from robomech_ros.parallel.tree_description import (
+        DescribedRobot as DescribedRobot,
+        load_tree_description as load_tree_description,
+    )
 
-__all__ = [
-    "AssemblyModes",
-    "Delta",
-    "DescribedRobot",
-    "DirectKinematicsResult",
-    "DrivePath",
-    "DrivePlan",
-    "FollowedPose",
-    "JointReactions",
-    "Limb",
-    "LimbPostures",
-    "LinkBodies",
-    "LoopClosure",
-    "LoopSingularity",
-    "Mechanism",
-    "MechanismPathModel",
-    "MechanismPostures",
-    "ParallelDynamics",
-    "ParallelRobot",
-    "Planar3RPR",
-    "Planar3RRR",
-    "PlatformWorkspace",
-    "PoseLimits",
-    "Spherical3RRR",
-    "StewartGough",
-    "VelocityMatrices",
-    "dexterity",
-    "drive_accelerations",
-    "drive_forces",
-    "drive_rates",
-    "follow_drives",
-    "list_parallel",
-    "load_parallel",
-    "load_tree_description",
-    "loop_singularity",
-    "plan_drives",
-    "plan_platform",
-    "platform_acceleration",
-    "platform_length",
-    "platform_orientation_workspace",
-    "platform_position_workspace",
-    "platform_twist",
-    "platform_wrench",
-    "pose_limits",
-    "singularity_distances",
-    "velocity_matrices",
-    "velocity_matrix_rates",
-]
-
-_MODULES = {
-    "PoseLimits": "kinetostatics.pose_limits",
-    "pose_limits": "kinetostatics.pose_limits",
-    "PlatformWorkspace": "kinetostatics.workspace",
-    "platform_orientation_workspace": "kinetostatics.workspace",
-    "platform_position_workspace": "kinetostatics.workspace",
-    "AssemblyModes": "mechanism.result",
-    "LoopClosure": "mechanism.result",
-    "VelocityMatrices": "kinetostatics.velocity_maps",
-    "velocity_matrices": "kinetostatics.velocity_maps",
-    "velocity_matrix_rates": "kinetostatics.velocity_maps",
-    "drive_rates": "kinetostatics.velocity_maps",
-    "platform_twist": "kinetostatics.velocity_maps",
-    "drive_accelerations": "kinetostatics.velocity_maps",
-    "platform_acceleration": "kinetostatics.velocity_maps",
-    "drive_forces": "kinetostatics.statics",
-    "platform_wrench": "kinetostatics.statics",
-    "platform_length": "kinetostatics.conditioning",
-    "singularity_distances": "kinetostatics.conditioning",
-    "dexterity": "kinetostatics.conditioning",
-    "LoopSingularity": "kinetostatics.singularities",
-    "loop_singularity": "kinetostatics.singularities",
-    "Delta": "delta",
-    "DescribedRobot": "tree_description",
-    "DirectKinematicsResult": "result",
-    "DrivePath": "motion.drive_paths",
-    "DrivePlan": "motion.planning",
-    "FollowedPose": "result",
-    "JointReactions": "dynamics.complement",
-    "Limb": "mechanism.limb",
-    "LimbPostures": "result",
-    "Mechanism": "mechanism.model",
-    "MechanismPostures": "mechanism.result",
-    "MechanismPathModel": "motion.path_model",
-    "ParallelDynamics": "dynamics.parallel_dynamics",
-    "ParallelRobot": "library",
-    "LinkBodies": "mechanism.parts",
-    "Planar3RPR": "planar",
-    "Planar3RRR": "planar",
-    "Spherical3RRR": "spherical",
-    "StewartGough": "stewart_gough",
-    "follow_drives": "motion.drive_paths",
-    "list_parallel": "files",
-    "load_tree_description": "tree_description",
-    "load_parallel": "library",
-    "plan_drives": "motion.planning",
-    "plan_platform": "motion.planning",
-}
-
-__getattr__ = lazy_exports(__name__, _MODULES, globals())
+__getattr__, __all__ = lazy_exports(
+    __name__,
+    globals(),
+    {
+        "delta": "Delta",
+        "dynamics.complement": "JointReactions",
+        "dynamics.parallel_dynamics": "ParallelDynamics",
+        "files": "list_parallel",
+        "kinetostatics.conditioning": "dexterity platform_length singularity_distances",
+        "kinetostatics.pose_limits": "PoseLimits pose_limits",
+        "kinetostatics.singularities": "LoopSingularity loop_singularity",
+        "kinetostatics.statics": "drive_forces platform_wrench",
+        "kinetostatics.velocity_maps": (
+            "VelocityMatrices drive_accelerations drive_rates platform_acceleration platform_twist "
+            "velocity_matrices velocity_matrix_rates"
+        ),
+        "kinetostatics.workspace": (
+            "PlatformWorkspace platform_orientation_workspace platform_position_workspace"
+        ),
+        "library": "ParallelRobot load_parallel",
+        "mechanism.limb": "Limb",
+        "mechanism.model": "Mechanism",
+        "mechanism.parts": "LinkBodies",
+        "mechanism.result": "AssemblyModes LoopClosure MechanismPostures",
+        "motion.drive_paths": "DrivePath follow_drives",
+        "motion.path_model": "MechanismPathModel",
+        "motion.planning": "DrivePlan plan_drives plan_platform",
+        "planar": "Planar3RPR Planar3RRR",
+        "result": "DirectKinematicsResult FollowedPose LimbPostures",
+        "spherical": "Spherical3RRR",
+        "stewart_gough": "StewartGough",
+        "tree_description": "DescribedRobot load_tree_description",
+    },
+)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robomech_ros._kernels.compiling.jit import direct
-from robomech_ros._kernels.parallel import ends as ends_of_paths
-from robomech_ros._kernels.parallel import length_homotopy, projective
+from robomech_ros._kernels.parallel import ends as ends_of_paths, length_homotopy, projective
 from robomech_ros._kernels.parallel.newton import read_parameters
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.homotopy_failures import SingularEnds, least_squares, singular_ends

@@ -24,10 +24,7 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
-from robomech_ros.errors import (
-    RobomechError,
-    RobotDescriptionError,
-)
+from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.parallel.delta import Delta
 from robomech_ros.parallel.limbs_document import mechanism_from_limbs
 from robomech_ros.parallel.mechanism.model import Mechanism

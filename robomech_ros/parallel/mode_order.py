@@ -34,11 +34,7 @@ def nearest_order(poses: Array, seed: Array, size: float) -> IntArray:
 
 
 def modes_found(
-    poses: Array,
-    multiplicity: IntArray,
-    errors: Array,
-    count: int,
-    family: str,
+    poses: Array, multiplicity: IntArray, errors: Array, count: int, family: str
 ) -> DirectKinematicsResult:
     """Say what a closed form has found: so many poses, or -1 where the platform can move."""
     if count < 0:

@@ -10,12 +10,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.parallel.spherical import spherical_modes
 from robomech_ros.errors import BadValueError
-from robomech_ros.parallel.argument_checks import (
-    actuated,
-    angle_limits,
-    rotation_only,
-    unit_axes,
-)
+from robomech_ros.parallel.argument_checks import actuated, angle_limits, rotation_only, unit_axes
 from robomech_ros.parallel.limbs import postures, turning_limb
 from robomech_ros.parallel.mechanism.home_poses import spherical_homes
 from robomech_ros.parallel.mechanism.limb import checked_drive_limits

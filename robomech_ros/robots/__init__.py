@@ -15,12 +15,7 @@ from robomech_ros.robots.group_chains import (
     main_chain,
 )
 from robomech_ros.robots.joint import Joint
-from robomech_ros.robots.library import (
-    list_robots,
-    load_description,
-    load_robot,
-    robot_folders,
-)
+from robomech_ros.robots.library import list_robots, load_description, load_robot, robot_folders
 from robomech_ros.robots.mimic import MimicJoint
 from robomech_ros.robots.semantic import (
     DisabledCollision,

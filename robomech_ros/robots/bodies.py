@@ -8,12 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
-from robomech_ros.errors import (
-    BadValueError,
-    MissingInertiaError,
-    NonFiniteError,
-    WrongSizeError,
-)
+from robomech_ros.errors import BadValueError, MissingInertiaError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain_layout import PRISMATIC, joint_transform, unpack_chain
 from robomech_ros.spatial.arrays import listed, real_array
 from robomech_ros.spatial.screws.bodies import inertia_of_point_mass

@@ -10,12 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from robomech_ros.errors import (
-    BadValueError,
-    NonFiniteError,
-    UnknownJointError,
-    UnknownLinkError,
-)
+from robomech_ros.errors import BadValueError, NonFiniteError, UnknownJointError, UnknownLinkError
 from robomech_ros.printing import Printed
 from robomech_ros.robots.bodies import Body, combine_bodies
 from robomech_ros.robots.chain import LinkFrame, SerialChain

@@ -140,9 +140,7 @@ def _sole_arm(
 
 
 def load_semantics(
-    description: RobotDescription,
-    srdf: str | os.PathLike[str] = "",
-    groups: Iterable[str] = (),
+    description: RobotDescription, srdf: str | os.PathLike[str] = "", groups: Iterable[str] = ()
 ) -> SemanticDescription:
     """Return what is known of a robot's groups and named postures.
 

@@ -85,9 +85,5 @@ def rotation_from_z(axis: Array) -> Array:
         T[:3, :3] = np.diag((1.0, -1.0, -1.0))
         return T if z == -1.0 else T @ rotation_from_z(np.array([x, -y, -z]))
     k = 1.0 / (1.0 + z)
-    T[:3, :3] = (
-        (1.0 - k * x * x, -k * x * y, x),
-        (-k * x * y, 1.0 - k * y * y, y),
-        (-x, -y, z),
-    )
+    T[:3, :3] = ((1.0 - k * x * x, -k * x * y, x), (-k * x * y, 1.0 - k * y * y, y), (-x, -y, z))
     return T

@@ -28,9 +28,7 @@ _SHARE = Path("share") / "robomech_ros" / "config" / "robots"
 
 
 def load_robot(
-    name_or_path_or_urdf: str | os.PathLike[str],
-    base: str | None = None,
-    tip: str | None = None,
+    name_or_path_or_urdf: str | os.PathLike[str], base: str | None = None, tip: str | None = None
 ) -> SerialChain:
     """Load a robot and take a serial chain of it.
 

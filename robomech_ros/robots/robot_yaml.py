@@ -42,7 +42,6 @@ from robomech_ros.robots.dh_table import implausible_angles
 from robomech_ros.robots.documents.guarded_yaml import check_keys, parse_yaml
 from robomech_ros.robots.documents.yaml_bodies import drive_from_yaml
 from robomech_ros.robots.documents.yaml_rows import (
-    LIMITS,
     read_number,
     read_pose,
     read_positive,
@@ -51,6 +50,7 @@ from robomech_ros.robots.documents.yaml_rows import (
     read_unit,
 )
 from robomech_ros.robots.joint import Joint
+from robomech_ros.robots.limit_arrays import KEYS as LIMITS
 
 # Limits (rad) beyond four turns are mostly degrees; wrists turn twice either way.
 _WIDEST = 8.0 * math.pi

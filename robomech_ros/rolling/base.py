@@ -169,10 +169,7 @@ class RollingBase:
         return self._rolled(given, angles)[..., self._drives]
 
     def rolling_rates(
-        self,
-        twist: ArrayLike,
-        steering: ArrayLike | None = None,
-        brackets: ArrayLike | None = None,
+        self, twist: ArrayLike, steering: ArrayLike | None = None, brackets: ArrayLike | None = None
     ) -> Array:
         """Compute the rates of all wheels, driven or not.
 
@@ -294,11 +291,7 @@ class RollingBase:
         return twist, np.asarray(np.linalg.norm(left, axis=-1))
 
     def integrate(
-        self,
-        pose: ArrayLike,
-        rates: ArrayLike,
-        dt: float,
-        steering: ArrayLike | None = None,
+        self, pose: ArrayLike, rates: ArrayLike, dt: float, steering: ArrayLike | None = None
     ) -> Array:
         """Move a pose by constant rates of the wheels: exactly, on the arc of a circle.
 

@@ -22,10 +22,7 @@ import os
 from dataclasses import dataclass, fields
 from typing import Any
 
-from robomech_ros.errors import (
-    RobomechError,
-    RobotDescriptionError,
-)
+from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.robots.documents.guarded_yaml import check_choices, check_keys
 from robomech_ros.robots.robot_kinds import checked_document, names_of, source_of
 from robomech_ros.rolling.base import RollingBase

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.rolling.argument_checks import duration as checked_duration
-from robomech_ros.rolling.argument_checks import one_vector
+from robomech_ros.rolling.argument_checks import duration as checked_duration, one_vector
 from robomech_ros.rolling.dynamics import RollingDynamics
 from robomech_ros.typing import Array
 

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.rolling.argument_checks import above_zero, angle
-from robomech_ros.rolling.argument_checks import length as checked_length
+from robomech_ros.rolling.argument_checks import above_zero, angle, length as checked_length
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.wheels import Wheel
 from robomech_ros.spatial.arrays import as_finite

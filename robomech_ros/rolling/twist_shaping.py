@@ -27,10 +27,7 @@ _QUARTER[1, 0] = _QUARTER[4, 3] = 1.0
 
 
 def shaped_twists(
-    platform: PlatformBody,
-    wheels: Sequence[tuple[Wheel, WheelBody]],
-    twist: Array,
-    brackets: Array,
+    platform: PlatformBody, wheels: Sequence[tuple[Wheel, WheelBody]], twist: Array, brackets: Array
 ) -> Shaped:
     """Return masses, inertias and matrices from the twist (3,) of the base to those of all bodies.
 

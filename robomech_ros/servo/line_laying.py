@@ -87,11 +87,7 @@ class LineLaying:
     """
 
     def __init__(
-        self,
-        resolver: TwistResolver,
-        weights: Array,
-        start: Start,
-        twist: Callable[[Array], Array],
+        self, resolver: TwistResolver, weights: Array, start: Start, twist: Callable[[Array], Array]
     ) -> None:
         q, self._outwards = start
         self._resolver, self.weights, self.twist = resolver, weights, twist

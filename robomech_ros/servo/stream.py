@@ -44,12 +44,7 @@ class Stream:
     """
 
     def __init__(
-        self,
-        limits: ServoLimits,
-        period: float,
-        position: Array,
-        velocity: Array,
-        lead: int = 1,
+        self, limits: ServoLimits, period: float, position: Array, velocity: Array, lead: int = 1
     ) -> None:
         self._limits, self._period, self._lead = limits, period, lead
         self._free = Motion(limits, period, position, velocity)

@@ -11,366 +11,238 @@ from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.spatial.cross_product import (
-        axial_vector,
-        cross_product_matrix,
-        linear_invariants,
+        axial_vector as axial_vector,
+        cross_product_matrix as cross_product_matrix,
+        linear_invariants as linear_invariants,
     )
-    from robomech_ros.spatial.matrices import as_rotation, nearest_rotation, rotation_error
+    from robomech_ros.spatial.matrices import (
+        as_rotation as as_rotation,
+        nearest_rotation as nearest_rotation,
+        rotation_error as rotation_error,
+    )
     from robomech_ros.spatial.points.from_points import (
-        angular_acceleration_from_points,
-        angular_velocity_from_points,
+        angular_acceleration_from_points as angular_acceleration_from_points,
+        angular_velocity_from_points as angular_velocity_from_points,
     )
     from robomech_ros.spatial.points.rigidity import (
-        Rigidity,
-        angular_velocity_covariance,
-        require_rigid,
-        rigidity,
+        Rigidity as Rigidity,
+        angular_velocity_covariance as angular_velocity_covariance,
+        require_rigid as require_rigid,
+        rigidity as rigidity,
     )
-    from robomech_ros.spatial.points.tracks import TrackedMotion, motion_from_tracks
-    from robomech_ros.spatial.poses import as_pose, compose_poses, inverse_pose, pose_from_matrix
+    from robomech_ros.spatial.points.tracks import (
+        TrackedMotion as TrackedMotion,
+        motion_from_tracks as motion_from_tracks,
+    )
+    from robomech_ros.spatial.poses import (
+        as_pose as as_pose,
+        compose_poses as compose_poses,
+        inverse_pose as inverse_pose,
+        pose_from_matrix as pose_from_matrix,
+    )
     from robomech_ros.spatial.rotations.axis_angle import (
-        axis_angle_from_matrix,
-        axis_angle_from_quaternion,
-        matrix_from_axis_angle,
-        matrix_from_rotation_vector,
-        quaternion_from_rotation_vector,
-        rotation_vector_from_matrix,
-        rotation_vector_from_quaternion,
+        axis_angle_from_matrix as axis_angle_from_matrix,
+        axis_angle_from_quaternion as axis_angle_from_quaternion,
+        matrix_from_axis_angle as matrix_from_axis_angle,
+        matrix_from_rotation_vector as matrix_from_rotation_vector,
+        quaternion_from_rotation_vector as quaternion_from_rotation_vector,
+        rotation_vector_from_matrix as rotation_vector_from_matrix,
+        rotation_vector_from_quaternion as rotation_vector_from_quaternion,
     )
-    from robomech_ros.spatial.rotations.composition import compose_rotations, slerp
+    from robomech_ros.spatial.rotations.composition import (
+        compose_rotations as compose_rotations,
+        slerp as slerp,
+    )
     from robomech_ros.spatial.rotations.conversions import (
-        REPRESENTATIONS,
-        SEQUENCES,
-        convert_rotation,
+        REPRESENTATIONS as REPRESENTATIONS,
+        SEQUENCES as SEQUENCES,
+        convert_rotation as convert_rotation,
     )
     from robomech_ros.spatial.rotations.euler_angles import (
-        axis_angle_from_roll_pitch_yaw,
-        euler_angles_from_matrix,
-        euler_angles_from_quaternion,
-        matrix_from_euler_angles,
-        quaternion_from_euler_angles,
-        quaternion_from_roll_pitch_yaw,
-        roll_pitch_yaw_from_axis_angle,
-        roll_pitch_yaw_from_quaternion,
+        axis_angle_from_roll_pitch_yaw as axis_angle_from_roll_pitch_yaw,
+        euler_angles_from_matrix as euler_angles_from_matrix,
+        euler_angles_from_quaternion as euler_angles_from_quaternion,
+        matrix_from_euler_angles as matrix_from_euler_angles,
+        quaternion_from_euler_angles as quaternion_from_euler_angles,
+        quaternion_from_roll_pitch_yaw as quaternion_from_roll_pitch_yaw,
+        roll_pitch_yaw_from_axis_angle as roll_pitch_yaw_from_axis_angle,
+        roll_pitch_yaw_from_quaternion as roll_pitch_yaw_from_quaternion,
     )
     from robomech_ros.spatial.rotations.quaternions import (
-        compose_quaternions,
-        inverse_quaternion,
-        matrix_from_quaternion,
-        quaternion_from_axis_angle,
-        quaternion_from_matrix,
+        compose_quaternions as compose_quaternions,
+        inverse_quaternion as inverse_quaternion,
+        matrix_from_quaternion as matrix_from_quaternion,
+        quaternion_from_axis_angle as quaternion_from_axis_angle,
+        quaternion_from_matrix as quaternion_from_matrix,
     )
-    from robomech_ros.spatial.rotations.rates import angular_motion, rotation_rates
+    from robomech_ros.spatial.rotations.rates import (
+        angular_motion as angular_motion,
+        rotation_rates as rotation_rates,
+    )
     from robomech_ros.spatial.rotations.rodrigues_vectors import (
-        matrix_from_linear_invariants,
-        matrix_from_rodrigues_vector,
-        quaternion_from_rodrigues_vector,
-        rodrigues_vector_from_matrix,
-        rodrigues_vector_from_quaternion,
+        matrix_from_linear_invariants as matrix_from_linear_invariants,
+        matrix_from_rodrigues_vector as matrix_from_rodrigues_vector,
+        quaternion_from_rodrigues_vector as quaternion_from_rodrigues_vector,
+        rodrigues_vector_from_matrix as rodrigues_vector_from_matrix,
+        rodrigues_vector_from_quaternion as rodrigues_vector_from_quaternion,
     )
     from robomech_ros.spatial.rotations.roll_pitch_yaw import (
-        matrix_from_roll_pitch_yaw,
-        roll_pitch_yaw_from_matrix,
+        matrix_from_roll_pitch_yaw as matrix_from_roll_pitch_yaw,
+        roll_pitch_yaw_from_matrix as roll_pitch_yaw_from_matrix,
     )
-    from robomech_ros.spatial.rotations.unit_quaternions import unit_quaternion
+    from robomech_ros.spatial.rotations.unit_quaternions import unit_quaternion as unit_quaternion
     from robomech_ros.spatial.screws.accelerations import (
-        MovingAxesMotion,
-        acceleration_pole,
-        angular_acceleration_matrix,
-        moving_axes_motion,
-        point_acceleration,
+        MovingAxesMotion as MovingAxesMotion,
+        acceleration_pole as acceleration_pole,
+        angular_acceleration_matrix as angular_acceleration_matrix,
+        moving_axes_motion as moving_axes_motion,
+        point_acceleration as point_acceleration,
     )
     from robomech_ros.spatial.screws.bodies import (
-        angular_velocity_dyad,
-        inertia_about_point,
-        inertia_dyad,
-        inertia_of_point_mass,
-        momentum_screw,
-        newton_euler_wrench,
-        twist_kinetic_energy,
+        angular_velocity_dyad as angular_velocity_dyad,
+        inertia_about_point as inertia_about_point,
+        inertia_dyad as inertia_dyad,
+        inertia_of_point_mass as inertia_of_point_mass,
+        momentum_screw as momentum_screw,
+        newton_euler_wrench as newton_euler_wrench,
+        twist_kinetic_energy as twist_kinetic_energy,
     )
-    from robomech_ros.spatial.screws.exponential import pose_exponential, pose_logarithm
-    from robomech_ros.spatial.screws.finite_screw import FiniteScrew, finite_screw, pose_from_screw
-    from robomech_ros.spatial.screws.instant_screw import InstantScrew, instant_screw, wrench_axis
+    from robomech_ros.spatial.screws.exponential import (
+        pose_exponential as pose_exponential,
+        pose_logarithm as pose_logarithm,
+    )
+    from robomech_ros.spatial.screws.finite_screw import (
+        FiniteScrew as FiniteScrew,
+        finite_screw as finite_screw,
+        pose_from_screw as pose_from_screw,
+    )
+    from robomech_ros.spatial.screws.instant_screw import (
+        InstantScrew as InstantScrew,
+        instant_screw as instant_screw,
+        wrench_axis as wrench_axis,
+    )
     from robomech_ros.spatial.screws.lines import (
-        CommonNormal,
-        common_normal,
-        line_distance,
-        line_intersection,
-        line_nearest_point,
-        line_reciprocity,
-        line_through,
-        line_through_points,
-        transfer_line,
+        CommonNormal as CommonNormal,
+        common_normal as common_normal,
+        line_distance as line_distance,
+        line_intersection as line_intersection,
+        line_nearest_point as line_nearest_point,
+        line_reciprocity as line_reciprocity,
+        line_through as line_through,
+        line_through_points as line_through_points,
+        transfer_line as transfer_line,
     )
     from robomech_ros.spatial.screws.pose_conversions import (
-        pose_array_from_pose,
-        pose_error,
-        pose_from_pose_array,
-        pose_from_position_quaternion,
-        position_quaternion_from_pose,
+        pose_array_from_pose as pose_array_from_pose,
+        pose_error as pose_error,
+        pose_from_pose_array as pose_from_pose_array,
+        pose_from_position_quaternion as pose_from_position_quaternion,
+        position_quaternion_from_pose as position_quaternion_from_pose,
     )
     from robomech_ros.spatial.screws.transfers import (
-        pose_adjoint,
-        transfer_twist,
-        transfer_wrench,
-        twist_transfer_matrix,
-        wrench_transfer_matrix,
+        pose_adjoint as pose_adjoint,
+        transfer_twist as transfer_twist,
+        transfer_wrench as transfer_wrench,
+        twist_transfer_matrix as twist_transfer_matrix,
+        wrench_transfer_matrix as wrench_transfer_matrix,
     )
     from robomech_ros.spatial.transformations.frames import (
-        homogeneous_coordinates,
-        moments,
-        points_from_homogeneous,
-        same_in_two_frames,
-        similarity_transform,
-        transform_points,
-        transform_vectors,
+        homogeneous_coordinates as homogeneous_coordinates,
+        moments as moments,
+        points_from_homogeneous as points_from_homogeneous,
+        same_in_two_frames as same_in_two_frames,
+        similarity_transform as similarity_transform,
+        transform_points as transform_points,
+        transform_vectors as transform_vectors,
     )
     from robomech_ros.spatial.transformations.linear_maps import (
-        LinearMap,
-        linear_map,
-        orthogonal_projection,
-        projection_on_line,
-        projection_on_plane,
+        LinearMap as LinearMap,
+        linear_map as linear_map,
+        orthogonal_projection as orthogonal_projection,
+        projection_on_line as projection_on_line,
+        projection_on_plane as projection_on_plane,
     )
     from robomech_ros.spatial.transformations.redundant_sensing import (
-        SensorAgreement,
-        frame_between_sensors,
-        sensor_agreement,
+        SensorAgreement as SensorAgreement,
+        frame_between_sensors as frame_between_sensors,
+        sensor_agreement as sensor_agreement,
     )
     from robomech_ros.spatial.transformations.reflections import (
-        compose_reflections,
-        reflection,
-        reflection_normal,
-        reflections_from_matrix,
+        compose_reflections as compose_reflections,
+        reflection as reflection,
+        reflection_normal as reflection_normal,
+        reflections_from_matrix as reflections_from_matrix,
     )
 
-__all__ = [
-    "REPRESENTATIONS",
-    "SEQUENCES",
-    "CommonNormal",
-    "FiniteScrew",
-    "InstantScrew",
-    "LinearMap",
-    "MovingAxesMotion",
-    "Rigidity",
-    "SensorAgreement",
-    "TrackedMotion",
-    "acceleration_pole",
-    "angular_acceleration_from_points",
-    "angular_acceleration_matrix",
-    "angular_motion",
-    "angular_velocity_covariance",
-    "angular_velocity_dyad",
-    "angular_velocity_from_points",
-    "as_pose",
-    "as_rotation",
-    "axial_vector",
-    "axis_angle_from_matrix",
-    "axis_angle_from_quaternion",
-    "axis_angle_from_roll_pitch_yaw",
-    "common_normal",
-    "compose_poses",
-    "compose_quaternions",
-    "compose_reflections",
-    "compose_rotations",
-    "convert_rotation",
-    "cross_product_matrix",
-    "euler_angles_from_matrix",
-    "euler_angles_from_quaternion",
-    "finite_screw",
-    "frame_between_sensors",
-    "homogeneous_coordinates",
-    "inertia_about_point",
-    "inertia_dyad",
-    "inertia_of_point_mass",
-    "instant_screw",
-    "inverse_pose",
-    "inverse_quaternion",
-    "line_distance",
-    "line_intersection",
-    "line_nearest_point",
-    "line_reciprocity",
-    "line_through",
-    "line_through_points",
-    "linear_invariants",
-    "linear_map",
-    "matrix_from_axis_angle",
-    "matrix_from_euler_angles",
-    "matrix_from_linear_invariants",
-    "matrix_from_quaternion",
-    "matrix_from_rodrigues_vector",
-    "matrix_from_roll_pitch_yaw",
-    "matrix_from_rotation_vector",
-    "moments",
-    "momentum_screw",
-    "motion_from_tracks",
-    "moving_axes_motion",
-    "nearest_rotation",
-    "newton_euler_wrench",
-    "orthogonal_projection",
-    "point_acceleration",
-    "points_from_homogeneous",
-    "pose_adjoint",
-    "pose_array_from_pose",
-    "pose_error",
-    "pose_exponential",
-    "pose_from_matrix",
-    "pose_from_pose_array",
-    "pose_from_position_quaternion",
-    "pose_from_screw",
-    "pose_logarithm",
-    "position_quaternion_from_pose",
-    "projection_on_line",
-    "projection_on_plane",
-    "quaternion_from_axis_angle",
-    "quaternion_from_euler_angles",
-    "quaternion_from_matrix",
-    "quaternion_from_rodrigues_vector",
-    "quaternion_from_roll_pitch_yaw",
-    "quaternion_from_rotation_vector",
-    "reflection",
-    "reflection_normal",
-    "reflections_from_matrix",
-    "require_rigid",
-    "rigidity",
-    "rodrigues_vector_from_matrix",
-    "rodrigues_vector_from_quaternion",
-    "roll_pitch_yaw_from_axis_angle",
-    "roll_pitch_yaw_from_matrix",
-    "roll_pitch_yaw_from_quaternion",
-    "rotation_error",
-    "rotation_rates",
-    "rotation_vector_from_matrix",
-    "rotation_vector_from_quaternion",
-    "same_in_two_frames",
-    "sensor_agreement",
-    "similarity_transform",
-    "slerp",
-    "transfer_line",
-    "transfer_twist",
-    "transfer_wrench",
-    "transform_points",
-    "transform_vectors",
-    "twist_kinetic_energy",
-    "twist_transfer_matrix",
-    "unit_quaternion",
-    "wrench_axis",
-    "wrench_transfer_matrix",
-]
-
-_MODULES = {
-    "REPRESENTATIONS": "rotations.conversions",
-    "SEQUENCES": "rotations.conversions",
-    "CommonNormal": "screws.lines",
-    "FiniteScrew": "screws.finite_screw",
-    "InstantScrew": "screws.instant_screw",
-    "LinearMap": "transformations.linear_maps",
-    "MovingAxesMotion": "screws.accelerations",
-    "Rigidity": "points.rigidity",
-    "SensorAgreement": "transformations.redundant_sensing",
-    "TrackedMotion": "points.tracks",
-    "acceleration_pole": "screws.accelerations",
-    "angular_acceleration_from_points": "points.from_points",
-    "angular_acceleration_matrix": "screws.accelerations",
-    "angular_motion": "rotations.rates",
-    "angular_velocity_covariance": "points.rigidity",
-    "angular_velocity_dyad": "screws.bodies",
-    "angular_velocity_from_points": "points.from_points",
-    "as_pose": "poses",
-    "as_rotation": "matrices",
-    "axial_vector": "cross_product",
-    "axis_angle_from_matrix": "rotations.axis_angle",
-    "axis_angle_from_quaternion": "rotations.axis_angle",
-    "axis_angle_from_roll_pitch_yaw": "rotations.euler_angles",
-    "common_normal": "screws.lines",
-    "compose_poses": "poses",
-    "compose_quaternions": "rotations.quaternions",
-    "compose_reflections": "transformations.reflections",
-    "compose_rotations": "rotations.composition",
-    "convert_rotation": "rotations.conversions",
-    "cross_product_matrix": "cross_product",
-    "euler_angles_from_matrix": "rotations.euler_angles",
-    "euler_angles_from_quaternion": "rotations.euler_angles",
-    "finite_screw": "screws.finite_screw",
-    "frame_between_sensors": "transformations.redundant_sensing",
-    "homogeneous_coordinates": "transformations.frames",
-    "inertia_about_point": "screws.bodies",
-    "inertia_dyad": "screws.bodies",
-    "inertia_of_point_mass": "screws.bodies",
-    "instant_screw": "screws.instant_screw",
-    "inverse_pose": "poses",
-    "inverse_quaternion": "rotations.quaternions",
-    "line_distance": "screws.lines",
-    "line_intersection": "screws.lines",
-    "line_nearest_point": "screws.lines",
-    "line_reciprocity": "screws.lines",
-    "line_through": "screws.lines",
-    "line_through_points": "screws.lines",
-    "linear_invariants": "cross_product",
-    "linear_map": "transformations.linear_maps",
-    "matrix_from_axis_angle": "rotations.axis_angle",
-    "matrix_from_euler_angles": "rotations.euler_angles",
-    "matrix_from_linear_invariants": "rotations.rodrigues_vectors",
-    "matrix_from_quaternion": "rotations.quaternions",
-    "matrix_from_rodrigues_vector": "rotations.rodrigues_vectors",
-    "matrix_from_roll_pitch_yaw": "rotations.roll_pitch_yaw",
-    "matrix_from_rotation_vector": "rotations.axis_angle",
-    "moments": "transformations.frames",
-    "momentum_screw": "screws.bodies",
-    "motion_from_tracks": "points.tracks",
-    "moving_axes_motion": "screws.accelerations",
-    "nearest_rotation": "matrices",
-    "newton_euler_wrench": "screws.bodies",
-    "orthogonal_projection": "transformations.linear_maps",
-    "point_acceleration": "screws.accelerations",
-    "points_from_homogeneous": "transformations.frames",
-    "pose_adjoint": "screws.transfers",
-    "pose_array_from_pose": "screws.pose_conversions",
-    "pose_error": "screws.pose_conversions",
-    "pose_exponential": "screws.exponential",
-    "pose_from_matrix": "poses",
-    "pose_from_pose_array": "screws.pose_conversions",
-    "pose_from_position_quaternion": "screws.pose_conversions",
-    "pose_from_screw": "screws.finite_screw",
-    "pose_logarithm": "screws.exponential",
-    "position_quaternion_from_pose": "screws.pose_conversions",
-    "projection_on_line": "transformations.linear_maps",
-    "projection_on_plane": "transformations.linear_maps",
-    "quaternion_from_axis_angle": "rotations.quaternions",
-    "quaternion_from_euler_angles": "rotations.euler_angles",
-    "quaternion_from_matrix": "rotations.quaternions",
-    "quaternion_from_rodrigues_vector": "rotations.rodrigues_vectors",
-    "quaternion_from_roll_pitch_yaw": "rotations.euler_angles",
-    "quaternion_from_rotation_vector": "rotations.axis_angle",
-    "reflection": "transformations.reflections",
-    "reflection_normal": "transformations.reflections",
-    "reflections_from_matrix": "transformations.reflections",
-    "require_rigid": "points.rigidity",
-    "rigidity": "points.rigidity",
-    "rodrigues_vector_from_matrix": "rotations.rodrigues_vectors",
-    "rodrigues_vector_from_quaternion": "rotations.rodrigues_vectors",
-    "roll_pitch_yaw_from_axis_angle": "rotations.euler_angles",
-    "roll_pitch_yaw_from_matrix": "rotations.roll_pitch_yaw",
-    "roll_pitch_yaw_from_quaternion": "rotations.euler_angles",
-    "rotation_error": "matrices",
-    "rotation_rates": "rotations.rates",
-    "rotation_vector_from_matrix": "rotations.axis_angle",
-    "rotation_vector_from_quaternion": "rotations.axis_angle",
-    "same_in_two_frames": "transformations.frames",
-    "sensor_agreement": "transformations.redundant_sensing",
-    "similarity_transform": "transformations.frames",
-    "slerp": "rotations.composition",
-    "transfer_line": "screws.lines",
-    "transfer_twist": "screws.transfers",
-    "transfer_wrench": "screws.transfers",
-    "transform_points": "transformations.frames",
-    "transform_vectors": "transformations.frames",
-    "twist_kinetic_energy": "screws.bodies",
-    "twist_transfer_matrix": "screws.transfers",
-    "unit_quaternion": "rotations.unit_quaternions",
-    "wrench_axis": "screws.instant_screw",
-    "wrench_transfer_matrix": "screws.transfers",
-}
-
-__getattr__ = lazy_exports(__name__, _MODULES, globals())
+__getattr__, __all__ = lazy_exports(
+    __name__,
+    globals(),
+    {
+        "cross_product": "axial_vector cross_product_matrix linear_invariants",
+        "matrices": "as_rotation nearest_rotation rotation_error",
+        "points.from_points": "angular_acceleration_from_points angular_velocity_from_points",
+        "points.rigidity": "Rigidity angular_velocity_covariance require_rigid rigidity",
+        "points.tracks": "TrackedMotion motion_from_tracks",
+        "poses": "as_pose compose_poses inverse_pose pose_from_matrix",
+        "rotations.axis_angle": (
+            "axis_angle_from_matrix axis_angle_from_quaternion matrix_from_axis_angle "
+            "matrix_from_rotation_vector quaternion_from_rotation_vector "
+            "rotation_vector_from_matrix rotation_vector_from_quaternion"
+        ),
+        "rotations.composition": "compose_rotations slerp",
+        "rotations.conversions": "REPRESENTATIONS SEQUENCES convert_rotation",
+        "rotations.euler_angles": (
+            "axis_angle_from_roll_pitch_yaw euler_angles_from_matrix euler_angles_from_quaternion "
+            "matrix_from_euler_angles quaternion_from_euler_angles quaternion_from_roll_pitch_yaw "
+            "roll_pitch_yaw_from_axis_angle roll_pitch_yaw_from_quaternion"
+        ),
+        "rotations.quaternions": (
+            "compose_quaternions inverse_quaternion matrix_from_quaternion "
+            "quaternion_from_axis_angle quaternion_from_matrix"
+        ),
+        "rotations.rates": "angular_motion rotation_rates",
+        "rotations.rodrigues_vectors": (
+            "matrix_from_linear_invariants matrix_from_rodrigues_vector "
+            "quaternion_from_rodrigues_vector rodrigues_vector_from_matrix "
+            "rodrigues_vector_from_quaternion"
+        ),
+        "rotations.roll_pitch_yaw": "matrix_from_roll_pitch_yaw roll_pitch_yaw_from_matrix",
+        "rotations.unit_quaternions": "unit_quaternion",
+        "screws.accelerations": (
+            "MovingAxesMotion acceleration_pole angular_acceleration_matrix moving_axes_motion "
+            "point_acceleration"
+        ),
+        "screws.bodies": (
+            "angular_velocity_dyad inertia_about_point inertia_dyad inertia_of_point_mass "
+            "momentum_screw newton_euler_wrench twist_kinetic_energy"
+        ),
+        "screws.exponential": "pose_exponential pose_logarithm",
+        "screws.finite_screw": "FiniteScrew finite_screw pose_from_screw",
+        "screws.instant_screw": "InstantScrew instant_screw wrench_axis",
+        "screws.lines": (
+            "CommonNormal common_normal line_distance line_intersection line_nearest_point "
+            "line_reciprocity line_through line_through_points transfer_line"
+        ),
+        "screws.pose_conversions": (
+            "pose_array_from_pose pose_error pose_from_pose_array pose_from_position_quaternion "
+            "position_quaternion_from_pose"
+        ),
+        "screws.transfers": (
+            "pose_adjoint transfer_twist transfer_wrench twist_transfer_matrix "
+            "wrench_transfer_matrix"
+        ),
+        "transformations.frames": (
+            "homogeneous_coordinates moments points_from_homogeneous same_in_two_frames "
+            "similarity_transform transform_points transform_vectors"
+        ),
+        "transformations.linear_maps": (
+            "LinearMap linear_map orthogonal_projection projection_on_line projection_on_plane"
+        ),
+        "transformations.redundant_sensing": (
+            "SensorAgreement frame_between_sensors sensor_agreement"
+        ),
+        "transformations.reflections": (
+            "compose_reflections reflection reflection_normal reflections_from_matrix"
+        ),
+    },
+)

@@ -8,21 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.numerics.arrays import real_array, real_number
+from robomech_ros.numerics.arrays import real_array as real_array, real_number as real_number
 from robomech_ros.typing import Array, IntArray
-
-__all__ = [
-    "all_finite",
-    "as_choice",
-    "as_finite",
-    "as_flag",
-    "held_rows",
-    "listed",
-    "readable_axis",
-    "real_array",
-    "real_number",
-]
-
 
 # So many numbers are looked at faster one by one.
 _FEW = 16

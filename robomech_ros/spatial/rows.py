@@ -24,9 +24,7 @@ def as_rows(
     return np.ascontiguousarray(array).reshape(-1, width), array.shape[:-axes]
 
 
-def broadcast_rows(
-    *given: tuple[str, ArrayLike, int],
-) -> tuple[tuple[Array, ...], tuple[int, ...]]:
+def broadcast_rows(*given: tuple[str, ArrayLike, int]) -> tuple[tuple[Array, ...], tuple[int, ...]]:
     """Return finite vectors as rows, one each or one for all, and their common batch shape.
 
     Parameters

@@ -16,10 +16,12 @@ from table import Row
 from timing import Work, interleave
 
 from robomech_ros._kernels.compiling.jit import direct
-from robomech_ros._kernels.dynamics import derivatives as dynamics_derivatives
-from robomech_ros._kernels.dynamics import forward as dynamics_forward
-from robomech_ros._kernels.dynamics import inverse as dynamics_inverse
-from robomech_ros._kernels.dynamics import mass as dynamics_mass
+from robomech_ros._kernels.dynamics import (
+    derivatives as dynamics_derivatives,
+    forward as dynamics_forward,
+    inverse as dynamics_inverse,
+    mass as dynamics_mass,
+)
 from robomech_ros.dynamics import (
     ControlledArm,
     forward_dynamics,

@@ -12,11 +12,7 @@ from inverse_peers import Array, Peer, available
 from table import Row
 from timing import Work, interleave
 
-from robomech_ros.kinematics import (
-    forward_kinematics,
-    inverse_kinematics,
-    inverse_kinematics_batch,
-)
+from robomech_ros.kinematics import forward_kinematics, inverse_kinematics, inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.iterative import iterative_data
 from robomech_ros.kinematics.inverse.iterative_search import iterative_search
 from robomech_ros.robots import SerialChain, chain_from_dh, load_robot

@@ -112,9 +112,7 @@ def _batch(what: str, calls: Calls, read: Mapping[str, Callable[[Any], Any]] = {
 def _batch_peers(matrices: Any, vectors: Any, poses: Any) -> dict[str, dict[str, Any]]:
     found: dict[str, dict[str, Any]] = {
         "exponential": {"scipy": lambda: Rotation.from_rotvec(vectors).as_matrix()},
-        "logarithm": {
-            "scipy": lambda: Rotation.from_matrix(matrices).as_rotvec(),
-        },
+        "logarithm": {"scipy": lambda: Rotation.from_matrix(matrices).as_rotvec()},
         "pose logarithm": {},
     }
     if find_spec("pytransform3d"):

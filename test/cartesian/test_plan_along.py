@@ -13,12 +13,7 @@ from robomech_ros.cartesian import (
     serial_arm,
     waypoint_path,
 )
-from robomech_ros.errors import (
-    BadValueError,
-    MissingLimitsError,
-    RobomechError,
-    UnknownJointError,
-)
+from robomech_ros.errors import BadValueError, MissingLimitsError, RobomechError, UnknownJointError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import list_robots, load_robot
 from robomech_ros.trajectory import (

@@ -6,14 +6,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio
 import pytest
-from arms_with_bodies import (
-    ROBOTS,
-    assert_near,
-    golden_arm,
-    pinocchio_of,
-    states,
-    with_bodies,
-)
+from arms_with_bodies import ROBOTS, assert_near, golden_arm, pinocchio_of, states, with_bodies
 
 from robomech_ros.dynamics import (
     bias_torque,
@@ -99,13 +92,7 @@ def test_random_arms_of_both_kinds_of_joints(random_chain, seed):
         )
         for method in ("articulated-body", "cholesky"):
             ours = forward_dynamics(
-                chain,
-                q[k],
-                qd[k],
-                tau[k],
-                gravity=gravity,
-                tip_wrench=wrench[k],
-                method=method,
+                chain, q[k], qd[k], tau[k], gravity=gravity, tip_wrench=wrench[k], method=method
             )
             theirs = pinocchio.aba(model, data, q[k], qd[k], tau[k], loads)
             assert_near(ours[None], theirs[None])

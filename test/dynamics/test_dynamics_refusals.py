@@ -14,12 +14,7 @@ from robomech_ros.dynamics import (
     mass_matrix,
     with_payload,
 )
-from robomech_ros.errors import (
-    BadValueError,
-    MissingInertiaError,
-    NonFiniteError,
-    WrongSizeError,
-)
+from robomech_ros.errors import BadValueError, MissingInertiaError, NonFiniteError, WrongSizeError
 from robomech_ros.robots import Body, Drive, chain_from_dh, load_robot
 
 Z6 = np.zeros(6)

@@ -134,12 +134,7 @@ class Samples:
         """Whether the last state is one of rest."""
         return bool(self._packed) and not self.latest()[1].any()
 
-    def ratios(
-        self,
-        first: int,
-        resets: Sequence[int],
-        jump: Jump | None,
-    ) -> Ratios:
+    def ratios(self, first: int, resets: Sequence[int], jump: Jump | None) -> Ratios:
         """Compare with the limits.
 
         Parameters

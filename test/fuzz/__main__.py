@@ -32,12 +32,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent), str(HERE.parent / "nodes")]
 from attack import WITH_FAULTS, Attack, Outcome  # noqa: E402
 from known_robot import KnownRobot, known_robot  # noqa: E402
 from messages import MessageMaker  # noqa: E402
-from outputs import (  # noqa: E402
-    OutputWatch,
-    commands_of,
-    why_it_does_not_drive,
-    why_it_moved,
-)
+from outputs import OutputWatch, commands_of, why_it_does_not_drive, why_it_moved  # noqa: E402
 from robot_watch import Watch, why_it_does_not_move  # noqa: E402
 from running_suite import RunningSuite, running_suite  # noqa: E402
 

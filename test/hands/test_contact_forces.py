@@ -224,8 +224,7 @@ def towards_the_border(rng, count, model):
 
 
 @pytest.mark.parametrize(
-    ("count", "model"),
-    [(3, "point"), (3, "soft"), (4, "point"), (6, "soft"), (8, "frictionless")],
+    ("count", "model"), [(3, "point"), (3, "soft"), (4, "point"), (6, "soft"), (8, "frictionless")]
 )
 def test_forces_are_inside_their_cones_up_to_the_border(count, model):
     """Close to it the solver ends without an answer, and with forces far outside the cones."""

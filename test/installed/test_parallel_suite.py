@@ -61,9 +61,7 @@ def test_a_parallel_robot_is_brought_up_and_moved_as_an_arm_is(bringup, outsider
         assert planned.error_code == 0, planned.error_msg
         assert tuple(planned.trajectory.joint_names) == mechanism.actuated
         done = outsider.call(
-            Execute,
-            "trajectory_publisher/execute",
-            Execute.Request(trajectory=planned.trajectory),
+            Execute, "trajectory_publisher/execute", Execute.Request(trajectory=planned.trajectory)
         )
         assert done.error_code == 0, done.error_msg
         wanted = dict(zip(goal.name, goal.position, strict=True))

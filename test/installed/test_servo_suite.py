@@ -104,9 +104,7 @@ def to_a_regular_posture(hand, chain):
 
 @pytest.mark.parametrize("arguments", [(), ("--in-one-process",)], ids=["processes", "one"])
 def test_twists_for_two_seconds_move_the_tip_by_that_and_no_limit_is_exceeded(
-    bringup,
-    outsider,
-    arguments,
+    bringup, outsider, arguments
 ):
     chain = load_robot("puma560")
     with bringup("--robot", "puma560", *arguments):

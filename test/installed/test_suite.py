@@ -371,10 +371,7 @@ def is_alive(pid):
             ["-p", "robot_description:=pumba560"],
             "unknown robot 'pumba560' (did you mean 'puma560'?)",
         ),
-        (
-            ["-p", "robot_description:=puma560", "-p", "tip_link:=hand"],
-            "unknown link 'hand'",
-        ),
+        (["-p", "robot_description:=puma560", "-p", "tip_link:=hand"], "unknown link 'hand'"),
         (["-p", "robot_description:=<robot>"], "URDF string"),
         (["-p", "robot_description"], "robot_description"),
     ],

@@ -3,11 +3,7 @@
 import numpy as np
 import pytest
 
-from robomech_ros.kinematics import (
-    forward_kinematics,
-    inverse_kinematics,
-    inverse_kinematics_batch,
-)
+from robomech_ros.kinematics import forward_kinematics, inverse_kinematics, inverse_kinematics_batch
 from robomech_ros.robots import list_robots, load_robot
 
 

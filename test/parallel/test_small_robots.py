@@ -5,13 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel import (
-    Delta,
-    Planar3RPR,
-    Planar3RRR,
-    Spherical3RRR,
-    load_parallel,
-)
+from robomech_ros.parallel import Delta, Planar3RPR, Planar3RRR, Spherical3RRR, load_parallel
 
 RIGHT = np.pi / 2
 

@@ -18,39 +18,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
-from robomech_ros._kernels.compiling.cache import KernelCache, cache_directory
-
-__all__ = [
-    "F3",
-    "F12",
-    "IIN1",
-    "IN1",
-    "IN2",
-    "IN3",
-    "IOUT1",
-    "IOUT2",
-    "OUT1",
-    "OUT2",
-    "OUT3",
-    "OUT4",
-    "ZERO",
-    "b1",
-    "borrowed",
-    "cache_directory",
-    "direct",
-    "f8",
-    "flat",
-    "fused",
-    "i8",
-    "inline",
-    "kernel",
-    "lean",
-    "lean_part",
-    "linked",
-    "part",
-    "scratch",
-    "scratch_integers",
-]
+from robomech_ros._kernels.compiling.cache import KernelCache, cache_directory as cache_directory
 
 f8 = types.float64
 i8 = types.int64

@@ -28,23 +28,12 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.dynamics.dry_friction import (
     AT_STOP,
-    MOST_SERVO_JOINTS,
+    MOST_SERVO_JOINTS as MOST_SERVO_JOINTS,
     dry_friction,
     settled_rates,
 )
 from robomech_ros._kernels.dynamics.inverse import gravity_body, inverse_body
 from robomech_ros._kernels.dynamics.mass import mass_body
-
-__all__ = [
-    "COMPUTED_TORQUE",
-    "EFFORT",
-    "GAINS",
-    "MOST_SERVO_JOINTS",
-    "PD_WITH_GRAVITY",
-    "RUNS_AWAY",
-    "STOPS",
-    "servo_steps",
-]
 
 COMPUTED_TORQUE = 0
 PD_WITH_GRAVITY = 1

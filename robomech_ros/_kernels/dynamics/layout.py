@@ -13,17 +13,10 @@ acceleration, the acceleration of its origin less gravity, and the wrench [n; f]
 tip, at the tip's origin.
 """
 
-from robomech_ros._kernels.chain.layout import MODEL_WIDTH, MOST_JOINTS
-
-__all__ = [
-    "LINEAR_ACCELERATION",
-    "MASS",
-    "MODEL_WIDTH",
-    "MOST_JOINTS",
-    "ROTOR",
-    "SURROUNDINGS",
-    "TIP_WRENCH",
-]
+from robomech_ros._kernels.chain.layout import (
+    MODEL_WIDTH as MODEL_WIDTH,
+    MOST_JOINTS as MOST_JOINTS,
+)
 
 MASS = 13
 ROTOR = 23

@@ -16,8 +16,7 @@ from robomech_ros._kernels.compiling.jit import (
     part,
     scratch,
 )
-from robomech_ros._kernels.inverse import branch_bits as bit
-from robomech_ros._kernels.inverse import short_layout as at
+from robomech_ros._kernels.inverse import branch_bits as bit, short_layout as at
 from robomech_ros._kernels.inverse.polishing import call_polish, pose_error
 from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
 from robomech_ros._kernels.tolerances import ACCEPTED, CONTINUUM_STEP, SAME_POSTURE

@@ -12,22 +12,11 @@ from robomech_ros._kernels.compiling.jit import (
     linked,
     scratch,
 )
-from robomech_ros._kernels.inverse.branch_bits import DOUBT
+from robomech_ros._kernels.inverse.branch_bits import DOUBT as DOUBT
 from robomech_ros._kernels.inverse.decoupled.solutions import solve_decoupled
 from robomech_ros._kernels.inverse.general.solutions import call_general
 from robomech_ros._kernels.inverse.iterative.solutions import solve_iterative
 from robomech_ros._kernels.inverse.parallel.solutions import solve_parallel
-
-__all__ = [
-    "BACKWARDS",
-    "DECOUPLED",
-    "DOUBT",
-    "GENERAL",
-    "ITERATIVE",
-    "MAX_SOLUTIONS",
-    "THREE_PARALLEL",
-    "six_joint_postures",
-]
 
 DECOUPLED = 0
 THREE_PARALLEL = 1

@@ -34,28 +34,13 @@ from robomech_ros._kernels.inverse.ranking import (
 from robomech_ros._kernels.inverse.short import solve_short
 from robomech_ros._kernels.inverse.six_joints import (
     BACKWARDS,
-    DECOUPLED,
-    GENERAL,
-    ITERATIVE,
-    MAX_SOLUTIONS,
-    THREE_PARALLEL,
+    DECOUPLED as DECOUPLED,
+    GENERAL as GENERAL,
+    ITERATIVE as ITERATIVE,
+    MAX_SOLUTIONS as MAX_SOLUTIONS,
+    THREE_PARALLEL as THREE_PARALLEL,
     call_six_joints,
 )
-
-__all__ = [
-    "BRANCH",
-    "DECOUPLED",
-    "GENERAL",
-    "ITERATIVE",
-    "MARKS",
-    "MAX_SOLUTIONS",
-    "NAMES",
-    "NONE_EXISTS",
-    "SHORT",
-    "THREE_PARALLEL",
-    "UNDECIDED",
-    "solve",
-]
 
 # Families with kernels of their own: the number of that of short arms, after those of six joints
 # and the redundant one.

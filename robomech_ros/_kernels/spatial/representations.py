@@ -217,10 +217,7 @@ def _of_euler_angles(kind, first, second, third):
     w, at_i, at_j, at_other = c1 * c2, s1 * c2, c1 * s2, parity * s1 * s2
     if proper:
         w, at_i = w * c3 - at_i * s3, at_i * c3 + w * s3
-        at_j, at_other = (
-            at_j * c3 + parity * at_other * s3,
-            at_other * c3 - parity * at_j * s3,
-        )
+        at_j, at_other = (at_j * c3 + parity * at_other * s3, at_other * c3 - parity * at_j * s3)
     else:
         w, at_other = w * c3 - at_other * s3, at_other * c3 + w * s3
         at_i, at_j = at_i * c3 + parity * at_j * s3, at_j * c3 - parity * at_i * s3

@@ -230,11 +230,7 @@ def _shifted(inertia: Matrix, mass: Number, first: Vector, p: Sequence[Number]) 
     half = [2 * h + mass * x for h, x in zip(first, p, strict=True)]
     x, y, z = (half[i] * p[i] for i in range(3))
     both = [p[i] * first[j] + half[i] * p[j] - first[i] * p[j] for i, j in ((0, 1), (0, 2), (1, 2))]
-    more = [
-        [y + z, -both[0], -both[1]],
-        [-both[0], x + z, -both[2]],
-        [-both[1], -both[2], x + y],
-    ]
+    more = [[y + z, -both[0], -both[1]], [-both[0], x + z, -both[2]], [-both[1], -both[2], x + y]]
     return _summed(inertia, more)
 
 
@@ -267,8 +263,4 @@ def _dot(a: Sequence[Number], b: Sequence[Number]) -> Number:
 
 
 def _cross(a: Sequence[Number], b: Sequence[Number]) -> Vector:
-    return [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

@@ -227,12 +227,7 @@ def known_parameters(chain: SerialChain, otherwise: Array) -> Array:
 
 
 def _columns(
-    chain: SerialChain,
-    base: BaseParameters,
-    q: Array,
-    qd: Array,
-    qdd: Array,
-    gravity: ArrayLike,
+    chain: SerialChain, base: BaseParameters, q: Array, qd: Array, qdd: Array, gravity: ArrayLike
 ) -> Array:
     """Regressor of base parameters, viscous and Coulomb friction, shape (m, n, r + 2 n)."""
     Y = torque_regressor(chain, q, qd, qdd, gravity=gravity)[..., base.columns]

@@ -9,55 +9,33 @@ from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.dynamics.symbolic.closed_forms import (
-        EXPRESSIONS,
-        SymbolicModel,
-        symbolic_model,
+        EXPRESSIONS as EXPRESSIONS,
+        SymbolicModel as SymbolicModel,
+        symbolic_model as symbolic_model,
     )
     from robomech_ros.dynamics.symbolic.geometry import (
-        SymbolicClosure,
-        SymbolicDecoupled,
-        SymbolicLoop,
-        symbolic_closure,
-        symbolic_decoupled,
+        SymbolicClosure as SymbolicClosure,
+        SymbolicDecoupled as SymbolicDecoupled,
+        SymbolicLoop as SymbolicLoop,
+        symbolic_closure as symbolic_closure,
+        symbolic_decoupled as symbolic_decoupled,
     )
     from robomech_ros.dynamics.symbolic.printing import (
-        FORMS,
-        abbreviated,
-        expression_latex,
-        expression_source,
-        expression_text,
+        FORMS as FORMS,
+        abbreviated as abbreviated,
+        expression_latex as expression_latex,
+        expression_source as expression_source,
+        expression_text as expression_text,
     )
 
-__all__ = [
-    "EXPRESSIONS",
-    "FORMS",
-    "SymbolicClosure",
-    "SymbolicDecoupled",
-    "SymbolicLoop",
-    "SymbolicModel",
-    "abbreviated",
-    "expression_latex",
-    "expression_source",
-    "expression_text",
-    "symbolic_closure",
-    "symbolic_decoupled",
-    "symbolic_model",
-]
-
-_MODULES = {
-    "EXPRESSIONS": "closed_forms",
-    "FORMS": "printing",
-    "SymbolicClosure": "geometry",
-    "SymbolicDecoupled": "geometry",
-    "SymbolicLoop": "geometry",
-    "SymbolicModel": "closed_forms",
-    "abbreviated": "printing",
-    "expression_latex": "printing",
-    "expression_source": "printing",
-    "expression_text": "printing",
-    "symbolic_closure": "geometry",
-    "symbolic_decoupled": "geometry",
-    "symbolic_model": "closed_forms",
-}
-
-__getattr__ = lazy_exports(__name__, _MODULES, globals())
+__getattr__, __all__ = lazy_exports(
+    __name__,
+    globals(),
+    {
+        "closed_forms": "EXPRESSIONS SymbolicModel symbolic_model",
+        "geometry": (
+            "SymbolicClosure SymbolicDecoupled SymbolicLoop symbolic_closure symbolic_decoupled"
+        ),
+        "printing": "FORMS abbreviated expression_latex expression_source expression_text",
+    },
+)

@@ -206,10 +206,7 @@ class SymbolicModel:
 
 
 def symbolic_model(
-    chain: SerialChain,
-    *,
-    gravity: ArrayLike = GRAVITY,
-    parameters: str = "names",
+    chain: SerialChain, *, gravity: ArrayLike = GRAVITY, parameters: str = "names"
 ) -> SymbolicModel:
     """Set up the closed forms of a chain.
 

@@ -143,10 +143,7 @@ class SymbolicDecoupled:
         lam5 = self.loop.link_rotation(5)[2, 2]
         left = lam5 - self.loop.link_rotation(4)[:, 2].dot(self.axis)
         halved = left.subs(
-            {
-                sympy.cos(four): (1 - tau**2) / (1 + tau**2),
-                sympy.sin(four): 2 * tau / (1 + tau**2),
-            }
+            {sympy.cos(four): (1 - tau**2) / (1 + tau**2), sympy.sin(four): 2 * tau / (1 + tau**2)}
         )
         poly = sympy.Poly(sympy.cancel(halved * (1 + tau**2)), tau)
         return sympy.Matrix([[poly.coeff_monomial(tau**k) for k in (2, 1, 0)]])

@@ -209,10 +209,7 @@ def _sums(powers: tuple[tuple[int, int], ...]) -> dict[tuple[str, tuple[int, ...
 
 
 def _times(
-    harmonics: _Harmonics,
-    k: int,
-    up: tuple[Fraction, Fraction],
-    down: tuple[Fraction, Fraction],
+    harmonics: _Harmonics, k: int, up: tuple[Fraction, Fraction], down: tuple[Fraction, Fraction]
 ) -> _Harmonics:
     product: _Harmonics = {}
     for sums, (a, b) in harmonics.items():

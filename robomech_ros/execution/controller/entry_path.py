@@ -7,12 +7,7 @@ import numpy as np
 
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.execution.controller.follower_settings import FollowerSettings
-from robomech_ros.execution.controller.joining import (
-    completed,
-    join,
-    join_in_steps,
-    without_turns,
-)
+from robomech_ros.execution.controller.joining import completed, join, join_in_steps, without_turns
 from robomech_ros.execution.controller.late_start import (
     LONGEST_LAG,
     ScheduleShift,

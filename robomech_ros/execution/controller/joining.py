@@ -44,11 +44,7 @@ _SLACK = 1e-6
 
 
 def join(
-    waypoints: Waypoints,
-    present: State,
-    joints: Joints,
-    start_tolerance: float,
-    late: float = 0.0,
+    waypoints: Waypoints, present: State, joints: Joints, start_tolerance: float, late: float = 0.0
 ) -> PiecewisePolynomial:
     """Make the curve that leads from the present state along a trajectory to its end.
 
@@ -113,11 +109,7 @@ def join(
 
 
 def join_in_steps(
-    waypoints: Waypoints,
-    present: State,
-    joints: Joints,
-    start_tolerance: float,
-    late: float = 0.0,
+    waypoints: Waypoints, present: State, joints: Joints, start_tolerance: float, late: float = 0.0
 ) -> PiecewisePolynomial:
     """Make the curve of a trajectory that is not interpolated: one point at a time.
 
@@ -227,10 +219,7 @@ def approached(waypoints: Waypoints, positions: Array, present: State) -> Piecew
 
 
 def _smoothed(
-    curve: PiecewisePolynomial,
-    offset: tuple[Array, Array, Array],
-    joints: Joints,
-    first: float,
+    curve: PiecewisePolynomial, offset: tuple[Array, Array, Array], joints: Joints, first: float
 ) -> PiecewisePolynomial:
     """Smooth out the offset at the start, in a time that keeps the limits.
 

@@ -288,12 +288,7 @@ class _Search:
         return np.array([x, pace, float(push @ slope) / square])
 
     def _verified(
-        self,
-        curve: PiecewisePolynomial,
-        lag: float,
-        place: Array,
-        delay: float,
-        time: float,
+        self, curve: PiecewisePolynomial, lag: float, place: Array, delay: float, time: float
     ) -> tuple[PiecewisePolynomial, ScheduleShift] | None:
         """Return the way onto a curve that is later by a delay (s), if it keeps the limits."""
         belt, here = shifted(curve, delay), self._present

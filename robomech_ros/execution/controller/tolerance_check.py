@@ -87,12 +87,7 @@ def _off_goal(
 
 
 def _complaint(
-    code: int,
-    what: str,
-    difference: Array,
-    allowed: Array | None,
-    joints: Joints,
-    order: int = 0,
+    code: int, what: str, difference: Array, allowed: Array | None, joints: Joints, order: int = 0
 ) -> MotionResult | None:
     """Name the joint that is worst, if it is off by more than allowed."""
     if allowed is None:

@@ -7,12 +7,7 @@ from enum import Enum
 import numpy as np
 
 from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
-from robomech_ros.execution.joints import (
-    TIME_TO_ACCELERATION,
-    TIME_TO_SPEED,
-    USUAL_SPEED,
-    State,
-)
+from robomech_ros.execution.joints import TIME_TO_ACCELERATION, TIME_TO_SPEED, USUAL_SPEED, State
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.profiles.state_to_state import state_to_state
 from robomech_ros.trajectory.waypoints import Waypoints, discretise

@@ -14,11 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.kinematics.equations.closure import (
-    ClosureEquations,
-    Numbers,
-    closure_equations,
-)
+from robomech_ros.kinematics.equations.closure import ClosureEquations, Numbers, closure_equations
 from robomech_ros.kinematics.equations.crowded_roots import angles_beside
 from robomech_ros.kinematics.equations.half_angles import (
     angles_of_tangents,

@@ -11,15 +11,8 @@ from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOL
 from robomech_ros.kinematics.inverse.closed_form import solve_closed_form
 from robomech_ros.kinematics.inverse.families.selection import Family, family_of
 from robomech_ros.kinematics.inverse.nearest_posture import add_nearest
-from robomech_ros.kinematics.inverse.redundant_solutions import (
-    solve_by_sampling,
-)
-from robomech_ros.kinematics.inverse.request import (
-    Request,
-    as_request,
-    is_loose,
-    with_task,
-)
+from robomech_ros.kinematics.inverse.redundant_solutions import solve_by_sampling
+from robomech_ros.kinematics.inverse.request import Request, as_request, is_loose, with_task
 from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
 from robomech_ros.kinematics.inverse.solve_by_search import solve_by_search
 from robomech_ros.kinematics.inverse.status import Status

@@ -121,12 +121,7 @@ def _starts(
 
 
 def _refined(
-    redundancy: Redundancy,
-    value: Criterion,
-    worth: float,
-    low: float,
-    high: float,
-    posture: Array,
+    redundancy: Redundancy, value: Criterion, worth: float, low: float, high: float, posture: Array
 ) -> tuple[float, Array]:
     """Climb to the top of a peak by golden sections, inside the limits."""
     best = (worth, posture)

@@ -12,11 +12,7 @@ from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.one_pose import DISTANCES, MARKED, TARGET
 from robomech_ros._kernels.inverse.quality import CONDITION, MARGIN, ORIENTATION, POSITION, measure
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
-from robomech_ros.kinematics.inverse.branch_names import (
-    branch_name,
-    distinct_names,
-    numbered_names,
-)
+from robomech_ros.kinematics.inverse.branch_names import branch_name, distinct_names, numbered_names
 from robomech_ros.kinematics.inverse.near_branch_names import named_branches
 from robomech_ros.kinematics.inverse.singular_marks import singular_marks
 from robomech_ros.kinematics.inverse.status import Status

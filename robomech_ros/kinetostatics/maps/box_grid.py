@@ -55,10 +55,7 @@ class BoxGrid:
 
 
 def as_grid(
-    lower: ArrayLike,
-    upper: ArrayLike,
-    spacing: ArrayLike | None,
-    shape: ArrayLike | None,
+    lower: ArrayLike, upper: ArrayLike, spacing: ArrayLike | None, shape: ArrayLike | None
 ) -> BoxGrid:
     """Check a box, and either the distance between points or their number along each axis.
 

@@ -16,13 +16,7 @@ from robomech_ros.errors import BadValueError, MapFileError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.maps.box_grid import BoxGrid, as_grid
 from robomech_ros.kinetostatics.maps.cells import CELL, UNFINISHED, chunk_cells
-from robomech_ros.kinetostatics.maps.engines import (
-    Chunk,
-    Done,
-    as_workers,
-    by_dask,
-    in_threads,
-)
+from robomech_ros.kinetostatics.maps.engines import Chunk, Done, as_workers, by_dask, in_threads
 from robomech_ros.kinetostatics.maps.map_file import as_path, check_writable, load_map, save_map
 from robomech_ros.kinetostatics.maps.request import MapRequest, RobotIdentity, identity_of
 from robomech_ros.kinetostatics.rotation_sets import as_orientations

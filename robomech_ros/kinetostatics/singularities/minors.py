@@ -152,11 +152,7 @@ def minors_of(chain: SerialChain) -> Minors:
 
 
 def _evaluated(
-    chain: SerialChain,
-    q: Array,
-    size: float,
-    row_sets: IntArray,
-    column_sets: IntArray,
+    chain: SerialChain, q: Array, size: float, row_sets: IntArray, column_sets: IntArray
 ) -> Array:
     """Return minors (m, k) in postures (k, n); the first joint and the last are set to zero."""
     q = q.copy()

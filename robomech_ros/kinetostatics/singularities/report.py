@@ -164,11 +164,7 @@ def _generic_facts(chain: SerialChain) -> _GenericFacts:
 
 
 def singularity_report(
-    chain: SerialChain,
-    q: ArrayLike,
-    *,
-    point: ArrayLike = TIP,
-    length: float | None = None,
+    chain: SerialChain, q: ArrayLike, *, point: ArrayLike = TIP, length: float | None = None
 ) -> SingularityReport | SingularityReports:
     """Say what the tip can do in a posture, or in each of many, and what not.
 

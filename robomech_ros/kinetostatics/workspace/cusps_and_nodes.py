@@ -230,10 +230,7 @@ def _crossing(
     safe = np.where(usable, cross, 1.0)
     share = (
         np.stack(
-            (
-                gap[:, 0] * b[:, 1] - gap[:, 1] * b[:, 0],
-                gap[:, 0] * a[:, 1] - gap[:, 1] * a[:, 0],
-            )
+            (gap[:, 0] * b[:, 1] - gap[:, 1] * b[:, 0], gap[:, 0] * a[:, 1] - gap[:, 1] * a[:, 0])
         )
         / safe
     )

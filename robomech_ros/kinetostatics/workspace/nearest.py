@@ -71,12 +71,7 @@ class NearestOnCurves:
         return distance, feet, vertex, at
 
     def _nearer(
-        self,
-        coordinates: Array,
-        q: Array,
-        start: Array,
-        joint: IntArray,
-        longest: Array,
+        self, coordinates: Array, q: Array, start: Array, joint: IntArray, longest: Array
     ) -> Array:
         """Go along the curves to where the tangent is across the way to the points."""
         section = self._section

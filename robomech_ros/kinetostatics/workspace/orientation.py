@@ -56,11 +56,7 @@ class OrientationWorkspace:
 
 
 def orientation_workspace(
-    chain: SerialChain,
-    position: ArrayLike,
-    *,
-    samples: int = 4096,
-    respect_limits: bool = True,
+    chain: SerialChain, position: ArrayLike, *, samples: int = 4096, respect_limits: bool = True
 ) -> OrientationWorkspace:
     """Find which orientations the tip can take at a point.
 

@@ -23,11 +23,7 @@ from robomech_ros.kinetostatics.workspace.nearest import NearestOnCurves
 from robomech_ros.kinetostatics.workspace.point_postures import PointPostures
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection, section_of
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import (
-    PRISMATIC,
-    joint_transform,
-    pack_chain,
-)
+from robomech_ros.robots.chain_layout import PRISMATIC, joint_transform, pack_chain
 from robomech_ros.typing import Array, BoolArray, IntArray
 
 # How far beside a curve it is looked whether a point is reached, over the arm's size.

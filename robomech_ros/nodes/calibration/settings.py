@@ -37,8 +37,7 @@ class CalibrationSettings(RobotSettings):
         "", "Frame of the target on tf; not needed with tracking_topic"
     )
     robot_topic: str = parameter(
-        "",
-        "Topic of geometry_msgs/PoseStamped with the hand in robot_base_frame. Empty = from tf",
+        "", "Topic of geometry_msgs/PoseStamped with the hand in robot_base_frame. Empty = from tf"
     )
     tracking_topic: str = parameter(
         "",
@@ -73,8 +72,7 @@ class CalibrationSettings(RobotSettings):
         "easy_handeye2 reads ~/.ros2/easy_handeye2/calibrations. Empty = nothing is saved",
     )
     saved: str = parameter(
-        "",
-        "Calibration in folder to publish on /tf_static at startup. Empty = none",
+        "", "Calibration in folder to publish on /tf_static at startup. Empty = none"
     )
 
 

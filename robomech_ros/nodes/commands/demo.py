@@ -26,9 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--robot", default="puma560", help="name or path of a robot (puma560)")
     parser.add_argument(
-        "--srdf",
-        default="",
-        help="SRDF whose state home is the start and the end of the motion",
+        "--srdf", default="", help="SRDF whose state home is the start and the end of the motion"
     )
     parser.add_argument("--group", default="", help="group of the SRDF to move")
     parser.add_argument(

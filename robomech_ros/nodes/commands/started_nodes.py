@@ -38,10 +38,7 @@ def rights_of_started(options: LaunchOptions) -> list[NodeRights]:
     stay_on_this_machine()
     with free_domain() as domain, options.arguments_of_one_process() as arguments:
         os.environ["ROS_DOMAIN_ID"] = str(domain)
-        rclpy.init(
-            args=["robomech", *arguments],
-            signal_handler_options=SignalHandlerOptions.NO,
-        )
+        rclpy.init(args=["robomech", *arguments], signal_handler_options=SignalHandlerOptions.NO)
         nodes: list[Node] = []
         try:
             # The policy alone is printed, not the address of a page that is gone soon.

@@ -105,11 +105,7 @@ class JointPositions:
         return positions_by_name(state, chain.joint_names, what, self._model.joint_names)
 
     async def read_or_present(
-        self,
-        chain: Way,
-        state: JointState,
-        what: str,
-        patience: float,
+        self, chain: Way, state: JointState, what: str, patience: float
     ) -> Array:
         """Read the positions, shape (n,); of an empty state, the present ones.
 
@@ -160,10 +156,7 @@ class JointPositions:
         return chain.midrange() if present is None else np.clip(present, chain.lower, chain.upper)
 
     async def rows(
-        self,
-        chains: Sequence[Way],
-        states: Sequence[JointState],
-        patience: float,
+        self, chains: Sequence[Way], states: Sequence[JointState], patience: float
     ) -> list[Array]:
         """Read the positions of many states for many chains; of no states, the present ones.
 

@@ -208,9 +208,7 @@ def table_rows(table: type) -> tuple[ParameterRow, ...]:
     kinds = get_type_hints(table)
     return tuple(
         dataclasses.replace(
-            entry.metadata[_METADATA],
-            name=entry.name.replace(_DOT, "."),
-            kind=kinds[entry.name],
+            entry.metadata[_METADATA], name=entry.name.replace(_DOT, "."), kind=kinds[entry.name]
         )
         for entry in dataclasses.fields(table)
     )

@@ -141,10 +141,7 @@ def stamped_twist(twist: Array, frame: str) -> TwistStamped:
     """Convert a twist (6,), angular first, to a message in a frame; the stamp stays 0."""
     message = TwistStamped()
     message.header.frame_id = frame
-    for vector, values in (
-        (message.twist.angular, twist[:3]),
-        (message.twist.linear, twist[3:]),
-    ):
+    for vector, values in ((message.twist.angular, twist[:3]), (message.twist.linear, twist[3:])):
         vector.x, vector.y, vector.z = values.tolist()
     return message
 

@@ -7,10 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from robomech_ros.errors import (
-    BadValueError,
-    UnknownLinkError,
-)
+from robomech_ros.errors import BadValueError, UnknownLinkError
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.robots import (
     Group,

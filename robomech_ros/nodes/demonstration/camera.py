@@ -133,10 +133,7 @@ class SimulatedCamera:
             message.header.stamp = stamp
             self._publishers["tf"].publish(self._kind(transforms=[message]))
             return
-        for topic, T, frame in (
-            (HAND_TOPIC, hand, self._chain.base),
-            (MARKER_TOPIC, seen, CAMERA),
-        ):
+        for topic, T, frame in ((HAND_TOPIC, hand, self._chain.base), (MARKER_TOPIC, seen, CAMERA)):
             pose = stamped_pose(T, frame)
             pose.header.stamp = stamp
             self._publishers[topic].publish(pose)

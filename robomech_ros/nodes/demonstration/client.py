@@ -195,10 +195,7 @@ class DemoClient:
             raise DemoFailedError(f"the motion did not arrive: {text}")
 
     def wait(
-        self,
-        condition: Callable[[], bool],
-        seconds: float,
-        look: Callable[[], None] = lambda: None,
+        self, condition: Callable[[], bool], seconds: float, look: Callable[[], None] = lambda: None
     ) -> bool:
         """Wait for a condition while all nodes live; False if the time (s) is over before.
 

@@ -57,12 +57,7 @@ class PathFollower:
     """
 
     def __init__(
-        self,
-        axle: Array | None,
-        path: ClosedPath,
-        speed: float,
-        acceleration: float,
-        radius: float,
+        self, axle: Array | None, path: ClosedPath, speed: float, acceleration: float, radius: float
     ) -> None:
         fixed = np.zeros(3) if axle is None else axle
         if abs(math.sin(fixed[2])) > _STRAIGHT or math.cos(fixed[2]) < 0.0:

@@ -44,11 +44,7 @@ class PickAndPlace:
     """
 
     def __init__(
-        self,
-        client: DemoClient,
-        robot: DemoRobot,
-        reporter: Reporter,
-        load: Load | None = None,
+        self, client: DemoClient, robot: DemoRobot, reporter: Reporter, load: Load | None = None
     ) -> None:
         self._client = client
         self._robot = robot

@@ -148,11 +148,7 @@ class RobotFrames:
             await pause(self._node)
 
     async def in_base(
-        self,
-        frame: str,
-        patience: float,
-        stamp: Time | None = None,
-        at: Positions | None = None,
+        self, frame: str, patience: float, stamp: Time | None = None, at: Positions | None = None
     ) -> Array | None:
         """Return the pose of a frame in the base, (4, 4) (m); None for the base itself.
 

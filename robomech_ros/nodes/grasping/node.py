@@ -31,12 +31,7 @@ from robomech_ros.nodes.common.joint_positions import is_empty
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.readiness import Readiness
-from robomech_ros.nodes.grasping.answers import (
-    analysed,
-    fill_efforts,
-    fill_forces,
-    fill_postures,
-)
+from robomech_ros.nodes.grasping.answers import analysed, fill_efforts, fill_forces, fill_postures
 from robomech_ros.nodes.grasping.requests import (
     GivenHand,
     load_wrench,

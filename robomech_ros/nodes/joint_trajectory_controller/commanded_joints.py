@@ -12,11 +12,7 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.follower import TrajectoryFollower
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.controller.state_check import Margin, StateCheck
-from robomech_ros.execution.controller.trajectory_goal import (
-    End,
-    GoalResult,
-    TrajectoryGoal,
-)
+from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
 from robomech_ros.execution.joints import Joints, State, at_rest
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.execution.received_trajectory import read_waypoints

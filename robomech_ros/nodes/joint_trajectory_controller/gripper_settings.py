@@ -21,9 +21,7 @@ class GripperSettings(GripperNames):
         10.0,
     )
     gripper_allow_stalling: bool = parameter(
-        False,
-        "gripper_cmd succeeds if an object between the fingers stops them",
-        read_only=False,
+        False, "gripper_cmd succeeds if an object between the fingers stops them", read_only=False
     )
     gripper_stall_velocity_threshold: float = parameter(
         0.001, "Largest speed of a finger joint at rest, rad/s or m/s", 0.0, 10.0
@@ -32,10 +30,7 @@ class GripperSettings(GripperNames):
         1.0, "Time at rest after which the fingers count as stalled", 0.0, 60.0, "s"
     )
     gripper_max_effort: float = parameter(
-        0.0,
-        "Largest effort of a finger joint, N m or N; 0 = its effort limit",
-        0.0,
-        1e6,
+        0.0, "Largest effort of a finger joint, N m or N; 0 = its effort limit", 0.0, 1e6
     )
     gripper_max_velocity: float = parameter(
         0.0,

@@ -130,9 +130,7 @@ def legged_robot(
 
 
 def dynamic_plant(
-    robot: "Callable[[], SerialChain | DynamicSystem]",
-    settings: ControllerSettings,
-    posture: Array,
+    robot: "Callable[[], SerialChain | DynamicSystem]", settings: ControllerSettings, posture: Array
 ) -> "DynamicPlant | None":
     """Make the drives and what they move; None where no forces are simulated."""
     if settings.simulation != DYNAMIC:

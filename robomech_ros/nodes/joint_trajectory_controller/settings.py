@@ -92,8 +92,7 @@ class ControllerSettings(GripperSettings):
         choices=(SPLINES, NO_INTERPOLATION),
     )
     allow_nonzero_velocity_at_trajectory_end: bool = parameter(
-        False,
-        "Accept trajectories that end in motion; the robot then brakes beyond the last point",
+        False, "Accept trajectories that end in motion; the robot then brakes beyond the last point"
     )
     max_acceleration_ratio: float = parameter(
         5.0,
@@ -186,12 +185,7 @@ class ControllerSettings(GripperSettings):
         read_only=False,
     )
     fault_delay: float = parameter(
-        0.0,
-        "Simulated fault: delay of the commands to the joints",
-        0.0,
-        10.0,
-        "s",
-        read_only=False,
+        0.0, "Simulated fault: delay of the commands to the joints", 0.0, 10.0, "s", read_only=False
     )
     fault_dropped_commands: float = parameter(
         0.0,
@@ -215,11 +209,7 @@ class ControllerSettings(GripperSettings):
         read_only=False,
     )
     fault_seed: int = parameter(
-        0,
-        "Seed of the noise, and of the choice of lost commands",
-        0,
-        2**31 - 1,
-        read_only=False,
+        0, "Seed of the noise, and of the choice of lost commands", 0, 2**31 - 1, read_only=False
     )
 
 

@@ -79,11 +79,7 @@ class BatchLists:
 
 
 async def solve_in_turns(
-    chain: SerialChain,
-    T: Array,
-    allowed: float,
-    turns: TimeSlices,
-    **options: Any,
+    chain: SerialChain, T: Array, allowed: float, turns: TimeSlices, **options: Any
 ) -> tuple[BatchLists, int]:
     """Solve many poses and let others work in between.
 

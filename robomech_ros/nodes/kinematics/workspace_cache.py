@@ -6,11 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.kinetostatics import (
-    Workspace,
-    characteristic_length,
-    reach_limits,
-)
+from robomech_ros.kinetostatics import Workspace, characteristic_length, reach_limits
 from robomech_ros.kinetostatics.workspace.boundary import positioning_boundary
 from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
 from robomech_ros.nodes.common.cooperative_wait import Worker

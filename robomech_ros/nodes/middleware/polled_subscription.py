@@ -64,9 +64,7 @@ class Inbox:
         self._group = ManualSubscription(attended=True)
         self._early: list[bytes] = []
         qos = QoSProfile(
-            depth=depth,
-            history=HistoryPolicy.KEEP_LAST,
-            reliability=ReliabilityPolicy.BEST_EFFORT,
+            depth=depth, history=HistoryPolicy.KEEP_LAST, reliability=ReliabilityPolicy.BEST_EFFORT
         )
         self._subscription = node.create_subscription(
             kind, topic, self._receive, qos, callback_group=self._group, raw=True

@@ -153,12 +153,7 @@ def _diff(settings: MobileBaseSettings) -> tuple[RollingBase, WheelJoints]:
     )
     multipliers = (settings.left_wheel_radius_multiplier, settings.right_wheel_radius_multiplier)
     wheels = [
-        Wheel(
-            kind="fixed",
-            position=np.array([0.0, y]),
-            radius=radius * factor,
-            name=name,
-        )
+        Wheel(kind="fixed", position=np.array([0.0, y]), radius=radius * factor, name=name)
         for name, y, factor in zip(("left", "right"), (half, -half), multipliers, strict=True)
     ]
     rolling = [(name, side) for side, joints in enumerate(sides) for name in joints]

@@ -11,12 +11,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.mobile_base.drives import Interface
-from robomech_ros.rolling import (
-    CommandLimiter,
-    Odometry,
-    RollingRobot,
-    advance_odometry,
-)
+from robomech_ros.rolling import CommandLimiter, Odometry, RollingRobot, advance_odometry
 from robomech_ros.rolling.simulated import SimulatedBase
 from robomech_ros.typing import Array
 

@@ -13,12 +13,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 from robomech_ros.nodes.common.message_fields import fill_header, floats
-from robomech_ros.nodes.common.odometry_frame import (
-    POSE,
-    TWIST,
-    full_covariance,
-    odometry_frame,
-)
+from robomech_ros.nodes.common.odometry_frame import POSE, TWIST, full_covariance, odometry_frame
 from robomech_ros.nodes.mobile_base.base_display import BaseDisplay
 from robomech_ros.nodes.mobile_base.mobile_base import MobileBase
 from robomech_ros.nodes.mobile_base.settings import MobileBaseSettings

@@ -179,11 +179,7 @@ class MobileBaseSettings(_LimitsOfAxes):
         choices=(AUTO, ALWAYS, NEVER),
     )
     frame_rate: float = parameter(
-        20.0,
-        "Rate of the wheel frames; at most publish_rate",
-        0.1,
-        1000.0,
-        "Hz",
+        20.0, "Rate of the wheel frames; at most publish_rate", 0.1, 1000.0, "Hz"
     )
     publish_description: bool = parameter(
         True,

@@ -10,12 +10,7 @@ from geometry_msgs.msg import Pose
 from moveit_msgs.msg import MoveItErrorCodes, OrientationConstraint
 from shape_msgs.msg import SolidPrimitive
 
-from robomech_ros.errors import (
-    BadValueError,
-    NonFiniteError,
-    UnknownJointError,
-    WrongSizeError,
-)
+from robomech_ros.errors import BadValueError, NonFiniteError, UnknownJointError, WrongSizeError
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, point_vector
 from robomech_ros.nodes.frames.robot_frames import FrameAttachment
 from robomech_ros.nodes.moveit.moveit_errors import RejectedError

@@ -18,11 +18,7 @@ class RvsSettings(GripperNames):
         "with the printed address of the page can command the robot",
     )
     rate: float = parameter(
-        30.0,
-        "Largest display rate of the robot while a browser is connected",
-        1.0,
-        60.0,
-        "Hz",
+        30.0, "Largest display rate of the robot while a browser is connected", 1.0, 60.0, "Hz"
     )
     state_timeout: float = parameter(
         1.0, "Age above which joint states are reported as old", 0.1, 60.0, "s"

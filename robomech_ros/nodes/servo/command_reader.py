@@ -8,12 +8,7 @@ import numpy as np
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from sensor_msgs.msg import JointState
 
-from robomech_ros.errors import (
-    BadValueError,
-    NonFiniteError,
-    UnknownJointError,
-    WrongSizeError,
-)
+from robomech_ros.errors import BadValueError, NonFiniteError, UnknownJointError, WrongSizeError
 from robomech_ros.nodes.common.error_codes import FrameUnavailableError
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock

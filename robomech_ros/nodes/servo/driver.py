@@ -71,12 +71,7 @@ class Driver:
         self._stream = StreamPublisher(node, servo, clock, model.chain.joint_names, settings())
         lead = self._stream.lead
         reader = CommandReader(
-            model,
-            frames,
-            monitor,
-            clock,
-            settings,
-            lambda: lead.periods * self._stream.period,
+            model, frames, monitor, clock, settings, lambda: lead.periods * self._stream.period
         )
         self._intake = CommandIntake(node, servo, reader, settings, self.wake)
         self._status = StatusPublisher(node, self._intake.refusal)

@@ -23,12 +23,7 @@ class ServoNodeSettings(FrameSettings):
         100.0, "Rate of trajectory messages during motion", 20.0, 1000.0, "Hz"
     )
     command_timeout: float = parameter(
-        0.1,
-        "Command timeout; the robot then brakes",
-        0.01,
-        1.0,
-        "s",
-        read_only=False,
+        0.1, "Command timeout; the robot then brakes", 0.01, 1.0, "s", read_only=False
     )
     command_in_type: str = parameter(
         SPEED_UNITS,
@@ -54,11 +49,7 @@ class ServoNodeSettings(FrameSettings):
         read_only=False,
     )
     joint_scale: float = parameter(
-        0.5,
-        "Largest joint speed of unitless commands, rad/s or m/s",
-        1e-6,
-        100.0,
-        read_only=False,
+        0.5, "Largest joint speed of unitless commands, rad/s or m/s", 1e-6, 100.0, read_only=False
     )
     free_directions: tuple[str, ...] = parameter(
         (),

@@ -45,11 +45,7 @@ class ChainMotions:
         return forward_kinematics(self.way, q)
 
     def through(
-        self,
-        points: Array,
-        start: Array,
-        goal: Array | None,
-        options: dict[str, Any],
+        self, points: Array, start: Array, goal: Array | None, options: dict[str, Any]
     ) -> Planned:
         """Plan through points (k, n)."""
         sampled = fitting_plan(self.limits, points, **options)

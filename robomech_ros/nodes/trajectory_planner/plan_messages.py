@@ -123,12 +123,7 @@ def _via_points(request: Any, limits: Limits, most: int) -> Array:
     return points
 
 
-def plan_points(
-    start: Array,
-    via: Array,
-    goal: Array,
-    limits: Limits,
-) -> Array:
+def plan_points(start: Array, via: Array, goal: Array, limits: Limits) -> Array:
     """Put start (n,), via points (m, n) and goal (n,), rad or m, together.
 
     Raises

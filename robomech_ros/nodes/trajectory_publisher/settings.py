@@ -36,8 +36,7 @@ class PublisherSettings(RobotSettings):
         read_only=False,
     )
     program_folder: str = parameter(
-        "",
-        "Folder of all programs that may run. Empty = only the one named at startup",
+        "", "Folder of all programs that may run. Empty = only the one named at startup"
     )
     transport: str = parameter(
         Transport.TOPIC.value,
@@ -85,11 +84,7 @@ class PublisherSettings(RobotSettings):
         0.01, "Largest distance of the robot from the last point at arrival, rad or m", 1e-9, 10.0
     )
     controller_timeout: float = parameter(
-        3.0,
-        "Absence of the controller after which it counts as disconnected",
-        0.1,
-        3600.0,
-        "s",
+        3.0, "Absence of the controller after which it counts as disconnected", 0.1, 3600.0, "s"
     )
     controller_lease: float = parameter(
         1.0,

@@ -22,16 +22,10 @@ class WalkerSettings:
         "left/",
     )
     gait: str = parameter(
-        "",
-        "Initial gait; empty = tripod, or crawl on four legs",
-        choices=("", *GAITS),
+        "", "Initial gait; empty = tripod, or crawl on four legs", choices=("", *GAITS)
     )
     update_rate: float = parameter(
-        100.0,
-        "Rate of feet and joints: points of the trajectory",
-        20.0,
-        1000.0,
-        "Hz",
+        100.0, "Rate of feet and joints: points of the trajectory", 20.0, 1000.0, "Hz"
     )
     publish_rate: float = parameter(
         50.0, "Rate of trajectory, odometry and contact messages", 1.0, 1000.0, "Hz"
@@ -45,11 +39,7 @@ class WalkerSettings:
         "s",
     )
     cmd_vel_timeout: float = parameter(
-        0.5,
-        "Command timeout; the robot then stops, all feet down",
-        0.01,
-        3600.0,
-        "s",
+        0.5, "Command timeout; the robot then stops, all feet down", 0.01, 3600.0, "s"
     )
     cycle: float = parameter(
         0.0,

@@ -28,9 +28,7 @@ def finite(result: Array) -> Array:
     return result
 
 
-def loop_arguments(
-    mechanism: Mechanism,
-) -> tuple[Array, IntArray, IntArray, float]:
+def loop_arguments(mechanism: Mechanism) -> tuple[Array, IntArray, IntArray, float]:
     """Return model, starts, drives and scale, as the kernels name them.
 
     Raises

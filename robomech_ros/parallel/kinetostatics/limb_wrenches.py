@@ -255,12 +255,7 @@ def _borne(
 
 
 def _lever(
-    wrench: Array,
-    is_force: BoolArray,
-    screws: Array,
-    k: int,
-    prismatic: BoolArray,
-    size: float,
+    wrench: Array, is_force: BoolArray, screws: Array, k: int, prismatic: BoolArray, size: float
 ) -> Array:
     """Return the most (...) that a wrench can work on a drive, about the joint next to it."""
     others = np.flatnonzero(~prismatic).tolist()

@@ -10,10 +10,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import WrongSizeError
-from robomech_ros.parallel.kinetostatics.conditioning import (
-    inverse_condition,
-    scaled_matrices,
-)
+from robomech_ros.parallel.kinetostatics.conditioning import inverse_condition, scaled_matrices
 from robomech_ros.parallel.kinetostatics.limb_geometry import poses_of
 from robomech_ros.parallel.library import ParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism

@@ -335,10 +335,7 @@ def _solved(
 
 
 def _twist(
-    robot: ParallelRobot | Mechanism,
-    what: str,
-    twist: ArrayLike,
-    limbs: Legs | Arcs | Wrenches,
+    robot: ParallelRobot | Mechanism, what: str, twist: ArrayLike, limbs: Legs | Arcs | Wrenches
 ) -> Array:
     """Check twists: one for all poses or one for each, only with motions that there are."""
     t = one_each(what, twist, _TWIST, limbs.rows()[1])

@@ -20,10 +20,7 @@ _SHORTEST = 0.2
 
 
 def platform_home(
-    a: Array,
-    b: Array,
-    strokes: Array | None,
-    allowed: Callable[[Array], BoolArray] | None = None,
+    a: Array, b: Array, strokes: Array | None, allowed: Callable[[Array], BoolArray] | None = None
 ) -> Array:
     """Choose a pose (4, 4) of a platform on legs: upright if that is regular, within strokes.
 

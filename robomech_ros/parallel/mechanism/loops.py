@@ -104,14 +104,7 @@ class Loops:
         """Move the drives (m,) of a posture (n,) to a target, all joints following."""
         q, report = near.copy(), np.empty(2)
         status = loop_closure.close(
-            self.packed,
-            self.starts,
-            self.drives,
-            1.0 / self.size,
-            self.weights,
-            target,
-            q,
-            report,
+            self.packed, self.starts, self.drives, 1.0 / self.size, self.weights, target, q, report
         )
         part, error = report.tolist()
         if status == 0:

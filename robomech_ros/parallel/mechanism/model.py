@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.parallel.argument_checks import actuated as checked_drives
-from robomech_ros.parallel.argument_checks import platform_poses
+from robomech_ros.parallel.argument_checks import actuated as checked_drives, platform_poses
 from robomech_ros.parallel.mechanism.limb import (
     Limb,
     checked_limbs,

@@ -159,8 +159,7 @@ def _of_drives(follower: MechanismPathModel, plan: CartesianPlan) -> CartesianPl
     rows = (points.positions, points.velocities, points.accelerations)
     waypoints = Waypoints(points.times, *(row[:, kept] for row in rows if row is not None))
     motion = MotionToRest(
-        waypoints.positions[-1],
-        PiecewisePolynomial(pieces.breaks, pieces.coefficients[:, :, kept]),
+        waypoints.positions[-1], PiecewisePolynomial(pieces.breaks, pieces.coefficients[:, :, kept])
     )
     report = verify(waypoints, follower.limits.only(drives), start=waypoints.positions[0])
     return replace(plan, sampled=SampledPlan(motion, waypoints, report))

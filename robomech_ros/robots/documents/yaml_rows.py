@@ -11,23 +11,9 @@ from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.chain_layout import MOST_JOINTS
 from robomech_ros.robots.documents.guarded_yaml import check_keys, describe_value
 from robomech_ros.robots.documents.yaml_bodies import body_from_yaml, drive_from_yaml
-from robomech_ros.robots.limit_arrays import KEYS as LIMITS
-from robomech_ros.robots.limit_arrays import position_limits
+from robomech_ros.robots.limit_arrays import KEYS as LIMITS, position_limits
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw
 from robomech_ros.typing import Array
-
-__all__ = [
-    "JOINT_TYPES",
-    "LIMITS",
-    "read_number",
-    "read_pose",
-    "read_positive",
-    "read_range",
-    "read_rows",
-    "read_text",
-    "read_unit",
-]
-
 
 _ROW_KEYS = ("name", "type", "a", "alpha")
 _ROW_OPTIONAL = ("b", "d", "theta", "body", "drive")

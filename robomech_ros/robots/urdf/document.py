@@ -10,11 +10,7 @@ from dataclasses import replace
 
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.description import RobotDescription
-from robomech_ros.robots.documents.guarded_xml import (
-    XmlElement,
-    refuse_xacro,
-    text_of_xml,
-)
+from robomech_ros.robots.documents.guarded_xml import XmlElement, refuse_xacro, text_of_xml
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.mimic import mimic_faults
 from robomech_ros.robots.urdf.element_reader import parse_urdf

@@ -150,8 +150,4 @@ def _read_mimic(reader: ElementReader) -> dict[str, Any]:
         reader.refuse("<mimic> names no joint")
     multiplier = reader.numbers(mimic, "multiplier", 1) or [1.0]
     offset = reader.numbers(mimic, "offset", 1) or [0.0]
-    return {
-        "mimic": mimic.attributes["joint"],
-        "multiplier": multiplier[0],
-        "offset": offset[0],
-    }
+    return {"mimic": mimic.attributes["joint"], "multiplier": multiplier[0], "offset": offset[0]}

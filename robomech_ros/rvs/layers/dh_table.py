@@ -5,13 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.rvs.model.dh_editing import (
-    ANGLES,
-    changed_robot,
-    read_change,
-    table_of,
-    yaml_of,
-)
+from robomech_ros.rvs.model.dh_editing import ANGLES, changed_robot, read_change, table_of, yaml_of
 from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.dh_rows import CHANGE, dh_rows
 from robomech_ros.rvs.page.folder import Folder

@@ -72,12 +72,7 @@ class MotionScene:
         self._scene.add_frame(self._root, show_axes=False)
         ways = {"sweep": (SWEEP_SLIMNESS, SWEEP_OPACITY), "now": (NOW_SLIMNESS, NOW_OPACITY)}
         self._sweep, self._now = (
-            GhostBatch(
-                self._scene,
-                f"{self._root}/{name}",
-                _ghosts(place, slimness),
-                opacity,
-            )
+            GhostBatch(self._scene, f"{self._root}/{name}", _ghosts(place, slimness), opacity)
             for name, (slimness, opacity) in ways.items()
         )
         self._lines: list[Any] = []

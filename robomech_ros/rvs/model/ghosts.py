@@ -86,10 +86,7 @@ class Ghosts:
     """
 
     def __init__(
-        self,
-        chain: SerialChain,
-        shapes: Mapping[str, Sequence[Shape]],
-        slimness: float = SLIMNESS,
+        self, chain: SerialChain, shapes: Mapping[str, Sequence[Shape]], slimness: float = SLIMNESS
     ) -> None:
         self._chain = chain
         known = [frame.name for frame in chain.frames if frame.joints > 0]

@@ -11,25 +11,12 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.spatial.representations import AXIS_ANGLE, MATRIX, QUATERNION
 from robomech_ros.spatial.rotations.conversions import (
-    SEQUENCES,
+    SEQUENCES as SEQUENCES,
     converted,
     converted_axis_angle,
     sequence_kind,
 )
 from robomech_ros.typing import Array
-
-__all__ = [
-    "SEQUENCES",
-    "axis_angle_from_roll_pitch_yaw",
-    "euler_angles_from_matrix",
-    "euler_angles_from_quaternion",
-    "matrix_from_euler_angles",
-    "quaternion_from_euler_angles",
-    "quaternion_from_roll_pitch_yaw",
-    "roll_pitch_yaw_from_axis_angle",
-    "roll_pitch_yaw_from_quaternion",
-]
-
 
 ROLL_PITCH_YAW = sequence_kind("xyz")
 

@@ -13,17 +13,8 @@ from numpy.typing import ArrayLike
 from robomech_ros._kernels.spatial.representations import MATRIX, QUATERNION
 from robomech_ros.spatial.rotations.composition import compose_rotations
 from robomech_ros.spatial.rotations.conversions import converted, converted_axis_angle
-from robomech_ros.spatial.rotations.unit_quaternions import unit_quaternion
+from robomech_ros.spatial.rotations.unit_quaternions import unit_quaternion as unit_quaternion
 from robomech_ros.typing import Array
-
-__all__ = [
-    "compose_quaternions",
-    "inverse_quaternion",
-    "matrix_from_quaternion",
-    "quaternion_from_axis_angle",
-    "quaternion_from_matrix",
-    "unit_quaternion",
-]
 
 
 def matrix_from_quaternion(quaternion: ArrayLike) -> Array:

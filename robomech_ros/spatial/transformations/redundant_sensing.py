@@ -16,9 +16,7 @@ from robomech_ros.errors import (
 from robomech_ros.spatial.arrays import readable_axis, real_number
 from robomech_ros.spatial.cross_product import cross
 from robomech_ros.spatial.matrices import as_rotation, nearest_rotation
-from robomech_ros.spatial.rotations.axis_angle import (
-    rotation_vector_from_matrix,
-)
+from robomech_ros.spatial.rotations.axis_angle import rotation_vector_from_matrix
 from robomech_ros.spatial.rotations.quaternions import quaternion_from_matrix
 from robomech_ros.spatial.transformations.matching import rotations_between, top_vectors
 from robomech_ros.typing import Array

@@ -27,11 +27,7 @@ _INSTANTS, _ROUNDS = 8, 8
 
 
 def bounded_spline(
-    knots: Array,
-    points: Array,
-    lower: Array,
-    upper: Array,
-    ends: CubicEnds = "rest",
+    knots: Array, points: Array, lower: Array, upper: Array, ends: CubicEnds = "rest"
 ) -> PiecewisePolynomial | None:
     """Interpolate points at knots, inside bounds.
 
@@ -70,11 +66,7 @@ def bounded_spline(
 
 
 def _values(
-    unit: PiecewisePolynomial,
-    given: BoolArray,
-    points: Array,
-    lower: float,
-    upper: float,
+    unit: PiecewisePolynomial, given: BoolArray, points: Array, lower: float, upper: float
 ) -> Array | None:
     """Find the values of one joint at all knots; None where it leaves the bounds in any case."""
     breaks = unit.breaks

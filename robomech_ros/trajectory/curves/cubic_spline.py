@@ -125,11 +125,7 @@ def _interior(x: Array, s: Array) -> tuple[Array, ...]:
 
 
 def _end_rows(
-    end: CubicEnds,
-    span: float,
-    s: Array,
-    slope: Array,
-    rows: tuple[Array, Array, Array, Array],
+    end: CubicEnds, span: float, s: Array, slope: Array, rows: tuple[Array, Array, Array, Array]
 ) -> None:
     """Fill the equation of the first knot; of an end at rest that of the second, too."""
     lower, diagonal, upper, right = rows

@@ -124,11 +124,7 @@ def _selection(rows: BoolArray) -> Selection:
 
 
 def _fill_cubic(
-    coefficients: Array,
-    where: Selection,
-    rise: Array,
-    spans: Array,
-    rates: Array,
+    coefficients: Array, where: Selection, rise: Array, spans: Array, rates: Array
 ) -> None:
     h, d = spans[where], rise[where]
     v0, v1 = rates[:-1][where], rates[1:][where]
@@ -138,12 +134,7 @@ def _fill_cubic(
 
 
 def _fill_quintic(
-    coefficients: Array,
-    where: Selection,
-    rise: Array,
-    spans: Array,
-    rates: Array,
-    changes: Array,
+    coefficients: Array, where: Selection, rise: Array, spans: Array, rates: Array, changes: Array
 ) -> None:
     h = spans[where]
     v0, v1 = rates[:-1][where], rates[1:][where]

@@ -13,11 +13,7 @@ from robomech_ros.spatial.rotations.axis_angle import (
 )
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.quintic_spline import Ends, Side, matched
-from robomech_ros.trajectory.paths.orientation import (
-    PiecewiseRotation,
-    as_rotations,
-    turns_between,
-)
+from robomech_ros.trajectory.paths.orientation import PiecewiseRotation, as_rotations, turns_between
 from robomech_ros.trajectory.paths.rotation_vectors import (
     applied,
     body_rate_matrix,

@@ -12,12 +12,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.paths.arms import (
-    Tracked,
-    as_near,
-    as_tracked,
-    checked_array,
-)
+from robomech_ros.trajectory.paths.arms import Tracked, as_near, as_tracked, checked_array
 from robomech_ros.trajectory.paths.curve_arguments import as_positive
 from robomech_ros.trajectory.paths.joint_path import JointPath
 from robomech_ros.trajectory.paths.path_cuts import limit_cut
@@ -144,11 +139,7 @@ def _limits_of(limits: JointLimits | Any, joints: int) -> Limits:
 
 
 def _tracked(
-    path: PosePath,
-    arm: Tracked,
-    begin: Array,
-    bounds: tuple[float, float],
-    limits: Limits | None,
+    path: PosePath, arm: Tracked, begin: Array, bounds: tuple[float, float], limits: Limits | None
 ) -> PathTracking:
     """Follow a path from joint values at its start, within a tolerance and a condition number."""
     parts: list[_Nodes] = []

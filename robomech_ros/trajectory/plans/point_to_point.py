@@ -221,9 +221,7 @@ def _check_scale(what: str, given: object) -> None:
 
 
 def _rates_at_start(
-    velocity: npt.ArrayLike | None,
-    acceleration: npt.ArrayLike | None,
-    shape: tuple[int, ...],
+    velocity: npt.ArrayLike | None, acceleration: npt.ArrayLike | None, shape: tuple[int, ...]
 ) -> dict[str, Array]:
     """Check the rates (n,) at the start, those that are given."""
     moving = {}

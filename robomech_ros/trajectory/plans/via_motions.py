@@ -178,11 +178,7 @@ def through_points(
 
 
 def _planned(
-    places: Array,
-    allowed: Limits,
-    profile: str,
-    at: npt.ArrayLike | None,
-    duration: float | None,
+    places: Array, allowed: Limits, profile: str, at: npt.ArrayLike | None, duration: float | None
 ) -> PiecewiseTrajectory:
     """Plan through points (m, n) that are checked, within limits that are scaled."""
     if len(places) == 2 and at is None:

@@ -59,11 +59,7 @@ class Violation:
 
 
 def violations_between(
-    curve: PiecewisePolynomial,
-    limits: Limits,
-    doubts: Array,
-    allowed: Array,
-    rates: Sequence[Rate],
+    curve: PiecewisePolynomial, limits: Limits, doubts: Array, allowed: Array, rates: Sequence[Rate]
 ) -> list[Violation]:
     """List what is wrong between start and end, the first of each kind."""
     found = [

@@ -107,9 +107,7 @@ def _progress4567(tau: Array) -> Array:
 def _rates4567(tau: Array) -> Rates:
     both = tau * (1.0 - tau)
     return Rates(
-        140.0 * both**3,
-        420.0 * both**2 * (1.0 - 2.0 * tau),
-        840.0 * both * (1.0 - 5.0 * both),
+        140.0 * both**3, 420.0 * both**2 * (1.0 - 2.0 * tau), 840.0 * both * (1.0 - 5.0 * both)
     )
 
 

@@ -57,11 +57,7 @@ class _Straight(MotionToRest, StraightMotion):
 
     @classmethod
     def _lasting(
-        cls: type[_M],
-        start: Array,
-        goal: Array,
-        duration: float,
-        shape: tuple[Ramp, float] | None,
+        cls: type[_M], start: Array, goal: Array, duration: float, shape: tuple[Ramp, float] | None
     ) -> _M:
         if shape is None:
             return cls(goal, PiecewisePolynomial(np.array([0.0, duration]), start[None, None]))

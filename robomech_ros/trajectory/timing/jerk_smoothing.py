@@ -304,11 +304,7 @@ def _factors(path: PiecewisePolynomial, limits: PathLimits, jerk: Array, mean: A
 
 
 def _best_of_rounds(
-    path: PiecewisePolynomial,
-    limits: PathLimits,
-    jerk: Array,
-    window: float,
-    duration: float,
+    path: PiecewisePolynomial, limits: PathLimits, jerk: Array, window: float, duration: float
 ) -> _Attempt | None:
     """Smooth with one window, slowing down where needed; give the best attempt of all rounds.
 

@@ -54,8 +54,7 @@ def sections(curve: PiecewisePolynomial) -> list[PiecewisePolynomial]:
     ends = [0, *(np.flatnonzero(corners) + 1).tolist(), len(moves)]
     return [
         PiecewisePolynomial(
-            curve.breaks[first : last + 1],
-            np.ascontiguousarray(curve.coefficients[:, first:last]),
+            curve.breaks[first : last + 1], np.ascontiguousarray(curve.coefficients[:, first:last])
         )
         for first, last in pairwise(ends)
         if moves[first]

@@ -2,10 +2,12 @@
 
 import numpy as np
 
-from robomech_ros._kernels.timing import bounds as time_bounds
-from robomech_ros._kernels.timing import constraint_rows as time_rows
-from robomech_ros._kernels.timing import optimal as time_optimal
-from robomech_ros._kernels.timing import speed_curvature as time_bends
+from robomech_ros._kernels.timing import (
+    bounds as time_bounds,
+    constraint_rows as time_rows,
+    optimal as time_optimal,
+    speed_curvature as time_bends,
+)
 from robomech_ros._kernels.timing.planar_program import ROW_SLACK
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial

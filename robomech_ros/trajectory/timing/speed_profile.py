@@ -6,8 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from robomech_ros._kernels.timing import peaks as time_peaks
-from robomech_ros._kernels.timing import pieces as time_pieces
+from robomech_ros._kernels.timing import peaks as time_peaks, pieces as time_pieces
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, lasting_pieces
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
 from robomech_ros.typing import Array, IntArray

@@ -35,12 +35,7 @@ from robomech_ros.trajectory.curves.bounds import hull
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.timing.driven_path import (
-    DrivenPath,
-    DrivenRobot,
-    Dynamics,
-    Friction,
-)
+from robomech_ros.trajectory.timing.driven_path import DrivenPath, DrivenRobot, Dynamics, Friction
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
 from robomech_ros.trajectory.timing.path_sections import checked_path
 from robomech_ros.trajectory.timing.path_timing import TimeOptimal, time_optimal

@@ -337,8 +337,7 @@ def idle_loads(caller: Caller) -> dict[str, Load]:
         elapsed = time.perf_counter() - begin
         return {
             name: Load(
-                resident_megabytes(process.pid),
-                (cpu_seconds(process.pid) - before[name]) / elapsed,
+                resident_megabytes(process.pid), (cpu_seconds(process.pid) - before[name]) / elapsed
             )
             for name, process in processes.items()
         }

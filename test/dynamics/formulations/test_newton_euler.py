@@ -10,12 +10,7 @@ from arms_with_bodies import ROBOTS, golden_arm, pinocchio_of, with_bodies
 from numpy.testing import assert_allclose
 
 from robomech_ros.dynamics import inverse_dynamics, natural_orthogonal_complement, newton_euler
-from robomech_ros.errors import (
-    BadValueError,
-    MissingInertiaError,
-    NonFiniteError,
-    WrongSizeError,
-)
+from robomech_ros.errors import BadValueError, MissingInertiaError, NonFiniteError, WrongSizeError
 from robomech_ros.robots import chain_from_dh, load_robot
 
 GOLDEN = Path(__file__).parents[2] / "data" / "golden"

@@ -9,8 +9,7 @@ import sympy
 from arms_with_bodies import golden_arm
 from formulation_arms import furnished, golden_planar, relative, states
 
-from robomech_ros.cli import main as cli
-from robomech_ros.cli import symbolic as command
+from robomech_ros.cli import main as cli, symbolic as command
 from robomech_ros.dynamics.formulations.lagrange import inverse_dynamics_by_lagrange
 from robomech_ros.dynamics.formulations.orthogonal_complement import natural_orthogonal_complement
 from robomech_ros.dynamics.friction import friction_torque

@@ -72,9 +72,7 @@ def test_constant_pace():
     assert slow.times[-1] == pytest.approx(8.0)
     times = np.linspace(0.0, 8.0, 777)
     np.testing.assert_allclose(
-        slow.curve.sample(times).position,
-        waypoints.curve.sample(times * 0.25).position,
-        atol=1e-12,
+        slow.curve.sample(times).position, waypoints.curve.sample(times * 0.25).position, atol=1e-12
     )
     scaling = constant_pace(1.0, 0.0, 0.25)
     assert scaling.place(5.0) == pytest.approx(1.0)

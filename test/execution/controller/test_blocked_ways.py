@@ -36,9 +36,7 @@ def message(here, late, off, faster, harder):
     velocities = v + np.outer(t, a)
     end = positions[-1] + 0.15 * velocities[-1]
     return Waypoints(
-        np.append(t, t[-1] + 0.3),
-        np.vstack((positions, end)),
-        np.vstack((velocities, np.zeros(3))),
+        np.append(t, t[-1] + 0.3), np.vstack((positions, end)), np.vstack((velocities, np.zeros(3)))
     )
 
 

@@ -54,11 +54,7 @@ def test_a_moving_robot_is_taken_over_smoothly():
 
 def test_a_difference_in_acceleration_alone_is_smoothed_out():
     begin = to_rest((0.5, 0.2, -0.1), 2.0).curve.sample(0.4)
-    rest = Waypoints(
-        [0.0, 1.6],
-        [begin.position, [0.5, 0.2, -0.1]],
-        [begin.velocity, [0.0] * 3],
-    )
+    rest = Waypoints([0.0, 1.6], [begin.position, [0.5, 0.2, -0.1]], [begin.velocity, [0.0] * 3])
     present = State(begin.position, begin.velocity, np.array([0.5, 0.2, -0.1]))
     curve = joined(rest, present)
     assert_smooth(curve, present)

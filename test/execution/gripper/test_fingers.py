@@ -9,11 +9,7 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.follower import TrajectoryFollower
 from robomech_ros.execution.controller.simulated_joints import Faults, SimulatedJoints
 from robomech_ros.execution.controller.trajectory_goal import End
-from robomech_ros.execution.gripper.finger_motion import (
-    FingerCommand,
-    FingerEnd,
-    complete_limits,
-)
+from robomech_ros.execution.gripper.finger_motion import FingerCommand, FingerEnd, complete_limits
 from robomech_ros.execution.gripper.finger_plant import Contact, FingerPlant
 from robomech_ros.execution.gripper.fingers import Fingers, GripSettings
 from robomech_ros.execution.joints import Joints

@@ -3,11 +3,7 @@
 import numpy as np
 import pytest
 
-from robomech_ros.kinematics import (
-    forward_kinematics,
-    inverse_kinematics,
-    inverse_kinematics_batch,
-)
+from robomech_ros.kinematics import forward_kinematics, inverse_kinematics, inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.merged_axes import merged_arm
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinetostatics import jacobian, joint_rates

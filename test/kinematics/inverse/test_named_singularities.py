@@ -7,11 +7,7 @@ does not where two solutions merge.  Which it is for each arm, its table below s
 import numpy as np
 import pytest
 
-from robomech_ros.kinematics import (
-    forward_kinematics,
-    inverse_kinematics,
-    inverse_kinematics_batch,
-)
+from robomech_ros.kinematics import forward_kinematics, inverse_kinematics, inverse_kinematics_batch
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import load_robot
 

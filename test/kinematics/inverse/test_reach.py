@@ -9,11 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinematics.inverse.iterative_search import REACH_ATTEMPTS
-from robomech_ros.kinematics.inverse.reach import (
-    REACH_STARTS,
-    distance_inside_limits,
-    reach_gap,
-)
+from robomech_ros.kinematics.inverse.reach import REACH_STARTS, distance_inside_limits, reach_gap
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.kinetostatics import jacobian

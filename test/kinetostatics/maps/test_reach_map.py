@@ -7,12 +7,7 @@ import numpy as np
 import pytest
 
 from robomech_ros._kernels.inverse.solutions import UNDECIDED
-from robomech_ros.errors import (
-    BadValueError,
-    NonFiniteError,
-    NotEnoughMemoryError,
-    WrongSizeError,
-)
+from robomech_ros.errors import BadValueError, NonFiniteError, NotEnoughMemoryError, WrongSizeError
 from robomech_ros.kinematics import inverse_kinematics
 from robomech_ros.kinematics.inverse.closed_form import solve_many
 from robomech_ros.kinetostatics import (

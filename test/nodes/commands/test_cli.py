@@ -17,8 +17,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_interfaces.srv import Execute
 from robomech_ros import __version__, fastdds_shared_memory
-from robomech_ros.cli import doctor
-from robomech_ros.cli import main as cli
+from robomech_ros.cli import doctor, main as cli
 from robomech_ros.cli.warmup import kernel_modules
 from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.kinematics.node import KinematicsNode

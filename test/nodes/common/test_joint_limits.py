@@ -71,23 +71,11 @@ def test_limits_as_beside_a_urdf(limited):
     [
         ("joint_limits: [1]", "expected joint names, each with its limits"),
         ("joint_limits: {lift: {max_speed: 1.0}}", "unknown key 'max_speed'"),
-        (
-            "joint_limits: {lift: {max_velocity: fast}}",
-            "max_velocity is 'fast', expected a",
-        ),
+        ("joint_limits: {lift: {max_velocity: fast}}", "max_velocity is 'fast', expected a"),
         ("joint_limits: {lift: {max_jerk: .inf}}", "max_jerk is 'inf', expected a finite number"),
-        (
-            "joint_limits: {lift: {max_jerk: -1}}",
-            "max_jerk limit is -1, expected a positive",
-        ),
-        (
-            "joint_limits: {lift: {has_jerk_limits: true}}",
-            "max_jerk is 'None', expected a",
-        ),
-        (
-            "joint_limits: {lift: {has_jerk_limits: 1, max_jerk: 1}}",
-            "is 1, expected true or false",
-        ),
+        ("joint_limits: {lift: {max_jerk: -1}}", "max_jerk limit is -1, expected a positive"),
+        ("joint_limits: {lift: {has_jerk_limits: true}}", "max_jerk is 'None', expected a"),
+        ("joint_limits: {lift: {has_jerk_limits: 1, max_jerk: 1}}", "is 1, expected true or false"),
         (
             "joint_limits: {lift: {min_position: 2.0, max_position: 3.0}}",
             "no position from 2 to 1 m, what this file and the robot have in common",

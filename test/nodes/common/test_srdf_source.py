@@ -50,10 +50,7 @@ def test_an_srdf_of_another_robot_is_said_and_the_one_before_stays(graph):
         if not posture(graph, "there").error_code:
             break
     publisher.publish(String(data=FOREIGN))
-    said(
-        graph,
-        "unusable SRDF on '/robot_description_semantic', ignored: SRDF string: line 1",
-    )
+    said(graph, "unusable SRDF on '/robot_description_semantic', ignored: SRDF string: line 1")
     assert posture(graph, "there").error_code == 0
 
 
@@ -109,10 +106,7 @@ def test_an_srdf_of_another_robot_does_not_keep_this_one_from_starting(graph):
     said(graph, "waiting for the robot on topic '/robot_description'")
     robot.publish(String(data=URDF))
     said(graph, "ready: two_armed, left_base to left_tool")
-    said(
-        graph,
-        "unusable SRDF on '/robot_description_semantic', ignored: SRDF string: line 1",
-    )
+    said(graph, "unusable SRDF on '/robot_description_semantic', ignored: SRDF string: line 1")
     assert posture(graph, "home").error_code == 0
 
 

@@ -2,8 +2,14 @@
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
-from display_cases import LATCHED, LIFT, PinocchioRobot, StatePublisher, pose_of
-from display_cases import poses_in_root as chained
+from display_cases import (
+    LATCHED,
+    LIFT,
+    PinocchioRobot,
+    StatePublisher,
+    pose_of,
+    poses_in_root as chained,
+)
 from geometry_msgs.msg import Twist
 from numpy.testing import assert_allclose
 from sensor_msgs.msg import JointState

@@ -40,8 +40,7 @@ from robomech_ros.nodes.dynamics.node import DynamicsNode
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.robots import load_robot
-from robomech_ros.spatial import inverse_pose, matrix_from_axis_angle
-from robomech_ros.spatial import pose_from_matrix as posed
+from robomech_ros.spatial import inverse_pose, matrix_from_axis_angle, pose_from_matrix as posed
 
 PUMA = load_robot("puma560")
 NAMES = list(PUMA.joint_names)
@@ -388,10 +387,7 @@ def test_a_force_in_the_world(graph):
     force = np.array([3.0, -5.0, 7.0])
     rows = np.array([Q, BESIDE])
     cameras = forward_kinematics(PUMA, rows) @ HAND_CAMERA
-    for frame, axes in (
-        ("world", [inverse_pose(WORLD_BASE)] * 2),
-        ("camera", cameras),
-    ):
+    for frame, axes in (("world", [inverse_pose(WORLD_BASE)] * 2), ("camera", cameras)):
         wrench = WrenchStamped()
         wrench.header.frame_id = frame
         wrench.wrench.force.x, wrench.wrench.force.y, wrench.wrench.force.z = force

@@ -365,11 +365,7 @@ WRONG_CONTACTS = [
     ({"fingers": ["thumb"] * 3}, ErrorCode.BAD_VALUE, "fingers[0] is 'thumb', expected one of f"),
     ({"fingers": ["finger_1"]}, ErrorCode.WRONG_SIZE, "fingers has size 1, expected 0 or 3"),
     ({"state": JointState(position=[0.0])}, ErrorCode.WRONG_SIZE, "state.position has size 1"),
-    (
-        {"state": JointState(name=["elbow"], position=[0.0])},
-        ErrorCode.UNKNOWN_JOINT,
-        "elbow",
-    ),
+    ({"state": JointState(name=["elbow"], position=[0.0])}, ErrorCode.UNKNOWN_JOINT, "elbow"),
     (
         {"state": JointState(position=[0.0] * 9), "frame_id": "world"},
         ErrorCode.FRAME_UNAVAILABLE,

@@ -10,13 +10,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from robomech_interfaces.msg import ErrorCode
-from robomech_interfaces.srv import (
-    AnalyzeSingularity,
-    GetJacobian,
-    SolveFK,
-    SolveIK,
-    SolveIKBatch,
-)
+from robomech_interfaces.srv import AnalyzeSingularity, GetJacobian, SolveFK, SolveIK, SolveIKBatch
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import characteristic_length, jacobian, singularity_report
 from robomech_ros.nodes.common.joint_messages import joint_state

@@ -146,16 +146,8 @@ IK_REFUSALS = {
         ErrorCode.NON_FINITE,
         ("orientation_tolerance is nan",),
     ),
-    "negative timeout": (
-        {"timeout": Duration(sec=-1)},
-        ErrorCode.BAD_VALUE,
-        ("timeout is -1",),
-    ),
-    "out of reach": (
-        {"target": pose(position=(2.0, 0.0, 0.0))},
-        ErrorCode.OUT_OF_REACH,
-        ("m",),
-    ),
+    "negative timeout": ({"timeout": Duration(sec=-1)}, ErrorCode.BAD_VALUE, ("timeout is -1",)),
+    "out of reach": ({"target": pose(position=(2.0, 0.0, 0.0))}, ErrorCode.OUT_OF_REACH, ("m",)),
 }
 
 

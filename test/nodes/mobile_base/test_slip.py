@@ -29,10 +29,7 @@ class SlippingBase(SimulatedBase):
 @pytest.fixture
 def slipping(graph):
     node = graph.start(
-        MobileBaseNode,
-        robot_description="mecanum",
-        update_rate=RATE,
-        reference_timeout=0.5,
+        MobileBaseNode, robot_description="mecanum", update_rate=RATE, reference_timeout=0.5
     )
     base = node._base
     base.simulated = SlippingBase(base.robot, dynamic=False, wheel_position=0.0)

@@ -88,6 +88,4 @@ def until_still(robot):
     """Wait until the robot has stood for some states."""
     seen = len(robot.states)
     robot.until(lambda: len(robot.states) > seen + 30)
-    robot.until(
-        lambda: np.ptp([s.position for s in robot.states[-30:]], axis=0).max() == 0.0,
-    )
+    robot.until(lambda: np.ptp([s.position for s in robot.states[-30:]], axis=0).max() == 0.0)

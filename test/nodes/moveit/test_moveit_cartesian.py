@@ -331,20 +331,12 @@ REFUSALS = {
         WRONG,
         ["201", "max_waypoints"],
     ),
-    "quaternion": (
-        {"waypoints": [Pose(orientation=Quaternion(w=0.0))]},
-        WRONG,
-        ["waypoints[0]"],
-    ),
+    "quaternion": ({"waypoints": [Pose(orientation=Quaternion(w=0.0))]}, WRONG, ["waypoints[0]"]),
     "no step": ({"max_step": 0.0}, FAILURE, ["max_step is 0.0", "at least 1e-05"]),
     "step": ({"max_step": math.nan}, FAILURE, ["max_step is nan"]),
     "jump": ({"jump_threshold": 0.5}, FAILURE, ["jump_threshold is 0.5", "more than 1"]),
     "negative jump": ({"jump_threshold": -1.0}, FAILURE, ["jump_threshold is -1.0"]),
-    "revolute": (
-        {"revolute_jump_threshold": -0.1},
-        FAILURE,
-        ["revolute_jump_threshold is -0.1"],
-    ),
+    "revolute": ({"revolute_jump_threshold": -0.1}, FAILURE, ["revolute_jump_threshold is -0.1"]),
     "prismatic": (
         {"prismatic_jump_threshold": math.inf},
         FAILURE,

@@ -61,10 +61,7 @@ def kinematics(graph):
 
 @pytest.mark.parametrize(
     ("group", "tip", "own"),
-    [
-        ("left_arm", "left_tool", joints_of("left")),
-        ("right_arm", "right_tool", joints_of("right")),
-    ],
+    [("left_arm", "left_tool", joints_of("left")), ("right_arm", "right_tool", joints_of("right"))],
 )
 def test_each_arm_answers_with_its_own_joints(kinematics, group, tip, own):
     wanted = everywhere(

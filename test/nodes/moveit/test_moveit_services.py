@@ -577,11 +577,7 @@ def test_fk_answers_for_the_links_it_knows(puma):
             MoveItErrorCodes.FRAME_TRANSFORM_FAILURE,
             ["moon"],
         ),
-        (
-            {"fk_link_names": ["tool0"], "robot_state": state([0.1], ["knee"])},
-            STATE,
-            ["knee"],
-        ),
+        ({"fk_link_names": ["tool0"], "robot_state": state([0.1], ["knee"])}, STATE, ["knee"]),
     ],
 )
 def test_fk_refuses_by_name(graph, fields, code, words):

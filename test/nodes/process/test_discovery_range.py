@@ -14,10 +14,7 @@ from robomech_ros.nodes.process.discovery_range import ports_left, reach, stay_o
         ({}, "domain 0, reached from every machine of the subnet"),
         ({"ROS_DOMAIN_ID": "7"}, "domain 7, reached from every machine of the subnet"),
         ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "localhost"}, "domain 0, reached from this machine"),
-        (
-            {"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"},
-            "domain 0, reached from nobody: no discovery",
-        ),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}, "domain 0, reached from nobody: no discovery"),
         ({"ROS_LOCALHOST_ONLY": "1"}, "domain 0, reached from this machine"),
     ],
 )

@@ -320,11 +320,7 @@ CASES = {
         ErrorCode.BAD_QUATERNION,
         ["waypoints[0]"],
     ),
-    "frame": (
-        {"waypoints": [stamped_pose(HERE, "moon")]},
-        ErrorCode.FRAME_UNAVAILABLE,
-        ["moon"],
-    ),
+    "frame": ({"waypoints": [stamped_pose(HERE, "moon")]}, ErrorCode.FRAME_UNAVAILABLE, ["moon"]),
     "negative speed": ({"max_linear_speed": -1.0}, ErrorCode.BAD_VALUE, ["max_linear_speed"]),
     "speed is none": ({"max_angular_speed": math.nan}, ErrorCode.NON_FINITE, ["max_angular"]),
     "infinite step": ({"max_step": math.inf}, ErrorCode.NON_FINITE, ["max_step"]),

@@ -113,10 +113,7 @@ def test_a_plan_is_as_fast_as_the_limits_allow(puma, profile):
 
 def test_a_wanted_duration_and_a_wanted_period(puma, profile):
     response = plan(
-        puma,
-        profile=PROFILES[profile],
-        duration=duration_from_seconds(7.25),
-        sample_period=0.125,
+        puma, profile=PROFILES[profile], duration=duration_from_seconds(7.25), sample_period=0.125
     )
     points = check(response)
     assert points.times[-1] == 7.25

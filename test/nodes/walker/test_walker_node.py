@@ -63,10 +63,7 @@ def start(graph, robot, positions=(), **parameters):
 def at_rest(graph):
     """Wait until all feet stand and the trunk does not move."""
     graph.receive(
-        Odometry,
-        "odom",
-        10,
-        lambda m: not m.twist.twist.linear.x and not m.twist.twist.angular.z,
+        Odometry, "odom", 10, lambda m: not m.twist.twist.linear.x and not m.twist.twist.angular.z
     )
     return graph.receive(FootContacts, "foot_contacts", 10, lambda m: all(m.contacts))
 

@@ -276,8 +276,7 @@ def test_a_gripper_of_six_joints_that_one_drives():
 def test_a_mimic_joint_on_the_way_to_the_tip_follows_its_drive():
     """ros-industrial/abb: abb_irb5400_support/urdf/irb5400.urdf, joint5b, and palletisers."""
     text = robot(
-        TURN,
-        f'<joint name="turn_b" type="revolute">{HAND}{LIMIT}<mimic joint="turn"/></joint>',
+        TURN, f'<joint name="turn_b" type="revolute">{HAND}{LIMIT}<mimic joint="turn"/></joint>'
     )
     chain = load_robot(text)
     assert (chain.joint_names, chain.all_joint_names) == (("turn",), ("turn", "turn_b"))

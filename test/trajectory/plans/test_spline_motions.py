@@ -184,11 +184,7 @@ def test_points_that_coincide_are_passed_twice():
         ({"ends": "periodic"}, BadValueError, r"points\[2\]"),
         ({"ends": "parabolic", "points": [[0.0] * 4, [1.0] * 4]}, WrongSizeError, "at least 3"),
         ({"degree": 4}, BadValueError, "3 or 5"),
-        (
-            {"degree": 5, "ends": "parabolic"},
-            BadValueError,
-            "clamped, rest, periodic$",
-        ),
+        ({"degree": 5, "ends": "parabolic"}, BadValueError, "clamped, rest, periodic$"),
         ({"degree": 5, "spacing": "optimal"}, BadValueError, "spacing"),
         ({"degree": 5, "spacing": "balanced"}, BadValueError, "spacing"),
         ({"duration": np.nan}, NonFiniteError, "duration"),

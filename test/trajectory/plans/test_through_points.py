@@ -138,18 +138,8 @@ def test_a_motion_that_would_swing_out_of_the_limits_is_slower_instead():
 @pytest.mark.parametrize(
     ("count", "changes", "error", "text"),
     [
-        (
-            5,
-            {"profile": "poly345"},
-            BadValueError,
-            "via points is 3, .* at most 2 for poly345",
-        ),
-        (
-            3,
-            {"profile": "cycloidal"},
-            BadValueError,
-            "none for cycloidal; poly345, poly4567",
-        ),
+        (5, {"profile": "poly345"}, BadValueError, "via points is 3, .* at most 2 for poly345"),
+        (3, {"profile": "cycloidal"}, BadValueError, "none for cycloidal; poly345, poly4567"),
         (3, {"profile": "ruckig", "at": [0.5]}, BadValueError, "at is .*none for ruckig"),
         (3, {"profile": "time_optimal", "at": [0.5]}, BadValueError, "none for time_optimal"),
         (3, {"profile": "double_s"}, BadValueError, "none for double_s"),

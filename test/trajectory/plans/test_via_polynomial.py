@@ -11,13 +11,7 @@ from robomech_ros.errors import (
     NonFiniteError,
     WrongSizeError,
 )
-from robomech_ros.trajectory import (
-    Limits,
-    point_to_point,
-    through_points,
-    verify,
-    via_polynomial,
-)
+from robomech_ros.trajectory import Limits, point_to_point, through_points, verify, via_polynomial
 
 LIMITS = Limits(("x", "y", "z"), velocity=1.0, acceleration=5.0, jerk=90.0)
 # Pick, lift off, set down, place.

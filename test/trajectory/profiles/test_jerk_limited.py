@@ -272,10 +272,7 @@ def test_tiny_motions(distance):
 def test_a_motion_that_ruckig_cannot_do_in_si_units():
     # Ruckig 0.19 finds no motion of the second joint that lasts as long as that of the first.
     limits = Limits(
-        ("slow", "fast"),
-        velocity=[0.1, 0.32],
-        acceleration=[1.0, 0.432],
-        jerk=[10.0, 146908.0],
+        ("slow", "fast"), velocity=[0.1, 0.32], acceleration=[1.0, 0.432], jerk=[10.0, 146908.0]
     )
     start, goal = np.zeros(2), np.array([19.98, 0.0])
     motion = point_to_point(

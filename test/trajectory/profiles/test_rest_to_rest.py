@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from robomech_ros.errors import DurationTooShortError, MissingLimitsError
 from robomech_ros.trajectory import Limits, Sample, point_to_point, spline_through, verify
@@ -21,11 +20,7 @@ ALL = (*LAWS, "cubic_spline")
 
 
 def rates(sample):
-    return {
-        "velocity": sample.velocity,
-        "acceleration": sample.acceleration,
-        "jerk": sample.jerk,
-    }
+    return {"velocity": sample.velocity, "acceleration": sample.acceleration, "jerk": sample.jerk}
 
 
 @pytest.mark.parametrize("duration", [1.0, 0.25, 7.0])

@@ -2,16 +2,10 @@
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
+from hypothesis import example, given, settings, strategies as st
 
 from robomech_ros.errors import BadValueError, DurationTooShortError, MissingLimitsError
-from robomech_ros.trajectory import (
-    Limits,
-    point_to_point,
-    sampled_point_to_point,
-    verify,
-)
+from robomech_ros.trajectory import Limits, point_to_point, sampled_point_to_point, verify
 
 JOINTS = ("base", "shoulder", "elbow")
 PROFILES = ("trapezoidal", "double_s")

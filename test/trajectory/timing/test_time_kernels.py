@@ -5,8 +5,7 @@ from math import comb
 import numpy as np
 import pytest
 
-from robomech_ros._kernels.timing import constraint_rows as time_rows
-from robomech_ros._kernels.timing import peaks as time_peaks
+from robomech_ros._kernels.timing import constraint_rows as time_rows, peaks as time_peaks
 from robomech_ros.errors import NonFiniteError
 from robomech_ros.trajectory import PiecewisePolynomial
 from robomech_ros.trajectory.curves.bounds import extremes

@@ -61,11 +61,7 @@ def _slide_and_angle(data, beta, gamma, delta, kappa, seed, roots):
     constant, a cosine and a sine part each: with h = x + beta, kappa h = kappa beta - delta and
     h^2 = beta^2 - gamma.  As :func:`third_angle`, with the form of kappa h in front.
     """
-    e = (
-        kappa * beta[0] - delta[0],
-        kappa * beta[1] - delta[1],
-        kappa * beta[2] - delta[2],
-    )
+    e = (kappa * beta[0] - delta[0], kappa * beta[1] - delta[1], kappa * beta[2] - delta[2])
     b0, b1, b2, b3, b4 = square(beta)
     room = (b0 - gamma[0], b1 - gamma[1], b2 - gamma[2], b3, b4)
     found, free = third_angle(data, data[at.EQUATIONS] == 1.0, e, room, kappa, seed, roots)

@@ -47,7 +47,7 @@ from robomech_ros._kernels.inverse.general.forms import (
     EFFORT,
     GENERAL_STEPS,
     LOOSE,
-    MAX_SOLUTIONS,
+    MAX_SOLUTIONS as MAX_SOLUTIONS,
     MOST_LOOSE,
     STATE,
     admit,
@@ -63,8 +63,6 @@ from robomech_ros._kernels.inverse.general.singular_postures import (
 )
 from robomech_ros._kernels.inverse.polishing import call_polish
 from robomech_ros._kernels.tolerances import ACCEPTED, GENERAL_SINGULAR
-
-__all__ = ["MAX_SOLUTIONS", "solve_general", "try_forms"]
 
 # Ratio of pivots of a Jacobian (lengths over the size) above which a posture counts as far from
 # singular.

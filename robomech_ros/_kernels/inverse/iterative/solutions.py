@@ -18,10 +18,12 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.inverse.iterative import layout as at
 from robomech_ros._kernels.inverse.iterative.steps import Space, attempt
-from robomech_ros._kernels.inverse.polishing import polish, pose_difference, pose_error
+from robomech_ros._kernels.inverse.polishing import (
+    polish as polish,
+    pose_difference,
+    pose_error as pose_error,
+)
 from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
-
-__all__ = ["polish", "pose_error", "search", "solve_iterative"]
 
 NOT_NEW = -1
 

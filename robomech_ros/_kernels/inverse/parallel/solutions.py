@@ -17,12 +17,7 @@ from robomech_ros._kernels.inverse.general.multiplicity import FOLD_LEAST, all_s
 from robomech_ros._kernels.inverse.parallel import layout as at
 from robomech_ros._kernels.inverse.parallel.arm import MAX_SOLUTIONS, finish_pair
 from robomech_ros._kernels.inverse.parallel.continuum import free_pairs
-from robomech_ros._kernels.inverse.parallel.pairs import (
-    FREE,
-    MAX_PAIRS,
-    PAIR_WIDTH,
-    separate_pairs,
-)
+from robomech_ros._kernels.inverse.parallel.pairs import FREE, MAX_PAIRS, PAIR_WIDTH, separate_pairs
 from robomech_ros._kernels.inverse.parallel.skew_pairs import skew_pairs
 from robomech_ros._kernels.inverse.parallel.slides import sliding_pairs
 from robomech_ros._kernels.inverse.polishing import call_polish

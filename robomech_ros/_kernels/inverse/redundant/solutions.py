@@ -27,11 +27,7 @@ from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.arm_angle import call_arm_angle
 from robomech_ros._kernels.inverse.redundant.nearest import approach
 from robomech_ros._kernels.inverse.redundant.samples import choose, sample, stretched
-from robomech_ros._kernels.inverse.redundant.tracing import (
-    TRACES,
-    small_distance,
-    trace_nearest,
-)
+from robomech_ros._kernels.inverse.redundant.tracing import TRACES, small_distance, trace_nearest
 from robomech_ros._kernels.inverse.six_joints import GENERAL, ITERATIVE, MAX_SOLUTIONS
 from robomech_ros._kernels.tolerances import AT_LIMIT
 

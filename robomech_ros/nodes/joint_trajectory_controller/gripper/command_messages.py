@@ -86,7 +86,5 @@ class ParallelGripperMessages:
     def result(self, end: FingerEnd, state: JointState) -> Any:
         """Tell what has become of a command, and the state of its joints."""
         return self.kind.Result(
-            state=state,
-            stalled=end is FingerEnd.STALLED,
-            reached_goal=end is FingerEnd.REACHED,
+            state=state, stalled=end is FingerEnd.STALLED, reached_goal=end is FingerEnd.REACHED
         )

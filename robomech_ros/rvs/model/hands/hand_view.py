@@ -244,10 +244,7 @@ class HandView(TreeView):
         return tuple(sorted(described, key=lambda posture: posture.name))
 
     def _studied(
-        self,
-        T: Array,
-        postures: tuple[Posture, ...],
-        found: Mapping[int, InverseKinematicsResult],
+        self, T: Array, postures: tuple[Posture, ...], found: Mapping[int, InverseKinematicsResult]
     ) -> PoseSummary:
         missing = [k for k in found if k not in self.reached]
         if missing:

@@ -6,12 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robomech_ros.parallel import (
-    LoopSingularity,
-    Mechanism,
-    ParallelRobot,
-    loop_singularity,
-)
+from robomech_ros.parallel import LoopSingularity, Mechanism, ParallelRobot, loop_singularity
 from robomech_ros.parallel.kinetostatics.conditioning import scaled_matrices
 from robomech_ros.typing import Array
 

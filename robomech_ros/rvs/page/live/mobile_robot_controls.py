@@ -35,12 +35,7 @@ class MobileRobotControls:
     """
 
     def __init__(
-        self,
-        client: Any,
-        units: Units,
-        followed: ObservedRobot,
-        robot: LiveMobileRobot,
-        layer: Any,
+        self, client: Any, units: Units, followed: ObservedRobot, robot: LiveMobileRobot, layer: Any
     ) -> None:
         self.client_id = client.client_id
         self._followed, self._robot, self._layer = followed, robot, layer

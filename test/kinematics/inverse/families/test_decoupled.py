@@ -7,22 +7,13 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from robomech_ros.kinematics import (
-    forward_kinematics,
-    inverse_kinematics,
-    inverse_kinematics_batch,
-)
+from robomech_ros.kinematics import forward_kinematics, inverse_kinematics, inverse_kinematics_batch
 from robomech_ros.robots import chain_from_dh, load_robot
 
 POSES = 10_000
 SINGULAR_POSES = 300
 ROBOTS = ("puma560", "irb120", "stanford")
-GOLDEN = (
-    "decoupled_puma560",
-    "decoupled_irb2000",
-    "decoupled_general_8",
-    "ik6r_tsai_morgan_1",
-)
+GOLDEN = ("decoupled_puma560", "decoupled_irb2000", "decoupled_general_8", "ik6r_tsai_morgan_1")
 SKEW = tuple(
     f"{''.join(kinds)}-{number}"
     for kinds in itertools.product("RP", repeat=3)

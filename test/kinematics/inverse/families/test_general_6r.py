@@ -2,13 +2,7 @@
 
 import numpy as np
 import pytest
-from general_arms import (
-    NEAR,
-    ROBOTS,
-    TABLES,
-    general_arm,
-    random_postures,
-)
+from general_arms import NEAR, ROBOTS, TABLES, general_arm, random_postures
 
 from robomech_ros._kernels.inverse.general.solutions import try_forms
 from robomech_ros.kinematics import (

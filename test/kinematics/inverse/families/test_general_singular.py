@@ -7,16 +7,7 @@ square root of the rounding, a posture at which eight have become one to its eig
 
 import numpy as np
 import pytest
-from general_arms import (
-    HALF,
-    ROBOTS,
-    SQUARES,
-    TABLES,
-    folds,
-    general_arm,
-    regularity,
-    right_angles,
-)
+from general_arms import HALF, ROBOTS, SQUARES, TABLES, folds, general_arm, regularity, right_angles
 
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import jacobian

@@ -3,11 +3,7 @@
 import numpy as np
 import pytest
 
-from robomech_ros.kinematics import (
-    forward_kinematics,
-    inverse_kinematics,
-    inverse_kinematics_batch,
-)
+from robomech_ros.kinematics import forward_kinematics, inverse_kinematics, inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.three_parallel import match
 from robomech_ros.robots import chain_from_dh
 

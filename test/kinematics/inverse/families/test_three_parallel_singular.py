@@ -4,11 +4,7 @@ import numpy as np
 import pytest
 from zero_sets import turned_to
 
-from robomech_ros.kinematics import (
-    forward_kinematics,
-    inverse_kinematics,
-    inverse_kinematics_batch,
-)
+from robomech_ros.kinematics import forward_kinematics, inverse_kinematics, inverse_kinematics_batch
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import chain_from_dh, load_robot
 

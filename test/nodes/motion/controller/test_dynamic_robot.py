@@ -124,10 +124,7 @@ def test_no_efforts_without_forces(drive):
 
 def test_a_payload_that_is_put_on_makes_it_sag(drive):
     arm = drive(
-        robot_description=rod(),
-        simulation="dynamic",
-        initial_positions=[0.0],
-        dynamic_observer=0.0,
+        robot_description=rod(), simulation="dynamic", initial_positions=[0.0], dynamic_observer=0.0
     )
     assert set_payload(arm, 0.1).successful
     arm.until(lambda: arm.position[0] > 1e-4)

@@ -19,11 +19,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.joint_poses import JointPoses
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.robots import Joint, load_robot
-from robomech_ros.spatial import (
-    matrix_from_axis_angle,
-    matrix_from_quaternion,
-    pose_from_matrix,
-)
+from robomech_ros.spatial import matrix_from_axis_angle, matrix_from_quaternion, pose_from_matrix
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 MOVE = np.array([0.1, -0.05, 0.08, 0.0, 0.1, -0.1])
