@@ -24,8 +24,8 @@ def format_value(value: object) -> str:
 
     Examples
     --------
-    >>> from robomech_ros.errors import shown
-    >>> shown("elbow" * 1000)[-30:]
+    >>> from robomech_ros.errors import format_value
+    >>> format_value("elbow" * 1000)[-30:]
     'elbowelbo... (5002 characters)'
     """
     text = _ADDRESS.sub("", repr(value))
