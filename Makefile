@@ -54,7 +54,7 @@ INTERPRETED := test/kinematics/test_forward.py test/robots/test_dh_recovery.py \
     test/kinetostatics/test_jacobian.py test/kinetostatics/test_accelerations.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compat setup-bare setup-other notice demo view test test-fast test-long fuzz faults load plans soak moving answering installed other beside computing lint colcon bench pictures docs clean
+.PHONY: help setup compat setup-demo setup-other notice demo view test test-fast test-long fuzz faults load plans soak moving answering installed other beside computing lint colcon bench pictures docs clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -76,14 +76,14 @@ compat: setup
 setup-other: notice
 	@$(call set_up,$(VENV_$(OTHER)),--distribution $(OTHER))
 
-# What needs no message types of others does not wait until they are built.
-setup-bare: notice
-	@$(call set_up,$(VENV),--distribution $(ROS_DISTRO) --bare)
+# What needs no message types of others, and few kernels, does not wait until all are built.
+setup-demo: notice
+	@$(call set_up,$(VENV),--distribution $(ROS_DISTRO) --for-demo "$(ROBOT)")
 
-demo: setup-bare ## bring everything up, solve, plan, execute and check a pick and place
+demo: setup-demo ## bring everything up, solve, plan, execute and check a pick and place
 	@$(BIN)/robomech demo --robot "$(ROBOT)"
 
-view: setup-bare ## see and move a robot in the browser, without ROS
+view: setup-demo ## see and move a robot in the browser, without ROS
 	@$(BIN)/robomech view --robot "$(ROBOT)"
 
 test: setup ## everything: lint, all tests, colcon, the other distribution

@@ -6,8 +6,11 @@ Steps, each skipped while the digest of its inputs is unchanged:
 2. byte-code: that of what nodes load, since they start in half the time with it;
 3. package: robomech_ros installed so that edits of the source take effect at once;
 4. interfaces: robomech_interfaces built by its own CMakeLists.txt into a wheel and installed;
-5. the message types of compat/, one package after another; --bare leaves them out;
+5. the message types of compat/, one package after another;
 6. kernels: all numba kernels compiled into their cache, at the same time as 3 to 5.
+
+`--for-demo ROBOT` leaves out step 5, and the kernels that the demonstration of this robot does not
+use: they are compiled at their first use.
 
 A step writes its digest when it is done and takes it away before it starts, so one that was
 interrupted is done again. Only the standard library is used: this runs outside the environment.
@@ -119,10 +122,11 @@ def link_to(target: Path, link: Path) -> None:
     link.symlink_to(target)
 
 
-def compile_kernels(env: Environment) -> None:
-    """Compile all kernels, with progress shown."""
+def compile_kernels(env: Environment, robot: str) -> None:
+    """Compile all kernels, or those for the demonstration of a robot, with progress shown."""
     say("numba kernels: compiling (once)")
-    env.run_python("-m", "robomech_ros.cli.main", "warmup", quiet=False)
+    options = ("--robot", robot) if robot else ()
+    env.run_python("-m", "robomech_ros.cli.main", "warmup", *options, quiet=False)
 
 
 def sources(folder: Path, pattern: str = "*") -> list[Path]:
@@ -138,8 +142,8 @@ def kernel_cache() -> Path:
     return Path(base) / "robomech_ros"
 
 
-def set_up(env: Environment, with_compat: bool) -> None:
-    """Do every step whose inputs changed."""
+def set_up(env: Environment, with_compat: bool, robot: str) -> None:
+    """Do every step whose inputs changed; for a robot, with no more kernels than it needs."""
     pins = digest(env.pins, sys.version, sys.base_prefix, str(env.folder))
     env.step("environment", pins, env.fill)
     env.step("byte-code", pins, lambda: make_byte_code(env))
@@ -147,7 +151,7 @@ def set_up(env: Environment, with_compat: bool) -> None:
         env.step("extra", digest([REQUIREMENTS / env.extra], pins), lambda: add_extra(env))
     together: list[Callable[[], None]] = [lambda: add_packages(env, with_compat)]
     if env.distribution:
-        together.append(lambda: add_kernels(env, pins))
+        together.append(lambda: add_kernels(env, pins, robot))
     at_once(env, together)
 
 
@@ -170,14 +174,15 @@ def at_once(env: Environment, works: list[Callable[[], None]]) -> None:
         raise failures[0]
 
 
-def add_kernels(env: Environment, pins: str) -> None:
+def add_kernels(env: Environment, pins: str, robot: str) -> None:
     """Compile the kernels, which all environments share."""
     with alone(env, "kernels", "kernels are being compiled for another environment"):
+        name = "demonstration" if robot else "kernels"
         if not kernel_cache().is_dir():
-            env.stamp("kernels").unlink(missing_ok=True)
+            env.stamp(name).unlink(missing_ok=True)
         kernels = digest(sources(ROOT / "robomech_ros" / "_kernels", "*.py"), pins)
-        key = digest([], kernels, str(kernel_cache()))
-        env.step("kernels", key, lambda: compile_kernels(env))
+        key = digest([], kernels, str(kernel_cache()), robot)
+        env.step(name, key, lambda: compile_kernels(env, robot))
 
 
 def add_packages(env: Environment, with_compat: bool) -> None:
@@ -235,7 +240,12 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Make a virtual environment of this project.")
     parser.add_argument("folder", help="environment to make, below the root of the project")
     parser.add_argument("--distribution", default="", choices=("", "kilted", "jazzy"))
-    parser.add_argument("--bare", action="store_true", help="without the messages of compat/")
+    parser.add_argument(
+        "--for-demo",
+        metavar="ROBOT",
+        default="",
+        help="only what the demonstration of this robot uses",
+    )
     parser.add_argument("--extra", default="", help="a further file of requirements/")
     options = parser.parse_args()
     began = time.monotonic()
@@ -247,7 +257,8 @@ def main() -> int:
     try:
         env = Environment(ROOT / options.folder, options.distribution, options.extra)
         with alone(env, options.folder, "another set-up of this environment is under way"):
-            set_up(env, with_compat=bool(env.distribution) and not options.bare)
+            compat = bool(env.distribution) and not options.for_demo
+            set_up(env, compat, options.for_demo)
     except (SetUpError, subprocess.CalledProcessError) as error:
         say(f"failed: {error}; mended, `make setup` goes on from here")
         return 1

@@ -5,7 +5,7 @@ import logging
 import os
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from graphlib import TopologicalSorter
 from importlib import import_module
@@ -17,8 +17,19 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from robomech_ros._kernels.compiling.sources import PACKAGE, sources
 from robomech_ros.cli.kernel_cache import compiled, prune
+from robomech_ros.robots.robot_kinds import kind_of
 
 _INSTALLATION = Path(__file__).resolve().parents[1]
+
+# Folders of kernels that only some demonstrations use, by the kind of robot.
+_FOLDERS = {
+    "parallel": ("parallel", "loops"),
+    "rolling": ("rolling",),
+    "walking": ("walking", "loops"),
+    "hand": ("hands",),
+    "calibration": ("calibration",),
+}
+_SPECIAL = {"servo"}.union(*_FOLDERS.values())
 
 # Seconds.
 _NOTICEABLE = 1.5
@@ -28,6 +39,9 @@ _QUICK = 5.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--quiet", action="store_true", help="print only failures")
+    parser.add_argument(
+        "--robot", help="compile only the kernels for the demonstration of this robot"
+    )
 
 
 def kernel_modules() -> tuple[str, ...]:
@@ -35,17 +49,28 @@ def kernel_modules() -> tuple[str, ...]:
     return sources().modules()
 
 
+def demonstration_modules(kind: str) -> tuple[str, ...]:
+    """List the modules with kernels that the demonstration of a robot of a kind uses."""
+    unused = _SPECIAL - set(_FOLDERS.get(kind, ()))
+    return tuple(name for name in kernel_modules() if name.partition(".")[0] not in unused)
+
+
 def run(args: argparse.Namespace) -> int:
-    """Import every kernel module with progress; returns 0."""
-    warm(silent=args.quiet)
+    """Import kernel modules with progress; returns 0."""
+    chosen = None if args.robot is None else demonstration_modules(kind_of(args.robot))
+    warm(chosen, silent=args.quiet)
     return 0
 
 
-def warm(silent: bool = False, silent_if_quick: bool = False) -> None:
-    """Compile all kernels, or load them from the cache.
+def warm(
+    modules: Iterable[str] | None = None, *, silent: bool = False, silent_if_quick: bool = False
+) -> None:
+    """Compile kernels, or load them from the cache.
 
     Parameters
     ----------
+    modules : iterable of str, optional
+        Modules with kernels; default all.
     silent : bool, optional
         Say nothing.
     silent_if_quick : bool, optional
@@ -55,7 +80,7 @@ def warm(silent: bool = False, silent_if_quick: bool = False) -> None:
     from robomech_ros._kernels.compiling.cache import cache_directory
 
     start = time.perf_counter()
-    digests = {name: sources().digest(name) for name in kernel_modules()}
+    digests = {name: sources().digest(name) for name in modules or kernel_modules()}
     place = cache_directory()
     known = compiled(place) if place else set(digests.values())
     stale = [name for name, digest in digests.items() if digest not in known]

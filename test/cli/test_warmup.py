@@ -1,5 +1,6 @@
 """Kernels that ``robomech warmup`` compiles, and their order."""
 
+import pytest
 from numba.core.compiler import Flags
 from numba.core.targetconfig import TargetConfig
 
@@ -18,6 +19,20 @@ def test_only_what_is_stale_is_compiled(monkeypatch):
     warmup.warm(silent=True)
     assert asked == stale
     assert sorted(kept) == sorted(digests.values())
+
+
+@pytest.mark.parametrize(
+    ("kind", "used", "unused"),
+    [
+        ("", "inverse", {"parallel", "loops", "rolling", "walking", "hands", "calibration"}),
+        ("parallel", "loops", {"rolling", "walking", "hands", "calibration"}),
+        ("walking", "walking", {"parallel", "rolling", "hands", "calibration"}),
+    ],
+)
+def test_a_demonstration_needs_no_kernels_of_other_kinds(kind, used, unused):
+    folders = {name.partition(".")[0] for name in warmup.demonstration_modules(kind)}
+    assert used in folders
+    assert not folders & (unused | {"servo"})
 
 
 def test_what_most_wait_for_comes_first():

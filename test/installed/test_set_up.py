@@ -172,12 +172,12 @@ def test_a_package_that_is_there_is_not_replaced(package, real, shell_environmen
 
 
 @pytest.mark.parametrize(
-    ("target", "bare"), [("setup", False), ("test", False), ("test-fast", False), ("demo", True)]
+    ("target", "part"), [("setup", False), ("test", False), ("test-fast", False), ("demo", True)]
 )
-def test_only_what_does_without_leaves_the_wire_types_out(target, bare, shell_environment):
+def test_only_the_demonstration_sets_up_a_part(target, part, shell_environment):
     done = make("--dry-run", target, env=shell_environment())
-    assert ("--distribution kilted --bare" in done.stdout) == bare
-    assert ("--distribution kilted\n" in done.stdout) == (not bare)
+    assert ('--distribution kilted --for-demo "puma560"' in done.stdout) == part
+    assert ("--distribution kilted\n" in done.stdout) == (not part)
 
 
 def test_ros2_run_finds_the_executables(monkeypatch):

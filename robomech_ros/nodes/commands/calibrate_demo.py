@@ -6,7 +6,7 @@ import signal
 import sys
 from pathlib import Path
 
-from robomech_ros.cli.warmup import warm
+from robomech_ros.cli.warmup import demonstration_modules, warm
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import load_robot
 from robomech_ros.robots.documents.numbers_in_text import integer, number
@@ -61,7 +61,7 @@ def run(args: argparse.Namespace) -> int:
     load_robot(args.robot)
     # Contexts are left in order on SIGTERM, too: no node outlives the demonstration.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
-    warm(silent_if_quick=True)
+    warm(demonstration_modules("calibration"), silent_if_quick=True)
     from robomech_ros.nodes.demonstration.calibration_session import (
         DemoOptions,
         demonstrate_calibration,

@@ -8,7 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 from robomech_ros.cli.kind_options import note_kinds, refuse_options
-from robomech_ros.cli.warmup import warm
+from robomech_ros.cli.warmup import demonstration_modules, warm
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.commands.bringup import refuse_of_kind
 from robomech_ros.nodes.process.nodes_by_kind import KIND_NODES, REFUSED, NodesOfKind
@@ -96,7 +96,7 @@ def run(args: argparse.Namespace) -> int:
     _check_folder(args.output)
     # Contexts are left in order on SIGTERM, too: no node outlives the demonstration.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
-    warm(silent_if_quick=True)
+    warm(demonstration_modules(kind_of(args.robot)), silent_if_quick=True)
     from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
     from robomech_ros.nodes.demonstration.limits import Which
     from robomech_ros.nodes.demonstration.session import demonstrate
