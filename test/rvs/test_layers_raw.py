@@ -21,7 +21,9 @@ def control(page, label):
     def is_there():
         folders = [getattr(layer, "_folder", None) for layer in page._layers]
         handles = [one for folder in folders for one in getattr(folder, "_handles", ())]
-        found.extend(one for one in handles if getattr(one, "label", None) == label)
+        # A control that does nothing yet is still being made.
+        made = [one for one in handles if hasattr(one, "_impl") and one._impl.update_cb]
+        found.extend(one for one in made if getattr(one, "label", None) == label)
         return found
 
     wait_until(is_there)
