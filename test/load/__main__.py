@@ -26,7 +26,7 @@ sys.path[:0] = [str(HERE.parent / place) for place in ("fuzz", "", "nodes", "soa
 
 from caller import Burst  # noqa: E402
 from clients import CLIENTS, Clients, client_processes  # noqa: E402
-from flood import JOG_DIRECTIONS, Flood  # noqa: E402
+from flood import CONTENTS, Flood  # noqa: E402
 from flooding import Asker, Flooding, flood_all, flooder, topics  # noqa: E402
 from known_robot import known_arm  # noqa: E402
 from robot_watch import Resets, Watch, why_it_does_not_move  # noqa: E402
@@ -86,7 +86,7 @@ def load(suite: RunningSuite, arguments: argparse.Namespace) -> list[str]:
         floods = [
             Flood(*topic, way, arguments.rate, arguments.seconds)
             for topic in chosen(topics(node), arguments)
-            for way in JOG_DIRECTIONS
+            for way in CONTENTS
         ]
         faults += flood_all(floods, flooding, arguments.most)
     print(f"the robot moved at up to {watch.velocity:.3g} of its velocity limits")

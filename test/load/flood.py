@@ -19,10 +19,10 @@ from robot_watch import STRANGER
 
 from robomech_ros.nodes.commands.message_yaml import interface_class
 
-__all__ = ["JOG_DIRECTIONS", "Flood", "serve_floods"]
+__all__ = ["CONTENTS", "Flood", "serve_floods"]
 
 # What is sent: sensible messages, senseless ones, and bytes that are no message.
-JOG_DIRECTIONS = ("sensible", "senseless", "bytes")
+CONTENTS = ("sensible", "senseless", "bytes")
 # Messages that are made before a flood and sent again and again.
 _DIFFERENT = 100
 # Bytes of a message at the most: queues keep room for as many of the largest as fit into them.
@@ -40,7 +40,7 @@ class Flood:
     topic, kind : str
         The topic, and its type, such as ``std_msgs/msg/String``.
     way : str
-        One of `JOG_DIRECTIONS`.
+        One of `CONTENTS`.
     rate : float
         Messages a second.
     seconds : float

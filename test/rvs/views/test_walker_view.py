@@ -148,13 +148,13 @@ def test_the_nearest_edge_of_a_support():
     feet = np.array([[0.2, 0.1, 0.0], [0.2, -0.1, 0.0], [-0.2, 0.1, 0.0], [-0.2, -0.1, 0.03]])
     support = Support(("a", "b", "c", "d"), feet, np.array([True, True, True, False]), np.zeros(2))
     assert len(support.corners) == 3 and set(support.edge) == {"b", "c"}
-    way = support.shortest_way()
+    way = support.shortest_path()
     assert np.linalg.norm(way[1] - way[0]) == pytest.approx(abs(support.margin), abs=1e-12)
     apart = Support(support.legs, feet, support.contacts, np.array([0.0, 0.4]))
     assert apart.margin == pytest.approx(-0.3) and set(apart.edge) == {"a", "c"}
     line = Support(support.legs, feet, np.array([True, False, True, False]), np.array([0.0, 0.0]))
     assert line.margin == pytest.approx(-0.1) and line.border().shape == (3, 3)
-    np.testing.assert_allclose(line.shortest_way()[1, :2], [0.0, 0.1])
+    np.testing.assert_allclose(line.shortest_path()[1, :2], [0.0, 0.1])
 
 
 def test_a_trunk_that_is_not_the_root_is_placed_all_the_same():

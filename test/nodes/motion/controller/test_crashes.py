@@ -63,6 +63,7 @@ def test_a_motion_outlives_its_killed_publisher(graph, process):
     kill(arm.node)
     process(TrajectoryPublisherNode)
     arm.until_at(arm.home + MOVE)
+    arm.condition()
     assert arm.execute(arm.trajectory(MOVE, MOVE + 0.05)).error_code == 0
 
 
