@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-COUNTS = {"puma560": 200, "mecanum": 60, "phantomx": 60, "three_fingered": 60}
+COUNTS = {"puma560": 100, "mecanum": 60, "phantomx": 60, "three_fingered": 60}
 
 
 @pytest.mark.timeout(900)
