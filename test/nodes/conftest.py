@@ -4,6 +4,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -146,3 +147,23 @@ def graph(domain_id: int) -> Iterator[Graph]:
     result = Graph(domain_id)
     yield result
     result.close()
+
+
+@pytest.fixture(scope="module")
+def shared() -> Iterator[Callable[..., Graph]]:
+    """Start a node, or take the one with the same parameters, for tests that leave no trace in it.
+
+    Each has a context of its own.
+    """
+    started: dict[Any, Graph] = {}
+    with ExitStack() as stack:
+
+        def start(factory: Callable[..., Node], **parameters: Any) -> Graph:
+            key = factory, tuple(sorted(parameters.items()))
+            if key not in started:
+                started[key] = Graph(stack.enter_context(free_domain()))
+                stack.callback(started[key].close)
+                started[key].start(factory, **parameters)
+            return started[key]
+
+        yield start

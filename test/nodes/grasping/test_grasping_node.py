@@ -68,9 +68,9 @@ def rows(numbers, count):
 
 
 @pytest.fixture
-def ask(graph):
+def ask(shared):
     """Ask a node that has the hand of three fingers."""
-    graph.start(GraspingNode, robot_description="three_fingered")
+    graph = shared(GraspingNode, robot_description="three_fingered")
 
     def call(kind, name, request):
         return graph.call(kind, f"grasping/{name}", request)

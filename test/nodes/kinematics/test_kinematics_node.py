@@ -23,7 +23,13 @@ Q = np.array([0.3, -0.4, 0.2, 0.5, 0.6, -0.7])
 
 
 @pytest.fixture
-def puma(graph):
+def puma(shared):
+    return shared(KinematicsNode, robot_description="puma560")
+
+
+@pytest.fixture
+def own_puma(graph):
+    """A node of one test alone."""
     graph.start(KinematicsNode, robot_description="puma560")
     return graph
 
@@ -186,24 +192,24 @@ def test_same_request_same_answer(puma):
     assert first == second
 
 
-def test_an_empty_seed_is_the_present_state_else_the_mid_range(puma):
-    middle = solve_ik(puma, target=target(), ignore_limits=True)
+def test_an_empty_seed_is_the_present_state_else_the_mid_range(own_puma):
+    middle = solve_ik(own_puma, target=target(), ignore_limits=True)
     expected = np.abs(positions(middle) - PUMA.midrange()).max(axis=1)
     np.testing.assert_allclose(middle.seed_distances, expected, atol=1e-9)
-    publish_present(puma, 0.9 * Q)
-    near = solve_ik(puma, target=target(), ignore_limits=True)
+    publish_present(own_puma, 0.9 * Q)
+    near = solve_ik(own_puma, target=target(), ignore_limits=True)
     np.testing.assert_allclose(
         near.seed_distances, np.abs(positions(near) - 0.9 * Q).max(axis=1), atol=1e-9
     )
-    poses = solve_fk(puma).poses
+    poses = solve_fk(own_puma).poses
     np.testing.assert_allclose(
         matrix_from_pose(poses[0].pose), forward_kinematics(PUMA, 0.9 * Q), atol=1e-12
     )
 
 
-def test_present_state_beyond_a_limit_is_no_error(puma):
-    publish_present(puma, PUMA.upper + 1e-3)
-    assert solve_ik(puma, target=target()).error_code == 0
+def test_present_state_beyond_a_limit_is_no_error(own_puma):
+    publish_present(own_puma, PUMA.upper + 1e-3)
+    assert solve_ik(own_puma, target=target()).error_code == 0
 
 
 def test_target_in_a_frame_fixed_to_the_base(graph):

@@ -23,9 +23,8 @@ NAMES = list(PUMA.joint_names)
 
 
 @pytest.fixture
-def puma(graph):
-    graph.start(KinematicsNode, robot_description="puma560")
-    return graph
+def puma(shared):
+    return shared(KinematicsNode, robot_description="puma560")
 
 
 def still_serves(graph):

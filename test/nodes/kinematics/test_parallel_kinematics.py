@@ -32,9 +32,9 @@ from robomech_ros.spatial import matrix_from_rotation_vector
 class Asked:
     """A kinematics node of a parallel robot, and somebody who asks."""
 
-    def __init__(self, graph, name):
-        graph.start(KinematicsNode, robot_description=name)
-        self.graph, self.robot = graph, load_parallel(name)
+    def __init__(self, shared, name):
+        self.graph = shared(KinematicsNode, robot_description=name)
+        self.robot = load_parallel(name)
         self.mechanism = self.robot.mechanism
         self.home = self.mechanism.home()
         self.drives = self.home[self.mechanism.drive_index]
@@ -57,8 +57,19 @@ class Asked:
 
 
 @pytest.fixture
-def asked(graph):
-    return lambda name: Asked(graph, name)
+def asked(shared):
+    return lambda name: Asked(shared, name)
+
+
+@pytest.fixture
+def asked_first(graph):
+    """Return a node that nobody has asked before."""
+
+    def start(node, **parameters):
+        graph.start(node, **parameters)
+        return graph
+
+    return lambda name: Asked(start, name)
 
 
 def rows_of(response):
@@ -353,9 +364,9 @@ def test_condition_numbers_of_limbs_of_any_kind_are_those_of_the_characteristic_
 @pytest.mark.parametrize(
     ("name", "step", "rays"), [("hexapod", 0.03, 1000), ("planar_3rrr", 0.1, 100)]
 )
-def test_distances_from_the_boundary_with_its_markers_and_cloud(asked, name, step, rays):
+def test_distances_from_the_boundary_with_its_markers_and_cloud(asked_first, name, step, rays):
     """They were NaN, and there were no markers."""
-    node = asked(name)
+    node = asked_first(name)
     T = node.mechanism.pose(node.home)
     poses = np.stack([T] * 4)
     poses[1, 0, 3] += step

@@ -67,17 +67,22 @@ def with_gripper():
 
 
 @pytest.fixture
-def puma(graph):
+def puma(shared):
+    return shared(KinematicsNode, robot_description="puma560", state_timeout=0.0)
+
+
+@pytest.fixture
+def own_puma(graph):
+    """A node of one test alone."""
     graph.start(KinematicsNode, robot_description="puma560", state_timeout=0.0)
     return graph
 
 
 @pytest.fixture
-def gripped(graph):
+def gripped(shared):
     """A UR5e with two fingers, of which one follows the other."""
     options = {"robot_description": with_gripper(), "tip_link": "tool0", "state_timeout": 0.0}
-    graph.start(KinematicsNode, **options)
-    return graph
+    return shared(KinematicsNode, **options)
 
 
 def state(q, names=PUMA.joint_names, **fields):
@@ -159,15 +164,17 @@ def test_a_state_beyond_the_limits_is_taken_as_a_hint(puma):
     np.testing.assert_allclose(positions(response), expected, atol=1e-9)
 
 
-def test_without_a_state_the_present_one_is_meant(puma):
-    publish_present(puma, Q + 0.05, PUMA.joint_names)
+def test_without_a_state_the_present_one_is_meant(own_puma):
+    publish_present(own_puma, Q + 0.05, PUMA.joint_names)
     for relative in (False, True):
-        response = compute_ik(puma, robot_state=RobotState(is_diff=relative), pose_stamped=target())
+        response = compute_ik(
+            own_puma, robot_state=RobotState(is_diff=relative), pose_stamped=target()
+        )
         np.testing.assert_allclose(positions(response), Q, atol=1e-9)
     part = state([0.31, -0.41], PUMA.joint_names[:2], is_diff=True)
-    response = compute_ik(puma, robot_state=part, pose_stamped=target())
+    response = compute_ik(own_puma, robot_state=part, pose_stamped=target())
     np.testing.assert_allclose(positions(response), Q, atol=1e-9)
-    fk = compute_fk(puma, fk_link_names=["tool0"], robot_state=part)
+    fk = compute_fk(own_puma, fk_link_names=["tool0"], robot_state=part)
     mixed = np.array([0.31, -0.41, *(Q + 0.05)[2:]])
     reached = matrix_from_pose(fk.pose_stamped[0].pose)
     np.testing.assert_allclose(reached, forward_kinematics(PUMA, mixed), atol=1e-12)
@@ -252,9 +259,8 @@ def test_out_of_reach_says_by_how_much(puma):
 
 
 @pytest.fixture
-def ur5e(graph):
-    graph.start(KinematicsNode, robot_description="ur5e", state_timeout=0.0)
-    return graph
+def ur5e(shared):
+    return shared(KinematicsNode, robot_description="ur5e", state_timeout=0.0)
 
 
 @pytest.fixture(scope="module")

@@ -25,9 +25,8 @@ NODE = "trajectory_planner/plan_cartesian"
 
 
 @pytest.fixture
-def puma(graph):
-    graph.start(TrajectoryPlannerNode, robot_description="puma560")
-    return graph
+def puma(shared):
+    return shared(TrajectoryPlannerNode, robot_description="puma560")
 
 
 def shifted(*steps, of=HERE):

@@ -35,7 +35,13 @@ LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 @pytest.fixture
-def puma(graph):
+def puma(shared):
+    return shared(TrajectoryPlannerNode, robot_description="puma560")
+
+
+@pytest.fixture
+def own_puma(graph):
+    """A node of one test alone."""
     graph.start(TrajectoryPlannerNode, robot_description="puma560")
     return graph
 
@@ -334,36 +340,40 @@ def test_a_robot_about_to_stand_is_waited_for(graph, publish):
     check(graph.wait_for(waiting))
 
 
-def test_a_present_state_in_motion_is_refused(puma, publish):
+def test_a_present_state_in_motion_is_refused(own_puma, publish):
     velocity = np.array([0.0, 0.002, -0.4, 0.1, 0.0, 0.0])
     state = publish(START, velocity)
-    response = plan_from_present(puma)
+    response = plan_from_present(own_puma)
     assert response.error_code == ErrorCode.NO_STATE
     assert "the robot moves: joint 'elbow' at 0.4 rad/s, at rest is up to 0.01 rad/s" in str(
         response
     )
     assert not response.trajectory.points
     # A start that the request names is taken as it is; and at last the robot stands.
-    check(plan(puma))
+    check(plan(own_puma))
     state.velocity = [0.009] * 6
     service = "trajectory_planner/plan_joint"
-    check(puma.call_until(PlanJoint, service, from_present(), lambda answer: not answer.error_code))
+    check(
+        own_puma.call_until(
+            PlanJoint, service, from_present(), lambda answer: not answer.error_code
+        )
+    )
 
 
-def test_velocities_of_no_use_count_as_rest(puma, publish):
+def test_velocities_of_no_use_count_as_rest(own_puma, publish):
     state = publish(START)
-    check(plan_from_present(puma))
+    check(plan_from_present(own_puma))
     state.velocity = [np.nan] * 6
-    check(plan(puma, start=JointState()))
+    check(plan(own_puma, start=JointState()))
 
 
-def test_plans_and_paths_are_published_and_latched(puma, profile):
-    response = plan(puma, profile=PROFILES[profile])
-    published = puma.receive(
+def test_plans_and_paths_are_published_and_latched(own_puma, profile):
+    response = plan(own_puma, profile=PROFILES[profile])
+    published = own_puma.receive(
         JointTrajectory, "trajectory_planner/planned_trajectory", LATCHED, lambda _: True
     )
     assert published == response.trajectory
-    path = puma.receive(
+    path = own_puma.receive(
         nav_msgs.msg.Path, "trajectory_planner/planned_path", LATCHED, lambda _: True
     )
     assert path.header.frame_id == PUMA.base
