@@ -31,13 +31,13 @@ set_up = python=$$($(RUN) sh tools/find_python.sh $(1) "$(PYTHON)") && \
 # runs beside them, and only where they do not.
 # A slow test has to earn its seconds: each row lists those that take longest.
 LONGEST := --durations 40 --durations-min 5
-PARALLEL := -n auto --maxprocesses 8 $(LONGEST)
+PARALLEL := -n auto --maxprocesses 8 -rs $(LONGEST)
 # A test of what takes the rest may wait minutes for the processor; the limit is for those that never end.
 PATIENT := --timeout 1800
 COMPUTING := $(PARALLEL) $(PATIENT) --ignore=test/nodes --ignore=test/installed --ignore=test/rvs
 # What depends on the clock may fail where another process takes the machine for a moment: it is run up to twice more,
 # a moment later, and the summary names it. A defect fails each time.
-AGAIN := --reruns 2 --reruns-delay 3 -rR
+AGAIN := --reruns 2 --reruns-delay 3 -rsR
 ANSWERING := $(PARALLEL) $(AGAIN) --ignore=test/nodes/motion test/nodes test/rvs
 # Two workers, as robots mostly wait. Where Fast DDS takes a process down while a participant leaves, the test that ran
 # is named and run again, and the others go on; not so with --dist loadgroup, which then hangs.

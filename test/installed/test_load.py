@@ -5,7 +5,6 @@ import sys
 
 import pytest
 
-
 # A service of each node, an action, and a topic of each that moves the robot.
 SOME = "solve_ik$|plan_joint|inverse_dynamics|/execute|/joint_trajectory|delta_twist"
 
