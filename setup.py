@@ -74,7 +74,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            *(f"{name} = {PACKAGE}.nodes.process.start:{name}" for name in EXECUTABLES),
+            *(f"{name} = {PACKAGE}.nodes.process.entry_points:{name}" for name in EXECUTABLES),
             "robomech = robomech_ros.cli.main:main",
         ]
     },
