@@ -76,10 +76,6 @@ def check_convention(fit: Fit, other: Fit, mount: str, robust: bool) -> None:
         which is refined here if it may fit better.
     mount : str
     robust : bool
-
-    Raises
-    ------
-    InconsistentDataError
     """
     distance = rms_distance(fit.S)
     guessed = mean_log_residual(other.guess.residuals, distance)
@@ -117,10 +113,6 @@ def check_units(fit: Fit, other: Fit | None, consistent: Array) -> None:
         Initial guesses with the poses as they are, and with the robot's poses inverted.
     consistent : ndarray, shape (n,)
         1 for samples to start from.
-
-    Raises
-    ------
-    InconsistentDataError
     """
     turn, shift = medians(fit.guess.residuals)
     suspicious = max(turn, shift / (rms_distance(fit.S) ** 2 or 1.0)) > _SUSPICIOUS**2

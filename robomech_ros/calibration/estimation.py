@@ -88,12 +88,6 @@ def hand_eye(
         The wrong mount, inverted poses, positions in two units (m and mm), or samples that
         contradict each other.
 
-    See Also
-    --------
-    relative_hand_eye : the direct method, from relative motions.
-    next_best_pose : the pose for the next sample.
-    robot_world : the solution of A X = Z B.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.7.
@@ -165,11 +159,6 @@ def robot_world(
     -------
     HandEyeResult
         ``sensor`` is X, ``T_hand_sensor``; ``target`` is Z, ``T_base_world``.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`hand_eye`.
     """
     return hand_eye(A, inverse_pose(as_pose(B, what="B")), robust=robust, noise=noise)
 

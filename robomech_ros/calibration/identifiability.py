@@ -26,10 +26,6 @@ def check_rotations(fit: Fit, other: Fit | None, mount: str) -> None:
     fit, other : Fit
         With the poses as they are, and with the robot's poses inverted.
     mount : str
-
-    Raises
-    ------
-    UnderdeterminedError
     """
     if any(len(one.free.directions) < 3 for one in (fit, other) if one is not None):
         return
@@ -46,12 +42,7 @@ def check_rotations(fit: Fit, other: Fit | None, mount: str) -> None:
 
 
 def check_common_line(fit: Fit) -> None:
-    """Refuse rotations about one line: they leave the sensor's rotation about it free, too.
-
-    Raises
-    ------
-    UnderdeterminedError
-    """
+    """Refuse rotations about one line: they leave the sensor's rotation about it free, too."""
     if not fit.free.is_axis:
         return
     off = fit.free.motion_off_line(fit.A, fit.S, fit.use, fit.at)
@@ -68,12 +59,7 @@ def check_common_line(fit: Fit) -> None:
 
 
 def check_half_turns(fit: Fit) -> None:
-    """Refuse half turns that other poses of the sensor fit as well.
-
-    Raises
-    ------
-    UnderdeterminedError
-    """
+    """Refuse half turns that other poses of the sensor fit as well."""
     if not fit.guess.others or fit.free.is_axis:
         return
     best = float(fit.use @ fit.distances(fit.at))

@@ -59,15 +59,6 @@ def next_best_pose(calibration: HandEyeResult, candidates: ArrayLike | None = No
     Returns
     -------
     NextPose
-
-    Raises
-    ------
-    BadValueError
-        Not a result.
-
-    See Also
-    --------
-    hand_eye : makes the result.
     """
     if not isinstance(calibration, HandEyeResult):
         raise BadValueError("calibration", calibration, "a HandEyeResult")

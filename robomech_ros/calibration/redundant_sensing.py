@@ -74,16 +74,6 @@ def motion_agreement(motions: ArrayLike, tolerance: ArrayLike | None = None) -> 
     -------
     MotionAgreement
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Not poses of this shape, or tolerances that are not positive.
-
-    See Also
-    --------
-    relative_hand_eye : where a sensor is, from motions that two agree on.
-    spatial.sensor_agreement : of rotations alone.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.7.1.

@@ -45,11 +45,6 @@ def relative_hand_eye(A: ArrayLike, B: ArrayLike) -> Array:
         all about parallel axes, along which the position is then free, or half turns about axes at
         right angles whose positions do not tell either.
 
-    See Also
-    --------
-    hand_eye : from absolute poses, with noise and outliers.
-    spatial.frame_between_sensors : the rotation alone.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.7.

@@ -34,13 +34,7 @@ def checked_samples(robot_poses: ArrayLike, sensor_poses: ArrayLike) -> tuple[Ar
 
 
 def distinct_samples(robot: Array, sensor: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Numbers of samples (n, 12) that differ, in an order of their own, and of each among them.
-
-    Raises
-    ------
-    WrongSizeError
-        Fewer than three.
-    """
+    """Numbers of samples (n, 12) that differ, in an order of their own, and of each among them."""
     rows = np.concatenate((robot, sensor), axis=1) + 0.0
     keys = [row.tobytes() for row in rows]
     places = {key: k for k, key in enumerate(sorted(set(keys)))}

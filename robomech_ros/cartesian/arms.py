@@ -31,11 +31,6 @@ def serial_arm(chain: SerialChain, task_mask: Sequence[bool] | None = None) -> S
         Its `inverse` gives the posture within the limits that is nearest to other joint values,
         which may be outside.
 
-    Raises
-    ------
-    BadValueError
-        No chain, or no mask.
-
     Examples
     --------
     >>> from robomech_ros.cartesian import serial_arm

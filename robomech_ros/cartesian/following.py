@@ -130,13 +130,6 @@ def follow_path(
     ------
     SeedOutsideLimitsError
         The start is outside the limits.
-    BadValueError
-        Not a chain, a path or joint values; a check that gives no PathCut.
-
-    See Also
-    --------
-    plan_along : Follows a path and times the motion.
-    robomech_ros.trajectory.track_path : The same for any arm, without jumps and checks.
 
     References
     ----------

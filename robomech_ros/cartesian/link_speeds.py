@@ -46,8 +46,6 @@ def link_speed_limit(
     ------
     UnknownJointError
         A joint of `link` that neither moves nor stands.
-    BadValueError
-        Not chains, a joint path, numbers, or a speed above 0.
     """
     check_chain(chain)
     check_chain(link)

@@ -39,11 +39,6 @@ class PathStopLimits:
         rad, m; infinite for any move.
     checks : sequence of PathCheck
         Each finds where else a joint path must end, such as `stop_on_condition`.
-
-    Raises
-    ------
-    BadValueError
-        A bound is not a number above 0, the step is infinite, or a check is no callable.
     """
 
     condition: float = 200.0
@@ -127,11 +122,6 @@ def relative_jump(chain: SerialChain, step: float, factor: float) -> PathCheck:
     -------
     PathCheck
         For `follow_path` and `plan_along`.
-
-    Raises
-    ------
-    BadValueError
-        Not a chain, or not numbers above 0.
     """
     check_chain(chain)
     length, most_factor = above_zero("step", step), above_zero("factor", factor)
@@ -170,11 +160,6 @@ def stop_on_condition(broken: Callable[[Array], str], step: float) -> PathCheck:
     -------
     PathCheck
         For `follow_path` and `plan_along`; the path is REJECTED from there on.
-
-    Raises
-    ------
-    BadValueError
-        A step that is not above 0.
     """
     if not callable(broken):
         raise BadValueError("broken", broken, "a callable")

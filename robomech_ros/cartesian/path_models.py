@@ -100,13 +100,7 @@ class ChainPathModel:
 def as_path_model(
     chain: SerialChain | PathModel, task_mask: Sequence[bool] | None = None
 ) -> PathModel:
-    """Return a chain, or another robot that can, as what follows paths.
-
-    Raises
-    ------
-    BadValueError
-        It is neither, or the mask is none, or frees a robot that is no chain.
-    """
+    """Return a chain, or another robot that can, as what follows paths."""
     if isinstance(chain, SerialChain):
         return ChainPathModel(chain, task_mask)
     if hasattr(chain, "singular_part") and not isinstance(chain, type):

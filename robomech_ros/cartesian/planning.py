@@ -118,10 +118,6 @@ def plan_along(
     BadValueError, WrongSizeError
         A motion that takes too long or too many samples.
 
-    See Also
-    --------
-    robomech_ros.trajectory.along_path : The same for any arm, and not sampled.
-
     Examples
     --------
     >>> from robomech_ros.cartesian import waypoint_path, plan_along

@@ -29,12 +29,6 @@ class Sampling:
         Longest motion (s); infinite for any.
     max_step : float
         Largest distance of the tip (m) between two samples; infinite for any.
-
-    Raises
-    ------
-    BadValueError
-        One of them is not a number above 0, the period is infinite, or `max_points` is not a whole
-        number of at least 2.
     """
 
     period: float = 0.01
@@ -63,11 +57,6 @@ def in_steps(
     sampling : Sampling
     limits : Limits
         Of the n joints.
-
-    Raises
-    ------
-    BadValueError
-        That takes too many samples.
     """
     step, most = sampling.max_step, sampling.max_points
     if math.isinf(step):

@@ -60,11 +60,6 @@ def waypoint_path(
         An unknown kind, invalid poses, or poses without such a path between them; the message
         names the waypoints.
 
-    See Also
-    --------
-    robomech_ros.trajectory.straight_path, robomech_ros.trajectory.spline_path, \
-robomech_ros.trajectory.arc_path
-
     Examples
     --------
     >>> import numpy as np

@@ -27,11 +27,6 @@ def is_force_closed(contacts: Sequence[Contact]) -> bool:
     bool
         A grasp of which the quality is below 1e-9 counts as open.
 
-    Raises
-    ------
-    BadValueError
-        Not a list of contacts, or some in space and some in the plane.
-
     References
     ----------
     Murray, Li and Sastry, A Mathematical Introduction to Robotic Manipulation, CRC Press 1994,
@@ -60,11 +55,6 @@ def is_form_closed(contacts: Sequence[Contact]) -> bool:
     ----------
     contacts : sequence of Contact
         Their friction does not count.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`is_force_closed`.
 
     References
     ----------

@@ -97,8 +97,6 @@ def contact_forces(
     ------
     ConicSolverUnavailableError
         The extra ``hands`` is not installed.
-    BadValueError
-        Not contacts of one kind.
 
     References
     ----------

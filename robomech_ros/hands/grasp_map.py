@@ -37,11 +37,6 @@ def grasp_matrix(contacts: Sequence[Contact], origin: ArrayLike) -> Array:
         frictionless contact 1, the force along the normal; of a point contact 3 (2 in the plane),
         the force along x, y, z; of a soft finger these and the moment about the normal.
 
-    Raises
-    ------
-    BadValueError
-        Not a list of contacts of one kind, or an origin that is no point.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.3.
@@ -96,11 +91,6 @@ def internal_forces(contacts: Sequence[Contact]) -> Array:
     ndarray, shape (m, s)
         Orthonormal columns, each in the components of :func:`grasp_matrix` (N, N m): the product of
         that matrix with them is 0.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`is_force_closed`.
     """
     given = as_contacts(contacts)
     origin = as_origin(None, given)

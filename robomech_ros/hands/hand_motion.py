@@ -76,11 +76,6 @@ def hand_jacobian(
         Rows in the order of the columns of :func:`grasp_matrix` (m, or 1 for turning about the
         normal of a soft finger).
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        No hand, contacts in the plane or more than fingers, or joint values that do not fit.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.3.  Murray, Li and
@@ -128,11 +123,6 @@ def grasp_mobility(
     -------
     GraspMobility
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`hand_jacobian`.
-
     References
     ----------
     Prattichizzo and Trinkle, Grasping, in: Springer Handbook of Robotics, 2nd ed. 2016, section
@@ -176,11 +166,6 @@ def finger_rates(
         Of least norm where several do (rad/s or m/s).
     slip : float
         What is left of the velocity at the contacts (m/s): 0 where the fingers can follow.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`hand_jacobian`.
     """
     given, _ = fingers_of(hand, contacts, fingers)
     t = _six("twist", twist)
@@ -216,11 +201,6 @@ def object_twist(
         free.
     slip : float
         What is left of the velocity at the contacts (m/s): 0 where the rates agree.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`hand_jacobian`.
     """
     given, _ = fingers_of(hand, contacts, fingers)
     point = as_origin(np.zeros(3) if origin is None else origin, given)
@@ -319,11 +299,6 @@ def finger_torques(
     -------
     ndarray, shape (n,)
         N m or N.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`hand_jacobian`, and for components that do not fit the contacts.
 
     References
     ----------

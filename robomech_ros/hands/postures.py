@@ -55,11 +55,6 @@ def grasp_postures(
         Contact by contact: all branches of its finger, nearest to the seed first, or the reason why
         there is none.  Fingers with more than three joints get samples.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`hand_jacobian`, for a finger with two contacts.
-
     Examples
     --------
     >>> import numpy as np
@@ -99,11 +94,6 @@ def tip_postures(
     -------
     tuple of InverseKinematicsResult
         As for :func:`grasp_postures`, point by point.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`grasp_postures`.
     """
     start = _seed(hand, seed)
     places = as_finite("points", points, (3,))
@@ -156,11 +146,6 @@ def hand_postures(
         Joint values, finger by finger (rad or m); m = 0 where a finger has no posture.
     distance : ndarray, shape (m,)
         Root of the sum of squared moves from the seed (rad; m for prismatic joints).
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`grasp_postures`, and for results of other fingers.
     """
     start = _seed(hand, seed)
     results = listed("found", found, "results of grasp_postures")

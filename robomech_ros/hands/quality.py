@@ -87,11 +87,6 @@ def grasp_quality(
     -------
     GraspQuality
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`is_force_closed`, and for a length or tolerance that is not positive.
-
     References
     ----------
     Ferrari and Canny, Planning Optimal Grasps, ICRA 1992, the criterion of the sum of the forces.

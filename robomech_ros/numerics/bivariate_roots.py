@@ -89,17 +89,6 @@ def bivariate(
     -------
     Bivariate
 
-    Raises
-    ------
-    WrongSizeError, BadValueError
-        Arguments that do not fit, or equations that are not finite within the bounds.
-
-    See Also
-    --------
-    refine_root : one root from a rough estimate.
-    CurvePair : one root after the other, where somebody points at.
-    robomech_ros.kinematics.oracles.solve_bivariate : the postures of an arm.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 9.4.
@@ -151,15 +140,6 @@ def refine_root(
     Iteration
         With the way from the estimate in `path`.  It ends where the sum of squares is least:
         whether that is a root, its residual says.
-
-    Raises
-    ------
-    WrongSizeError, BadValueError
-        As `newton_gauss` does; the curves touch or do not depend on an unknown where the way leads.
-
-    See Also
-    --------
-    bivariate : all roots within bounds.
 
     References
     ----------

@@ -60,15 +60,6 @@ class CurvePair:
     period : float, optional
         With which all equations repeat in x and in y.
 
-    Raises
-    ------
-    WrongSizeError, BadValueError
-        As `bivariate` does.
-
-    See Also
-    --------
-    bivariate : all roots at once.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 9.4 and B.4.

@@ -48,11 +48,6 @@ def least_squares(A: ArrayLike, b: ArrayLike) -> tuple[Array, float]:
     BadValueError
         The columns depend on each other.
 
-    See Also
-    --------
-    minimum_norm : fewer equations than unknowns.
-    newton_gauss : nonlinear equations.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., appendix B.1.
@@ -95,10 +90,6 @@ def minimum_norm(A: ArrayLike, b: ArrayLike) -> Array:
     ------
     BadValueError
         The rows depend on each other.
-
-    See Also
-    --------
-    least_squares : more equations than unknowns.
 
     References
     ----------

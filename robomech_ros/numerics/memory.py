@@ -22,12 +22,7 @@ def available_memory() -> int:
 
 
 def check_memory(what: str, needed: int) -> None:
-    """Refuse what needs more bytes than there are; ``what`` names it in the message.
-
-    Raises
-    ------
-    NotEnoughMemoryError
-    """
+    """Refuse what needs more bytes than there are; ``what`` names it in the message."""
     available = available_memory()
     if needed > available:
         raise NotEnoughMemoryError(what, needed, available)

@@ -89,10 +89,6 @@ def newton_raphson(
     BadValueError
         What should be numbers is none, or the derivative is singular at a point met.
 
-    See Also
-    --------
-    newton_gauss : more equations than unknowns.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., appendix B.3.
@@ -153,11 +149,6 @@ def newton_gauss(
     BadValueError
         What should be numbers is none, or the columns of the derivative depend on each other at a
         point met.
-
-    See Also
-    --------
-    newton_raphson : as many equations as unknowns.
-    least_squares : the linear problem of a step.
 
     References
     ----------

@@ -62,11 +62,6 @@ class WheelBody:
         From the pivot back to the mass centre of the bracket (m).
     max_torque : float, optional
         Of the motor, at the wheel (N m).  Default without a limit.
-
-    Raises
-    ------
-    BadValueError
-        Not numbers from 0.
     """
 
     mass: float = 0.0

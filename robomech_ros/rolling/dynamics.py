@@ -231,11 +231,6 @@ class RollingDynamics:
             In the same ratios.
         saturated : tuple of str
             Wheels whose limits shortened them.
-
-        Raises
-        ------
-        BadValueError
-            Not finite torques.
         """
         given = one_vector("torques", torques, len(self.drives))
         with np.errstate(divide="ignore", invalid="ignore"):

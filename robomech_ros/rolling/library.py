@@ -83,10 +83,6 @@ def load_rolling(name_or_path: str | os.PathLike[str]) -> RollingBase:
     RobotDescriptionError
         The document cannot be used: the message says where and why.
 
-    See Also
-    --------
-    rolling_robot : the same with limits.
-
     Examples
     --------
     >>> from robomech_ros.rolling import load_rolling

@@ -37,11 +37,6 @@ class MotionLimits:
     jerk : array_like, shape (3,), optional
         Largest magnitudes (rad/s^3, m/s^3).
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Not three numbers, above 0; a velocity may be 0.
-
     Examples
     --------
     >>> from robomech_ros.rolling import MotionLimits

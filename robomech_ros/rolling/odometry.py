@@ -30,11 +30,6 @@ class OdometryNoise:
         Variance of the way of a wheel for each metre that it rolls (m^2/m).
     slip : float
         Variance for each metre by which wheels contradict each other (m^2/m).
-
-    Raises
-    ------
-    BadValueError
-        Not numbers from 0.
     """
 
     travel: float = 1e-5

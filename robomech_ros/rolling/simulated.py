@@ -47,11 +47,6 @@ class SimulatedBase:
         Of the driven wheels (N m); None where it is not dynamic.
     saturated : tuple of str
         Wheels whose motors are at their limits.
-
-    Raises
-    ------
-    BadValueError
-        Torques are to move a robot that has no bodies.
     """
 
     def __init__(self, robot: RollingRobot, dynamic: bool, wheel_position: float) -> None:

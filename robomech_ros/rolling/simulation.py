@@ -85,11 +85,6 @@ def simulate_rolling(
     -------
     RollingSimulation
 
-    Raises
-    ------
-    BadValueError
-        Not such values, or torques that are none.
-
     Examples
     --------
     A base that nothing drives keeps its energy, wherever its caster turns:

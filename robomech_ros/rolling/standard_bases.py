@@ -38,11 +38,6 @@ def differential_drive(
     RollingBase
         With the wheels ``left`` and ``right``; the origin is in the middle of the axle.
 
-    Raises
-    ------
-    BadValueError
-        Not lengths.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.5.1.

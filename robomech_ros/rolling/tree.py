@@ -73,8 +73,6 @@ def rolling_description(
 
     Raises
     ------
-    BadValueError
-        No RollingBase.
     RobotDescriptionError
         Two joints have one name, or a name is none that a URDF can have.
 

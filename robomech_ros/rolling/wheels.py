@@ -51,11 +51,6 @@ class Wheel:
     name : str
         What it is called; by default by its number.
 
-    Raises
-    ------
-    BadValueError
-        Not such values, or one that this kind does not have.
-
     References
     ----------
     Campion, Bastin and d'Andrea-Novel, Structural properties and classification of kinematic and

@@ -94,11 +94,6 @@ def as_flag(what: str, value: object) -> bool:
         Name of the value in messages.
     value : object
         From a caller.
-
-    Raises
-    ------
-    BadValueError
-        It is none.
     """
     if value is True or value is False:
         return value

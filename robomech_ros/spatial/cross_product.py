@@ -28,10 +28,6 @@ def cross_product_matrix(a: ArrayLike) -> Array:
     ndarray, shape (..., 3, 3)
         Skew-symmetric.
 
-    See Also
-    --------
-    axial_vector : the inverse.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.3.1.
@@ -70,10 +66,6 @@ def axial_vector(matrix: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3)
         In the unit of the matrix.
-
-    See Also
-    --------
-    cross_product_matrix : the inverse.
 
     References
     ----------
@@ -125,10 +117,6 @@ def linear_invariants(matrix: ArrayLike) -> tuple[Array, Array]:
         :func:`axial_vector`; e sin(phi) of a rotation.
     trace : ndarray, shape (...)
         1 + 2 cos(phi) of a rotation.
-
-    See Also
-    --------
-    matrix_from_linear_invariants : the rotation that has them.
 
     References
     ----------

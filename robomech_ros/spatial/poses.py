@@ -83,10 +83,6 @@ def compose_poses(*poses: ArrayLike) -> Array:
     ndarray, shape (..., 4, 4)
         The identity without any.
 
-    See Also
-    --------
-    inverse_pose : the way back.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.5.3.
@@ -120,10 +116,6 @@ def inverse_pose(pose: ArrayLike) -> Array:
     Returns
     -------
     ndarray, shape (..., 4, 4)
-
-    See Also
-    --------
-    compose_poses : one after another.
 
     References
     ----------

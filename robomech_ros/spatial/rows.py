@@ -51,13 +51,7 @@ def broadcast_rows(*given: tuple[str, ArrayLike, int]) -> tuple[tuple[Array, ...
 
 
 def common_shape(what: str, *shapes: tuple[int, ...]) -> tuple[int, ...]:
-    """Return the batch shape that all can be broadcast to.
-
-    Raises
-    ------
-    WrongSizeError
-        There is none.
-    """
+    """Return the batch shape that all can be broadcast to."""
     try:
         return np.broadcast_shapes(*shapes)
     except ValueError:
@@ -66,13 +60,7 @@ def common_shape(what: str, *shapes: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def finite_result(what: str, result: Array, given: Array) -> Array:
-    """Return a result back, or say that what was given is too large for it.
-
-    Raises
-    ------
-    BadValueError
-        A number of the result is not finite.
-    """
+    """Return a result back, or say that what was given is too large for it."""
     if not all_finite(result):
         largest = float(np.abs(given).max(initial=0.0))
         raise BadValueError(f"largest of {what}", largest, "numbers that do not overflow")

@@ -62,11 +62,6 @@ def nearest_turns(points: npt.ArrayLike, continuous: npt.ArrayLike) -> tuple[Arr
     turns : ndarray, shape (m, n)
         How many whole turns each was moved by.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As `joint_points` does, or `continuous` does not have one entry for each joint.
-
     Examples
     --------
     >>> from robomech_ros.trajectory import nearest_turns

@@ -87,8 +87,6 @@ class Limits:
 
     Raises
     ------
-    WrongSizeError
-        If an array or the units do not have one entry for each joint.
     BadValueError
         If names are no list of different names, a limit is no number, zero (below 1e-12) or
         negative, or a lower position limit lies above the upper one.

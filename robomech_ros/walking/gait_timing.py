@@ -38,11 +38,6 @@ def suitable_cycle(robot: LeggedRobot, stride: Stride, limits: Array, part: floa
         Of the joints, as the kernel of walking reads them.
     part : float
         Part of the limits of speed that joints use.
-
-    Raises
-    ------
-    BadValueError
-        A leg does not reach all of its swing.
     """
     most = max(_fastest_joint(robot, stride, limits, angle) for angle in _AROUND)
     return max(SHORTEST_SWING / float(1 - stride.gait.duty), most / part, sway_cycle(stride))

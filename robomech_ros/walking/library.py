@@ -81,10 +81,6 @@ def load_legged(name_or_path: str | os.PathLike[str]) -> LeggedRobot:
     RobotDescriptionError
         The document cannot be used: the message says where and why.
 
-    See Also
-    --------
-    LeggedRobot.from_description : the legs of a robot that is described by a URDF.
-
     Examples
     --------
     >>> from robomech_ros.walking import load_legged

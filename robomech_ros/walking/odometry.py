@@ -53,10 +53,6 @@ def leg_odometry(
     BadValueError, WrongSizeError
         Not such arrays, fewer than two feet, or more of them on one line.
 
-    See Also
-    --------
-    LeggedRobot.body_twist : the same of rates.
-
     References
     ----------
     K. S. Arun, T. S. Huang, S. D. Blostein: Least-squares fitting of two 3-D point sets. IEEE

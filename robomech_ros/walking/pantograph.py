@@ -92,11 +92,6 @@ class PantographLeg:
             Turn (rad), h and v (m).
         knee : {"forward", "back"}, optional
             On which side of the line AF, seen with v above 0, the knee is.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError
-            As for :meth:`foot`.
         """
         turn, h, v = _three("drives", drives)
         side = _KNEES[as_choice("knee", knee, tuple(_KNEES))]
@@ -126,11 +121,6 @@ class PantographLeg:
         ----------
         drives : array_like, shape (3,)
             Turn (rad), h and v (m).
-
-        Raises
-        ------
-        BadValueError, WrongSizeError
-            As for :meth:`foot`.
         """
         values = _three("drives", drives)
         x, up = self._axes(values[0])

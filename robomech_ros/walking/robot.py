@@ -214,13 +214,7 @@ class LeggedRobot:
         return self.leg_names.index(as_choice("leg", leg, self.leg_names))
 
     def standing(self, stance: Sequence[str] | None, least: int = 3) -> tuple[int, ...]:
-        """Return the numbers of the legs that stand; None stands for all.
-
-        Raises
-        ------
-        BadValueError
-            Not names of legs, too few to stand on, or ``least`` is no whole number.
-        """
+        """Return the numbers of the legs that stand; None stands for all."""
         if not isinstance(least, int):
             raise BadValueError("least", least, "a number of legs")
         if stance is None:
@@ -316,15 +310,6 @@ class LeggedRobot:
         -------
         ndarray, shape (3 k,)
             rad/s or m/s.
-
-        Raises
-        ------
-        BadValueError
-            No such leg, or a leg in a singular posture: it is named.
-
-        See Also
-        --------
-        body_twist : the inverse.
 
         References
         ----------

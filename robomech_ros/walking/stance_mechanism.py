@@ -46,11 +46,6 @@ def stance_mechanism(
         Their joints (rad or m).
     robot : str
         What the robot is called.
-
-    Raises
-    ------
-    BadValueError
-        No six joints hold the trunk in this posture.
     """
     poses = np.array([forward_kinematics(leg, one) for leg, one in zip(legs, q, strict=True)])
     drives = _holding(legs, q, poses[:, :3, 3])

@@ -203,11 +203,6 @@ def stride_of(robot: LeggedRobot, gait: Gait, lift: float, bound: float | None) 
     """Find how far feet may stand from their places so that legs reach them and nothing tips.
 
     The cycle in its settings is 1 s.
-
-    Raises
-    ------
-    BadValueError
-        The gait is for other robots, or keeps no such margin, or legs reach no such place.
     """
     least = (STATIC_BOUND if gait.static else TROT_BOUND) if bound is None else bound
     feet = robot.feet(robot.home)

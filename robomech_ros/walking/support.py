@@ -27,15 +27,6 @@ def stability_margin(com_xy: ArrayLike, feet_xy: ArrayLike) -> float | Array:
         Distance (m) to the border of the polygon: positive inside, negative outside.  Two feet have
         no inside: minus the distance to the line between them.
 
-    Raises
-    ------
-    BadValueError
-        No foot.
-
-    See Also
-    --------
-    support_polygon : the corners of the polygon.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.4.
@@ -68,11 +59,6 @@ def support_polygon(feet_xy: ArrayLike) -> Array:
     -------
     ndarray, shape (k, 2)
         Counter-clockwise, from the least x on; feet on an edge are left out.
-
-    Raises
-    ------
-    BadValueError
-        No foot.
 
     Examples
     --------

@@ -194,11 +194,6 @@ class Walker:
         ----------
         twist : array_like, shape (3,)
             [w, vx, vy] of the trunk in its own axes (rad/s, m/s).
-
-        Raises
-        ------
-        BadValueError, WrongSizeError
-            Not three finite numbers; the last command holds.
         """
         self._command = _three("twist", twist).copy()
         self._age = 0.0

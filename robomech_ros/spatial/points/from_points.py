@@ -58,12 +58,6 @@ def angular_velocity_from_points(
     UnderdeterminedError
         Points on one line, or all the same; with the basic form, a singular D.
 
-    See Also
-    --------
-    require_rigid : refuses points that do not move like those of a rigid body.
-    angular_velocity_covariance : how exact it is.
-    motion_from_tracks : from noisy positions only.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 8.2 and 8.2.1.
@@ -126,13 +120,7 @@ def angular_acceleration_from_points(
 
 
 def as_motions(robust: bool, *given: tuple[str, ArrayLike]) -> tuple[list[Array], tuple[int, ...]]:
-    """Check positions of points and their derivatives; give them as (k, m, 3), and the batch shape.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Fewer than three points or more for the basic form.
-    """
+    """Check points and their derivatives; return them as (k, m, 3), and the batch shape."""
     arrays = [as_finite(what, value, (3,)) for what, value in given]
     first = arrays[0]
     count = first.shape[-2] if first.ndim > 1 else 0
@@ -148,12 +136,7 @@ def as_motions(robust: bool, *given: tuple[str, ArrayLike]) -> tuple[list[Array]
 
 
 def raise_collinear(points: Array, shape: tuple[int, ...], status: int, robust: bool) -> NoReturn:
-    """Say that the points of a row do not determine how the body turns.
-
-    Raises
-    ------
-    BadValueError, UnderdeterminedError
-    """
+    """Say that the points of a row do not determine how the body turns."""
     row = int(status) // STATUSES
     _, where = row_name(row, shape)
     finite_result(f"points{where}", np.ptp(points[row], axis=0), points[row])

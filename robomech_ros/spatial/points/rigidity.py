@@ -71,15 +71,6 @@ def rigidity(
     -------
     Rigidity
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`angular_velocity_from_points`, or a tolerance that is negative.
-
-    See Also
-    --------
-    require_rigid : refuses what is not.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 8.2 and 8.3.
@@ -139,8 +130,6 @@ def require_rigid(
     InconsistentDataError
         They are no rigid body: the message names the two points whose distance changes fastest, and
         by how much the motion misses.
-    BadValueError, WrongSizeError
-        As for :func:`rigidity`.
 
     References
     ----------
@@ -190,11 +179,6 @@ def angular_velocity_covariance(points: ArrayLike, deviation: ArrayLike) -> Arra
     -------
     ndarray, shape (..., 3, 3)
         In (rad/s)^2.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`angular_velocity_from_points`, or a deviation that is negative.
 
     References
     ----------

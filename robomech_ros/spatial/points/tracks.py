@@ -105,10 +105,6 @@ def motion_from_tracks(
     InconsistentDataError, UnderdeterminedError
         Points that are no rigid body; points on one line, or all the same.
 
-    See Also
-    --------
-    angular_velocity_from_points : where velocities are known.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 8.2.1 and 8.3.1.
@@ -158,12 +154,7 @@ def _largest_change(given: float | None, sigma: float) -> float:
 
 
 def _check_distances(points: Array, limit: float) -> None:
-    """Refuse tracks (n, m, 3) whose distances change by more than a limit (m).
-
-    Raises
-    ------
-    InconsistentDataError
-    """
+    """Refuse tracks (n, m, 3) whose distances change by more than a limit (m)."""
     first, second = np.triu_indices(points.shape[1], 1)
     with np.errstate(over="ignore", invalid="ignore"):
         lengths = np.linalg.norm(points[:, first] - points[:, second], axis=-1)

@@ -34,16 +34,6 @@ def matrix_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
     ndarray, shape (..., 3, 3)
         Proper orthogonal.
 
-    Raises
-    ------
-    BadValueError
-        An axis of zero length.
-
-    See Also
-    --------
-    axis_angle_from_matrix : the inverse.
-    matrix_from_rotation_vector, matrix_from_quaternion, matrix_from_roll_pitch_yaw
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.3.2.
@@ -76,11 +66,6 @@ def axis_angle_from_quaternion(quaternion: ArrayLike) -> tuple[Array, Array]:
         Unit vector; at the angle pi its first non-zero component is positive.
     angle : ndarray, shape (...)
         In [0, pi] (rad).
-
-    Raises
-    ------
-    BadQuaternionError
-        Not a unit quaternion.
     """
     four = converted("quaternion", quaternion, QUATERNION, AXIS_ANGLE)
     return four[..., :3], four[..., 3]
@@ -100,11 +85,6 @@ def axis_angle_from_matrix(matrix: ArrayLike) -> tuple[Array, Array]:
         Unit vector; z at the identity; at the angle pi its first non-zero component is positive.
     angle : ndarray, shape (...)
         In [0, pi] (rad).
-
-    See Also
-    --------
-    matrix_from_axis_angle : the inverse.
-    rotation_vector_from_matrix, quaternion_from_matrix, roll_pitch_yaw_from_matrix
 
     Examples
     --------
@@ -130,11 +110,6 @@ def matrix_from_rotation_vector(vector: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3, 3)
         Proper orthogonal, the matrix exponential of the vector's cross-product matrix.
-
-    See Also
-    --------
-    rotation_vector_from_matrix : the inverse.
-    matrix_from_axis_angle, matrix_from_quaternion, matrix_from_roll_pitch_yaw
     """
     return converted("rotation vector", vector, ROTATION_VECTOR, MATRIX)
 
@@ -151,11 +126,6 @@ def rotation_vector_from_matrix(matrix: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3)
         Of length at most pi (rad).
-
-    See Also
-    --------
-    matrix_from_rotation_vector : the inverse.
-    axis_angle_from_matrix, quaternion_from_matrix, roll_pitch_yaw_from_matrix
     """
     return converted("rotation matrix", matrix, MATRIX, ROTATION_VECTOR)
 
@@ -188,10 +158,5 @@ def rotation_vector_from_quaternion(quaternion: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3)
         Of length at most pi (rad).
-
-    Raises
-    ------
-    BadQuaternionError
-        Not a unit quaternion.
     """
     return converted("quaternion", quaternion, QUATERNION, ROTATION_VECTOR)

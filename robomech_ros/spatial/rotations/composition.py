@@ -42,10 +42,6 @@ def compose_rotations(second: ArrayLike, first: ArrayLike, representation: str) 
     BadQuaternionError, BadValueError, WrongSizeError
         The numbers stand for no rotation, or the representation has none for the result.
 
-    See Also
-    --------
-    compose_quaternions, compose_poses
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.4 and app. A.
@@ -109,15 +105,6 @@ def slerp(start: ArrayLike, goal: ArrayLike, fraction: ArrayLike) -> Array:
     Returns
     -------
     ndarray, shape (..., 4)
-
-    Raises
-    ------
-    BadQuaternionError
-        Not unit quaternions, or not finite numbers.
-
-    See Also
-    --------
-    trajectory.geodesic_orientation : through many orientations, with angular velocity.
 
     References
     ----------

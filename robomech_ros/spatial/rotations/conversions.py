@@ -64,13 +64,7 @@ def tail_of(kind: int) -> tuple[int, ...]:
 
 
 def kind_of(what: str, name: object) -> int:
-    """Look up what kernels call a representation.
-
-    Raises
-    ------
-    BadValueError
-        There is none of this name.
-    """
+    """Look up what kernels call a representation."""
     if isinstance(name, str) and name in _NAMES:
         return _NAMES[name]
     known = [one for one in REPRESENTATIONS if one not in SEQUENCES]
@@ -166,12 +160,7 @@ def converted_axis_angle(axis: ArrayLike, angle: ArrayLike, target: int) -> Arra
 def raise_bad_rotation(
     what: str, rows: Array, shape: tuple[int, ...], kind: int, status: int
 ) -> NoReturn:
-    """Say what a compiled loop found wrong with a row of rotations.
-
-    Raises
-    ------
-    BadQuaternionError
-    """
+    """Say what a compiled loop found wrong with a row of rotations."""
     row, fault = divmod(int(status), STATUSES)
     given = rows.reshape(shape + tail_of(kind))
     index, where = row_name(row, shape) if row < len(rows) else ((), "")

@@ -41,11 +41,6 @@ def euler_angles_from_matrix(matrix: ArrayLike, sequence: str) -> Array:
         In the order of the letters (rad).  The first and third in [-pi, pi], the second in
         [0, pi] where these two axes are the same, else in [-pi/2, pi/2].
 
-    See Also
-    --------
-    matrix_from_euler_angles : the inverse.
-    roll_pitch_yaw_from_matrix : the sequence "xyz", without compiled code.
-
     References
     ----------
     E. Bernardes, S. Viollet, Quaternion to Euler angles conversion: a direct, general and
@@ -79,10 +74,6 @@ def matrix_from_euler_angles(angles: ArrayLike, sequence: str) -> Array:
     -------
     ndarray, shape (..., 3, 3)
         Proper orthogonal.
-
-    See Also
-    --------
-    euler_angles_from_matrix : the inverse.
     """
     return converted("Euler angles", angles, sequence_kind(sequence), MATRIX)
 
@@ -101,11 +92,6 @@ def euler_angles_from_quaternion(quaternion: ArrayLike, sequence: str) -> Array:
     -------
     ndarray, shape (..., 3)
         In the order of the letters (rad).
-
-    Raises
-    ------
-    BadQuaternionError
-        Not a unit quaternion, or no sequence.
     """
     return converted("quaternion", quaternion, QUATERNION, sequence_kind(sequence))
 
@@ -156,11 +142,6 @@ def roll_pitch_yaw_from_quaternion(quaternion: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3)
         As :func:`roll_pitch_yaw_from_matrix` (rad).
-
-    Raises
-    ------
-    BadQuaternionError
-        Not a unit quaternion.
     """
     return converted("quaternion", quaternion, QUATERNION, ROLL_PITCH_YAW)
 
@@ -198,10 +179,5 @@ def roll_pitch_yaw_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3)
         As :func:`roll_pitch_yaw_from_matrix` (rad).
-
-    Raises
-    ------
-    BadValueError
-        An axis of zero length.
     """
     return converted_axis_angle(axis, angle, ROLL_PITCH_YAW)

@@ -38,16 +38,6 @@ def matrix_from_quaternion(quaternion: ArrayLike) -> Array:
     ndarray, shape (..., 3, 3)
         Proper orthogonal.
 
-    Raises
-    ------
-    BadQuaternionError
-        As for :func:`unit_quaternion`.
-
-    See Also
-    --------
-    quaternion_from_matrix : the inverse.
-    matrix_from_axis_angle, matrix_from_rotation_vector, matrix_from_roll_pitch_yaw
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.3.6.
@@ -80,11 +70,6 @@ def quaternion_from_matrix(matrix: ArrayLike) -> Array:
     ndarray, shape (..., 4)
         Vector first, scalar last.
 
-    See Also
-    --------
-    matrix_from_quaternion : the inverse.
-    axis_angle_from_matrix, rotation_vector_from_matrix, roll_pitch_yaw_from_matrix
-
     References
     ----------
     S. W. Shepperd, Quaternion from rotation matrix, J. Guidance and Control 1 (1978) 223-224.
@@ -114,17 +99,6 @@ def quaternion_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
     ndarray, shape (..., 4)
         Vector first, scalar last.
 
-    Raises
-    ------
-    BadValueError
-        An axis of zero length.
-
-    See Also
-    --------
-    axis_angle_from_quaternion : the inverse.
-    quaternion_from_matrix
-    quaternion_from_roll_pitch_yaw
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.3.6.
@@ -145,16 +119,6 @@ def compose_quaternions(second: ArrayLike, first: ArrayLike) -> Array:
     ndarray, shape (..., 4)
         ``r0 = r0'' r0' - r''.r'``, ``r = r0'' r' + r0' r'' + r'' x r'``.
 
-    Raises
-    ------
-    BadQuaternionError
-        As for :func:`unit_quaternion`.
-
-    See Also
-    --------
-    compose_poses : of poses.
-    inverse_quaternion : the opposite rotation.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., app. A.
@@ -173,11 +137,6 @@ def inverse_quaternion(quaternion: ArrayLike) -> Array:
     Returns
     -------
     ndarray, shape (..., 4)
-
-    Raises
-    ------
-    BadQuaternionError
-        As for :func:`unit_quaternion`.
     """
     opposite = unit_quaternion(quaternion) * (-1.0, -1.0, -1.0, 1.0)
     return converted("quaternion", opposite, QUATERNION, QUATERNION)

@@ -59,10 +59,6 @@ def rotation_rates(
         No rotation, or one at which the numbers have no rates: the identity for axis and angle, a
         half turn for Rodrigues vectors, parallel axes for Euler angles.
 
-    See Also
-    --------
-    angular_motion : the inverse.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., app. A.
@@ -123,10 +119,6 @@ def angular_motion(
     ------
     BadQuaternionError, BadValueError, WrongSizeError
         No rotation, rates of another shape, or a half turn given by its linear invariants.
-
-    See Also
-    --------
-    rotation_rates : the inverse.
 
     References
     ----------

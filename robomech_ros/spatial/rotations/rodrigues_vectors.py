@@ -34,10 +34,6 @@ def rodrigues_vector_from_matrix(matrix: ArrayLike) -> Array:
     ------
     BadValueError
         A half turn.
-
-    See Also
-    --------
-    matrix_from_rodrigues_vector : the inverse.
     """
     return converted("rotation matrix", matrix, MATRIX, RODRIGUES_VECTOR)
 
@@ -54,10 +50,6 @@ def matrix_from_rodrigues_vector(vector: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3, 3)
         Proper orthogonal.
-
-    See Also
-    --------
-    rodrigues_vector_from_matrix : the inverse.
     """
     return converted("Rodrigues vector", vector, RODRIGUES_VECTOR, MATRIX)
 

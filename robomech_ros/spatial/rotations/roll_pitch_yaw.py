@@ -32,11 +32,6 @@ def matrix_from_roll_pitch_yaw(angles: ArrayLike) -> Array:
     ndarray, shape (..., 3, 3)
         Proper orthogonal.
 
-    See Also
-    --------
-    roll_pitch_yaw_from_matrix : the inverse.
-    matrix_from_axis_angle, matrix_from_rotation_vector, matrix_from_quaternion
-
     Examples
     --------
     >>> import numpy as np
@@ -77,11 +72,6 @@ def roll_pitch_yaw_from_matrix(matrix: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3)
         Roll and yaw in [-pi, pi], pitch in [-pi/2, pi/2] (rad).
-
-    See Also
-    --------
-    matrix_from_roll_pitch_yaw : the inverse.
-    axis_angle_from_matrix, rotation_vector_from_matrix, quaternion_from_matrix
 
     Examples
     --------

@@ -72,10 +72,6 @@ def point_acceleration(
     ndarray, shape (..., 3)
         m/s^2.
 
-    See Also
-    --------
-    acceleration_pole : the point without acceleration.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.5.
@@ -119,10 +115,6 @@ def acceleration_pole(
     -------
     ndarray, shape (..., 3)
         In m; NaN where there is none, or not only one.
-
-    See Also
-    --------
-    point_acceleration : of any point.
 
     References
     ----------

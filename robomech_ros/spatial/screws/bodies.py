@@ -32,11 +32,6 @@ def inertia_of_point_mass(mass: ArrayLike, position: ArrayLike) -> Array:
     ndarray, shape (..., 3, 3)
         In kg m^2.
 
-    Raises
-    ------
-    BadValueError
-        A negative mass.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.
@@ -111,11 +106,6 @@ def inertia_dyad(mass: ArrayLike, inertia: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 6, 6)
 
-    Raises
-    ------
-    BadValueError
-        A negative mass or an inertia that is not symmetric.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.
@@ -166,11 +156,6 @@ def momentum_screw(mass: ArrayLike, inertia: ArrayLike, twist: ArrayLike) -> Arr
     ndarray, shape (..., 6)
         Angular momentum about the mass centre (kg m^2/s), then momentum (kg m/s).
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`inertia_dyad`.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.
@@ -190,15 +175,6 @@ def twist_kinetic_energy(mass: ArrayLike, inertia: ArrayLike, twist: ArrayLike) 
     -------
     ndarray, shape (...)
         In J.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`momentum_screw`.
-
-    See Also
-    --------
-    dynamics.kinetic_energy : of a whole robot.
 
     References
     ----------
@@ -239,11 +215,6 @@ def newton_euler_wrench(
     -------
     ndarray, shape (..., 6)
         Moment about the mass centre (N m), then force (N), of all that acts on the body.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`momentum_screw`.
 
     References
     ----------

@@ -37,11 +37,6 @@ def pose_exponential(xi: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 4, 4)
 
-    See Also
-    --------
-    pose_logarithm : the inverse.
-    pose_from_screw : by axis, point, angle and displacement.
-
     Examples
     --------
     >>> import numpy as np
@@ -68,12 +63,6 @@ def pose_logarithm(pose: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 6)
         ``[w; v]`` as :func:`pose_exponential` takes it, w of length at most pi.
-
-    See Also
-    --------
-    pose_exponential : the inverse.
-    finite_screw : axis, point, angle and displacement.
-    pose_error : rotation vector and difference of the origins.
 
     Examples
     --------

@@ -69,11 +69,6 @@ def finite_screw(pose: ArrayLike) -> FiniteScrew:
     -------
     FiniteScrew
 
-    See Also
-    --------
-    pose_from_screw : the inverse.
-    instant_screw : of a velocity.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.2.1.
@@ -114,15 +109,6 @@ def pose_from_screw(
     Returns
     -------
     ndarray, shape (..., 4, 4)
-
-    Raises
-    ------
-    BadValueError
-        An axis of zero length.
-
-    See Also
-    --------
-    finite_screw : the inverse.
 
     References
     ----------

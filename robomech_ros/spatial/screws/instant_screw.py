@@ -59,11 +59,6 @@ def instant_screw(twist: ArrayLike, point: ArrayLike | None = None) -> InstantSc
     -------
     InstantScrew
 
-    See Also
-    --------
-    finite_screw : of a pose.
-    wrench_axis : of a wrench.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.4.1.
@@ -93,10 +88,6 @@ def wrench_axis(wrench: ArrayLike, point: ArrayLike | None = None) -> InstantScr
     Returns
     -------
     InstantScrew
-
-    See Also
-    --------
-    instant_screw : of a twist.
 
     References
     ----------

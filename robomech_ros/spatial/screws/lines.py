@@ -66,11 +66,6 @@ def line_through(point: ArrayLike, direction: ArrayLike) -> Array:
     ndarray, shape (..., 6)
         Unit direction e, then moment ``n = p x e`` (m).
 
-    Raises
-    ------
-    BadValueError
-        A direction of zero length.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.2.2.
@@ -222,10 +217,6 @@ def line_distance(first: ArrayLike, second: ArrayLike) -> Array:
     -------
     ndarray, shape (...)
         In m.
-
-    See Also
-    --------
-    common_normal : its feet and direction.
     """
     return common_normal(first, second).distance
 

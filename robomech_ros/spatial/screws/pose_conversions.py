@@ -34,16 +34,6 @@ def pose_from_position_quaternion(position: ArrayLike, quaternion: ArrayLike) ->
     -------
     ndarray, shape (..., 4, 4)
 
-    Raises
-    ------
-    BadQuaternionError
-        Not three finite numbers, or not a unit quaternion.
-
-    See Also
-    --------
-    position_quaternion_from_pose : the inverse.
-    pose_from_matrix : from a rotation matrix.
-
     Examples
     --------
     >>> from robomech_ros.spatial import pose_from_position_quaternion
@@ -90,15 +80,6 @@ def pose_array_from_pose(pose: ArrayLike, rotation: str = "quaternion") -> Array
     ndarray, shape (..., 7)
         Four numbers of the rotation, then the position (m).
 
-    Raises
-    ------
-    BadValueError
-        A representation that is not of four numbers.
-
-    See Also
-    --------
-    pose_from_pose_array : the inverse.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.2.3.
@@ -122,12 +103,6 @@ def pose_from_pose_array(array: ArrayLike, rotation: str = "quaternion") -> Arra
     Returns
     -------
     ndarray, shape (..., 4, 4)
-
-    Raises
-    ------
-    BadQuaternionError, BadValueError
-        Not seven finite numbers, or the four stand for no rotation; linear invariants do not for a
-        half turn.
 
     References
     ----------

@@ -37,11 +37,6 @@ def transfer_twist(twist: ArrayLike, from_point: ArrayLike, to_point: ArrayLike)
     -------
     ndarray, shape (..., 6)
 
-    See Also
-    --------
-    transfer_wrench : its counterpart; the power of both stays the same.
-    twist_transfer_matrix : the matrix of it.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.4.2.
@@ -70,10 +65,6 @@ def transfer_wrench(wrench: ArrayLike, from_point: ArrayLike, to_point: ArrayLik
     Returns
     -------
     ndarray, shape (..., 6)
-
-    See Also
-    --------
-    transfer_twist : its counterpart.
 
     References
     ----------

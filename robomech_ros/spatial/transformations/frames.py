@@ -32,10 +32,6 @@ def transform_vectors(rotation: ArrayLike, vectors: ArrayLike) -> Array:
     ndarray, shape (..., 3)
         In frame a.
 
-    See Also
-    --------
-    transform_points : with shifted origins.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.5.1.
@@ -61,10 +57,6 @@ def transform_points(pose: ArrayLike, points: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3)
         In frame a (m).
-
-    See Also
-    --------
-    transform_vectors : what has no place.
 
     References
     ----------
@@ -120,11 +112,6 @@ def points_from_homogeneous(coordinates: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3)
 
-    Raises
-    ------
-    BadValueError
-        Not finite coordinates, or points at infinity.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.5.3.
@@ -151,10 +138,6 @@ def similarity_transform(matrix: ArrayLike, rotation: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3, 3)
         In frame a.
-
-    See Also
-    --------
-    same_in_two_frames : whether there is such a rotation.
 
     References
     ----------
@@ -224,12 +207,6 @@ def same_in_two_frames(first: ArrayLike, second: ArrayLike, tolerance: float = _
     Returns
     -------
     ndarray of bool, shape (...)
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Not square matrices of finite numbers and of the same size, or a tolerance that is not
-        positive.
 
     References
     ----------

@@ -53,11 +53,6 @@ def linear_map(matrix: ArrayLike, tolerance: float = _RANK) -> LinearMap:
         The columns that are not zero are ``range_basis[..., :rank]`` and
         ``kernel_basis[..., rank:]``.
 
-    Raises
-    ------
-    BadValueError
-        A tolerance outside 0 to 1.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.2.
@@ -106,11 +101,6 @@ def orthogonal_projection(matrix: ArrayLike) -> Array:
     ndarray, shape (..., m, m)
         Symmetric.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`linear_map`.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.2.
@@ -132,11 +122,6 @@ def projection_on_line(direction: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3, 3)
 
-    Raises
-    ------
-    BadValueError
-        A direction of zero length.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.2.
@@ -157,11 +142,6 @@ def projection_on_plane(normal: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3, 3)
 
-    Raises
-    ------
-    BadValueError
-        A normal of zero length.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.2.
@@ -171,13 +151,7 @@ def projection_on_plane(normal: ArrayLike) -> Array:
 
 
 def unit_vectors(what: str, value: ArrayLike) -> Array:
-    """Return vectors (..., 3) of length 1.
-
-    Raises
-    ------
-    BadValueError
-        A vector of zero length.
-    """
+    """Return vectors (..., 3) of length 1."""
     v = as_finite(what, value, (3,))
     largest = np.abs(v).max(axis=-1, keepdims=True)
     if (largest == 0.0).any():

@@ -73,16 +73,6 @@ def sensor_agreement(rotations: ArrayLike, tolerance: float = _SAME_ANGLE) -> Se
     -------
     SensorAgreement
 
-    Raises
-    ------
-    BadValueError
-        A tolerance that is not positive.
-
-    See Also
-    --------
-    frame_between_sensors : how the sensors are mounted.
-    same_in_two_frames : of any matrix.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.7.1.
@@ -131,10 +121,6 @@ def frame_between_sensors(first: ArrayLike, second: ArrayLike) -> Array:
         Other angles for both sensors, or rotations that no X matches, such as inverted ones; no
         rotations, all about parallel axes, about which X is then free to turn, or half turns about
         axes at right angles, which four X match.
-
-    See Also
-    --------
-    sensor_agreement : whether they have seen the same.
 
     References
     ----------
@@ -203,10 +189,6 @@ def _check_axes(r: Array, s: Array, differences: Array) -> None:
         Euler-Rodrigues parameters by both.
     differences : ndarray, shape (k,)
         Of the angles by both (rad): these should be the same, so this is noise.
-
-    Raises
-    ------
-    InconsistentDataError, UnderdeterminedError
     """
     most = float(np.median(np.abs(differences)))
     if most > _CHAOS:

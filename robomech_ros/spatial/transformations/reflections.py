@@ -31,16 +31,6 @@ def reflection(normal: ArrayLike) -> Array:
     ndarray, shape (..., 3, 3)
         Symmetric, its own inverse, of determinant -1.
 
-    Raises
-    ------
-    BadValueError
-        A normal of zero length.
-
-    See Also
-    --------
-    reflection_normal : the inverse.
-    compose_reflections : two of them make a rotation.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 2.2 and 2.4.
@@ -109,15 +99,6 @@ def compose_reflections(second: ArrayLike, first: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3, 3)
         Proper orthogonal.
-
-    Raises
-    ------
-    BadValueError
-        A normal of zero length.
-
-    See Also
-    --------
-    reflections_from_matrix : the inverse.
 
     References
     ----------

@@ -21,12 +21,6 @@ def checked_pieces(
         Its name in messages.
     largest_order : int
         Of its polynomials.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Shapes that do not fit, a higher order, numbers that are not finite, breaks that do not
-        increase, or positions too large.
     """
     breaks = real_array(f"breaks of the {what}", pieces.breaks)
     coefficients = real_array(f"coefficients of the {what}", pieces.coefficients)

@@ -47,8 +47,6 @@ def interpolant(
 
     Raises
     ------
-    NonFiniteError
-        If a number is NaN or infinite (other than in a row that is NaN altogether).
     BadValueError
         If the times do not increase strictly.
     """

@@ -49,11 +49,6 @@ def spaced_knots(points: Array, spacing: str, scale: Array | float = 1.0) -> Arr
     -------
     ndarray, shape (m,)
         From 0 to 1, strictly increasing; points that coincide are kept apart a little.
-
-    Raises
-    ------
-    BadValueError
-        If there is no such spacing.
     """
     power = _POWERS[as_choice("spacing", spacing, tuple(_POWERS))]
     distances = np.linalg.norm(np.diff(points, axis=0) / scale, axis=1)

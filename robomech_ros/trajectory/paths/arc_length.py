@@ -172,10 +172,6 @@ def arc_length(curve: Curve) -> ArcLengthCurve:
     BadValueError
         No curve, or one with a cusp; the message names the parameter.
 
-    See Also
-    --------
-    frenet_serret : the derivatives by the arc length.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 11.2.
@@ -204,11 +200,6 @@ def measured(speed: Speed, breaks: Array, expected: str = _EXPECTED) -> ArcLengt
     Returns
     -------
     ArcLength
-
-    Raises
-    ------
-    BadValueError
-        If the speed vanishes somewhere.
     """
     low, high = breaks[:-1], breaks[1:]
     fitted = _fitted(speed, low, high)

@@ -58,11 +58,6 @@ class SerialArm:
         smallest motion of the joints.
     limits : JointLimits, optional
         With a mask: whose position limits joints keep away from, where others can move instead.
-
-    Raises
-    ------
-    BadValueError
-        One of the three is not callable, or the mask is none.
     """
 
     forward: Callable[[Array], npt.ArrayLike]
@@ -133,11 +128,6 @@ class JoinedArms:
     inverse : callable
         All joint values (n,) for a pose (4, 4), nearest to given ones (n,), the second argument;
         None if there are none.
-
-    Raises
-    ------
-    BadValueError
-        No arms, something that is no arm, or not one number of joints for each.
     """
 
     arms: tuple[Arm, ...]

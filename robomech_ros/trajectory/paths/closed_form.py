@@ -154,17 +154,6 @@ def helix(
     FunctionCurve
         The parameter u is the angle (rad).
 
-    Raises
-    ------
-    BadValueError
-        A radius or angle that is not above 0.
-
-    See Also
-    --------
-    frenet_serret : the frame along it.
-    viviani
-    cylinder_intersection
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 11.2 and 11.3.
@@ -209,17 +198,6 @@ def viviani(
     -------
     FunctionCurve
         The parameter u is the angle about the cylinder's axis (rad).
-
-    Raises
-    ------
-    BadValueError
-        A radius that is not above 0 or angles that do not increase.
-
-    See Also
-    --------
-    frenet_serret : the frame along it.
-    helix
-    cylinder_intersection
 
     References
     ----------
@@ -279,12 +257,6 @@ def cylinder_intersection(
     BadValueError
         Radii that are not above 0 or a smaller pipe that does not end on the larger one all round
         (r + abs(d) must be below R).
-
-    See Also
-    --------
-    frenet_serret : the frame along it.
-    helix
-    viviani
 
     References
     ----------

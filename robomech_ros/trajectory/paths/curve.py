@@ -56,12 +56,6 @@ class FunctionCurve:
         Ends, and places between them where a derivative steps; strictly increasing.
     pose : array_like, shape (4, 4), optional
         ``T_base_curve``, where that frame is (m).
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Invalid breaks or pose, or a function that is not callable. What the function returns is
-        checked whenever it is called.
     """
 
     function: Callable[[Array], Sequence[npt.ArrayLike] | Array]

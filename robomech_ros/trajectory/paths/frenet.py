@@ -37,10 +37,6 @@ class FrenetSerret:
         kappa >= 0 and tau (1/m); both 0 where the curve is straight.
     curvature_rate, torsion_rate : ndarray, shape (m,)
         Their derivatives (1/m^2); 0 where the curve is straight.
-
-    See Also
-    --------
-    frenet_serret : what makes it, with the formulas.
     """
 
     frame: Array
@@ -103,16 +99,6 @@ def frenet_serret(curve: Curve, u: npt.ArrayLike) -> FrenetSerret:
     -------
     FrenetSerret
         Without the axis m for a single parameter.
-
-    Raises
-    ------
-    BadValueError
-        No curve, or parameters that are not on it.
-
-    See Also
-    --------
-    frenet_orientation : a tool that goes with the frame.
-    arc_length : s as a function of u.
 
     References
     ----------

@@ -61,11 +61,6 @@ class JointPath:
         -------
         ndarray, shape (4, n) or (4, m, n)
             rad or m, over m to the power of the first index.
-
-        Raises
-        ------
-        BadValueError
-            Not coordinates from 0 to `length`.
         """
         return np.stack(self.pieces.sample(as_parameters("s", s, 0.0, self.length)))
 

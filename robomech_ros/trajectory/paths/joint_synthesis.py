@@ -59,11 +59,6 @@ def joint_spline(
         Not a path, an arm, a joint path that follows it or a number, or periodic ends of a path
         that does not close in the joints.
 
-    See Also
-    --------
-    track_path : a joint path as exact as is wanted.
-    tracking_error : how far this one is off.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 11.4.
@@ -101,11 +96,6 @@ def tracking_error(path: PosePath, arm: Arm, joints: JointPath, s: npt.ArrayLike
     ndarray, shape (6,) or (m, 6)
         Rotation vector (rad) and displacement (m) from the actual pose to the one of the path, in
         the base frame.
-
-    Raises
-    ------
-    BadValueError
-        Not paths, an arm, or coordinates that are on both.
     """
     check_follows(path, joints)
     as_arm(arm)

@@ -179,11 +179,6 @@ def geodesic_orientation(rotations: npt.ArrayLike, knots: npt.ArrayLike) -> Piec
     BadValueError
         Not rotations or not knots, or neighbours opposite to each other: 180 degrees apart no axis
         is shorter than another.
-
-    See Also
-    --------
-    orientation_spline : smoothly.
-    frenet_orientation : with the Frenet frame of a curve.
     """
     given, parameters = as_rotations("rotations", rotations, knots)
     turns = turns_between("rotations", given)

@@ -69,11 +69,6 @@ def orientation_spline(
         Not rotations, knots or rates, neighbours opposite to each other, a motion that should close
         and does not, or orientations so far apart that no smooth motion was found.
 
-    See Also
-    --------
-    geodesic_orientation : about fixed axes.
-    spline_path : with positions.
-
     References
     ----------
     I. G. Kang and F. C. Park, Cubic spline algorithms for orientation interpolation, Int. J.

@@ -97,17 +97,6 @@ def track_path(
     -------
     PathTracking
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Not a path, an arm, joint values or positive numbers, or what the arm returns is no finite
-        array of its shape.
-
-    See Also
-    --------
-    joint_spline : the classic way, splines through postures.
-    along_path : the motion along it.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 11.5.

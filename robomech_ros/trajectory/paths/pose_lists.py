@@ -54,12 +54,6 @@ def straight_path(poses: npt.ArrayLike, *, radius: float = TURN_RADIUS) -> PoseP
     BadValueError, WrongSizeError
         Not poses, fewer than two, equal neighbours, or neighbours of opposite orientations.
 
-    See Also
-    --------
-    arc_path
-    spline_path
-    pose_path : of any curve and orientation.
-
     Examples
     --------
     >>> import numpy as np
@@ -91,17 +85,6 @@ def spline_path(poses: npt.ArrayLike, *, radius: float = TURN_RADIUS) -> PosePat
     Returns
     -------
     PosePath
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for `straight_path`.
-
-    See Also
-    --------
-    straight_path
-    arc_path
-    spline_curve : points alone.
     """
     given, knots, weight = _checked(poses, radius)
     curve = PolynomialCurve(cubic_spline(knots, given[:, :3, 3], "natural"))

@@ -109,11 +109,6 @@ class PosePath:
         Returns
         -------
         PoseSample
-
-        Raises
-        ------
-        BadValueError
-            Not coordinates from 0 to `length`.
         """
         inside = as_parameters("s", s, 0.0, self.length)
         u = self.measure.parameter(np.atleast_1d(inside))

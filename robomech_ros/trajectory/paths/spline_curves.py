@@ -67,10 +67,6 @@ def spline_curve(
         Points, knots or rates that are invalid or too few, neighbours that coincide, a curve that
         should close and does not, or an unknown degree or kind of ends.
 
-    See Also
-    --------
-    spline_path : poses in place of points.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 6.6 and 11.4.

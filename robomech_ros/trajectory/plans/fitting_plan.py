@@ -107,13 +107,7 @@ def sampled_to_fit(
 
 
 def check_duration(seconds: float, longest: float, what: str = "duration") -> None:
-    """Refuse a motion that takes longer (s) than a trajectory may.
-
-    Raises
-    ------
-    BadValueError
-        It does.
-    """
+    """Refuse a motion that takes longer (s) than a trajectory may."""
     if seconds > longest:
         expected = f"at most {longest:g} s, the parameter max_duration"
         raise BadValueError(what, float(f"{seconds:.9g}"), expected)

@@ -64,8 +64,6 @@ def jerk_limited_through(
         If the motion cannot be that short.
     LimitExceededError
         If a point is outside the position limits.
-    BadValueError
-        If Ruckig fails.
     """
     # A point that repeats the one before is passed with it.
     distinct = np.append(True, np.any(np.diff(points, axis=0) != 0.0, axis=1))

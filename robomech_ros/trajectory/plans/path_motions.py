@@ -135,9 +135,6 @@ def along_path(
     See Also
     --------
     robomech_ros.cartesian.plan_along : The same for a chain, with more that may end the path.
-    track_path : the joint path alone.
-    along_joint_path : the motion along one that is there.
-    tracking_error : how far the joints are off the path.
 
     References
     ----------

@@ -75,13 +75,7 @@ PROFILES: dict[str, type[Profile]] = {
 
 
 def profile_named(name: str) -> type[Profile]:
-    """Look a profile up by its name, in capitals or not.
-
-    Raises
-    ------
-    BadValueError
-        If there is none of this name; it lists those there are.
-    """
+    """Look a profile up by its name, in capitals or not."""
     found = PROFILES.get(name.lower()) if isinstance(name, str) else None
     if found is None:
         raise BadValueError("profile", name, "one of " + ", ".join(sorted(PROFILES)))
@@ -148,14 +142,6 @@ def point_to_point(
         If the start, or the goal or another part of the motion, is outside the limits.
     DurationTooShortError
         If the limits do not allow the wanted duration.
-
-    See Also
-    --------
-    through_points : with via points.
-    sampled_point_to_point : sampled, and the samples verified.
-    state_to_state : with rates at both ends.
-    verify : the proof that a motion keeps to limits.
-    Polynomial345, Polynomial4567, Cycloidal
 
     References
     ----------

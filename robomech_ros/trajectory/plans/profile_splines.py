@@ -64,11 +64,6 @@ def spline_like(
     RobomechError
         As `spline_through` does, and BadValueError for an unknown profile or number of knots.
 
-    See Also
-    --------
-    spline_through : through any points.
-    point_to_point : by the law itself.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 6.6.

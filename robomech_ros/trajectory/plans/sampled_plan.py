@@ -171,11 +171,6 @@ def sampled_point_to_point(
     ------
     RobomechError
         As `point_to_point`, `discretise` and `verify` do.
-
-    See Also
-    --------
-    point_to_point : the motion alone.
-    sampled_through_points : with via points.
     """
     method = profile_named(profile)
     check_can_be_sampled(profile)

@@ -138,20 +138,12 @@ def spline_through(
 
     Raises
     ------
-    WrongSizeError, BadValueError
-        If points, times or options are invalid.
     MissingLimitsError
         If a joint lacks a limit that is needed.
     SeedOutsideLimitsError, LimitExceededError
         If the first point, or another part of the curve, is outside the position limits.
     DurationTooShortError
         If the limits do not allow the wanted duration.
-
-    See Also
-    --------
-    through_points : from rest to rest by any profile that can pass points.
-    via_polynomial : one polynomial through one or two via points.
-    spline_like : the spline that is most like a law of motion.
 
     References
     ----------

@@ -105,10 +105,6 @@ def verify(
         If waypoints or pieces make no curve: times that do not increase, NaN, wrong shapes; or
         another option is not what it should be.
 
-    See Also
-    --------
-    sampled_motion : plans, samples and verifies.
-
     Examples
     --------
     >>> from robomech_ros.robots import load_robot
@@ -158,11 +154,6 @@ def first_violation(
     Returns
     -------
     Violation or None
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As `verify` does.
     """
     known, rates = Limits.of(limits), _checked_rates(rates)
     curve, doubts = _curve_and_doubts(trajectory, known)

@@ -150,13 +150,6 @@ def through_points(
     RobomechError
         As `point_to_point`, `spline_through` and `via_polynomial` do.
 
-    See Also
-    --------
-    point_to_point : without via points.
-    spline_through : splines at given times, and with other ends.
-    via_polynomial : one polynomial.
-    sampled_through_points : sampled, and the samples verified.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 6.5 and 6.6.

@@ -93,18 +93,12 @@ def via_polynomial(
 
     Raises
     ------
-    WrongSizeError, BadValueError
-        If points or options are invalid.
     MissingLimitsError
         If a joint lacks a velocity or acceleration limit.
     SeedOutsideLimitsError, LimitExceededError
         If the start, or another part of the motion, is outside the position limits.
     DurationTooShortError
         If the limits do not allow the wanted duration.
-
-    See Also
-    --------
-    through_points : by splines and other profiles, too.
 
     References
     ----------

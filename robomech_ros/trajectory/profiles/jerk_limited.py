@@ -225,11 +225,6 @@ def planned_between(
     phases : Phases
     pieces : PiecewisePolynomial
         Their curve, as `curve_of` gives it.
-
-    Raises
-    ------
-    BadValueError
-        If Ruckig fails and a joint moves at an end.
     """
     allowed = limits
     for _ in range(_ROUNDS):

@@ -118,12 +118,6 @@ class Polynomial345(RestToRest):
     Largest rates: :math:`s' = 15/8` in the middle, :math:`s'' = 10\sqrt3/3` at
     :math:`\tau = 1/2 \mp \sqrt3/6`, and :math:`s''' = 60` at both ends.
 
-    See Also
-    --------
-    Polynomial4567
-    Cycloidal
-    point_to_point : with the profile ``poly345``.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 6.3.1.
@@ -148,12 +142,6 @@ class Polynomial4567(RestToRest):
     Largest rates: :math:`s' = 35/16` in the middle, :math:`s'' = 84\sqrt5/25` at
     :math:`\tau = 1/2 \mp \sqrt5/10`, and :math:`|s'''| = 105/2` in the middle.
 
-    See Also
-    --------
-    Polynomial345
-    Cycloidal
-    point_to_point : with the profile ``poly4567``.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 6.3.2.
@@ -169,12 +157,6 @@ class Cycloidal(RestToRest):
 
     Largest rates: :math:`s' = 2` in the middle, :math:`s'' = 2\pi` at a quarter, and
     :math:`|s'''| = 4\pi^2` at both ends and in the middle.
-
-    See Also
-    --------
-    Polynomial345
-    Polynomial4567
-    point_to_point : with the profile ``cycloidal``.
 
     References
     ----------

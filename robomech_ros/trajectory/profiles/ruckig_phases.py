@@ -168,11 +168,6 @@ def jerk_phases(
     -------
     Phases
         Positions count from the start.
-
-    Raises
-    ------
-    BadValueError
-        If Ruckig fails; the message names the joint.
     """
     if not len(rise):
         # Ruckig itself reads memory that is not there.

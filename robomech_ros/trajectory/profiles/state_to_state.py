@@ -115,10 +115,6 @@ def state_to_state(
     DurationTooShortError
         If the wanted duration is not possible; moving joints may not be able to wait, either.
 
-    See Also
-    --------
-    point_to_point : from rest to rest, by any profile.
-
     References
     ----------
     L. Berscheid, T. Kröger, "Jerk-limited Real-time Trajectory Generation with Arbitrary Target

@@ -62,11 +62,6 @@ def smoothed(path: PiecewisePolynomial, limits: PathLimits, jerk: Array) -> Time
         Without torques.
     jerk : ndarray, shape (n,)
         Jerk limits of the joints, rad or m over s^3.
-
-    Raises
-    ------
-    BadValueError
-        If the second derivative of the path steps.
     """
     _check_smoothness(path)
     if _is_straight(path) and not limits.speeds:

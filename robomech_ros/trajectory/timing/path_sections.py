@@ -16,13 +16,7 @@ _MOST_PIECES = 100_000
 
 
 def checked_path(path: PiecewisePolynomial) -> PiecewisePolynomial:
-    """Check a path, and give it with plain arrays and without powers that nowhere occur.
-
-    Raises
-    ------
-    BadValueError
-        If it is no piecewise polynomial up to the fifth order, or not continuous.
-    """
+    """Check a path, and give it with plain arrays and without powers that nowhere occur."""
     if not isinstance(path, PiecewisePolynomial):
         raise BadValueError("path", path, "a PiecewisePolynomial over the path coordinate")
     curve = checked_pieces(path, "path", _LARGEST_ORDER)

@@ -51,11 +51,6 @@ def fastest(
     Returns
     -------
     SpeedProfile
-
-    Raises
-    ------
-    BadValueError
-        If a wanted speed at an end is not possible, or torque or speed limits forbid every motion.
     """
     nodes = _first_grid(path.breaks)
     bends = np.zeros(len(nodes) - 1)

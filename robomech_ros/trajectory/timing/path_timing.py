@@ -134,11 +134,6 @@ def time_optimal(
     SeedOutsideLimitsError, LimitExceededError
         If the start, or another part of the path, is outside the position limits.
 
-    See Also
-    --------
-    torque_limited : within the torques of a model of the arm.
-    through_points : the same by one call, with the profile ``time_optimal``.
-
     Examples
     --------
     >>> from robomech_ros.trajectory import Limits, spline_through, time_optimal

@@ -109,9 +109,6 @@ def torque_limited(
     MissingLimitsError
         No drive has an effort limit, or a drive, or a joint with acceleration limits, lacks a
         velocity limit.
-    BadValueError, WrongSizeError
-        As for :func:`time_optimal`; or what a callable returns is no finite array of its shape; or
-        a path on which loops are open, or a singular posture.
     """
     curve = checked_path(path)
     known = Limits.of(limits)
