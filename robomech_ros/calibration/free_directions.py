@@ -8,6 +8,7 @@ import numpy as np
 
 from robomech_ros._kernels.calibration import starting
 from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
 from robomech_ros.typing import Array
 
 _common_turns = direct(starting.common_turns)
@@ -51,9 +52,7 @@ class FreeDirections:
         found = np.linalg.lstsq(columns, right, rcond=1e-9)[0]
         angle = np.arctan2(found[1], found[0])
         for first, about in ((0, axis), (12, other)):
-            x, y, z = about
-            cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-            turn = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+            turn = matrix_from_rotation_vector(angle * about)
             at[first : first + 9] = (turn @ at[first : first + 9].reshape(3, 3)).ravel()
 
     def motion_off_line(self, A: Array, S: Array, use: Array, at: Array) -> float:

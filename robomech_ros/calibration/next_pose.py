@@ -12,7 +12,8 @@ from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.calibration.estimation import MOUNTS
 from robomech_ros.calibration.initial_guess import pack_poses
 from robomech_ros.calibration.result import HandEyeResult, sensor_covariance
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import WrongSizeError
+from robomech_ros.spatial.arrays import check_kind
 from robomech_ros.spatial.poses import as_pose, inverse_pose
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
 from robomech_ros.typing import Array
@@ -60,8 +61,7 @@ def next_best_pose(calibration: HandEyeResult, candidates: ArrayLike | None = No
     -------
     NextPose
     """
-    if not isinstance(calibration, HandEyeResult):
-        raise BadValueError("calibration", calibration, "a HandEyeResult")
+    check_kind("calibration", calibration, HandEyeResult, "a HandEyeResult")
     if candidates is None:
         poses = _views(calibration)
     else:

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 from robomech_ros.cartesian.dead_ends import dead_end
 from robomech_ros.cartesian.path_checks import PathCheck, PathStopLimits, jump_cut, singular_cut
 from robomech_ros.cartesian.path_models import ChainPathModel, PathModel, as_path_model
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values
 from robomech_ros.robots import SerialChain
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.arrays import as_finite, check_kind, shaped_array
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.spatial.screws.pose_conversions import pose_error
 from robomech_ros.trajectory import (
@@ -153,7 +153,8 @@ def follow_path(
     robot = as_path_model(chain, task_mask)
     values = _as_start(robot, start)
     allowed = robot.limits if limits is None else Limits.of(limits)
-    most = _as_bounds(bounds)
+    most = PathStopLimits() if bounds is None else bounds
+    check_kind("bounds", most, PathStopLimits, "a PathStopLimits")
     allowed.check_start(values)
     tracking = track_path(path, robot.arm, values, limits=allowed)
     end = dead_end(tracking, robot, allowed)
@@ -190,8 +191,7 @@ def waypoint_fraction(followed: PathFollowingResult, waypoints: ArrayLike) -> fl
     float
         0 to 1.
     """
-    if not isinstance(followed, PathFollowingResult):
-        raise BadValueError("followed", followed, "a PathFollowingResult")
+    check_kind("followed", followed, PathFollowingResult, "a PathFollowingResult")
     poses = _as_poses(waypoints)
     if followed.stop is None:
         return 1.0
@@ -213,18 +213,7 @@ def _as_start(robot: PathModel, start: ArrayLike) -> Array:
         values = as_joint_values(robot.chain, start, "start")
     else:
         values = as_finite("start", start, (n,))
-    if values.ndim != 1:
-        raise WrongSizeError("start", values.shape, (n,))
-    if not np.isfinite(values).all():
-        raise NonFiniteError("start", values)
-    return values
-
-
-def _as_bounds(bounds: PathStopLimits | None) -> PathStopLimits:
-    known = PathStopLimits() if bounds is None else bounds
-    if not isinstance(known, PathStopLimits):
-        raise BadValueError("bounds", bounds, "a PathStopLimits")
-    return known
+    return shaped_array("start", values, (n,))
 
 
 def _as_poses(waypoints: ArrayLike) -> Array:
@@ -245,8 +234,7 @@ def _cut(tracking: PathTracking, robot: PathModel, bounds: PathStopLimits) -> Pa
         if tracking.path is None:
             return tracking
         cut = check(tracking.path)
-        if not isinstance(cut, PathCut | None):
-            raise BadValueError("result of a check", cut, "a PathCut or None")
+        check_kind("result of a check", cut, PathCut | None, "a PathCut or None")
         # Joints that move far in the last step do so for the reason that is found already.
         before = 0.0 if tracking.status is PathTrackingStatus.COMPLETE else reach
         if cut is not None and cut.s + before < tracking.reached:

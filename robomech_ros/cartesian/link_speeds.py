@@ -6,10 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from robomech_ros.errors import BadValueError, UnknownJointError
+from robomech_ros.errors import UnknownJointError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import SerialChain
+from robomech_ros.spatial.arrays import check_kind
 from robomech_ros.trajectory import JointPath, SpeedLimit
 from robomech_ros.trajectory.paths.curve_arguments import as_number, as_positive
 from robomech_ros.typing import Array
@@ -49,8 +50,7 @@ def link_speed_limit(
     """
     check_chain(chain)
     check_chain(link)
-    if not isinstance(joints, JointPath):
-        raise BadValueError("joints", joints, "a JointPath")
+    check_kind("joints", joints, JointPath, "a JointPath")
     names, known = chain.joint_names, _positions(standing)
     for name in link.joint_names:
         if name not in names and name not in known:
@@ -65,14 +65,12 @@ def link_speed_limit(
         rows[:, columns] = q[:, sources]
         moving = jacobian(link, rows)[:, 3:][:, :, columns]
         velocity = np.einsum("mij,mj->mi", moving, first[:, sources])
-        magnitude: Array = np.linalg.norm(velocity, axis=1)
-        return magnitude
+        return np.linalg.norm(velocity, axis=1)
 
     return SpeedLimit(rate, as_positive("speed", speed))
 
 
 def _positions(standing: Mapping[str, float] | None) -> dict[str, float]:
-    if not isinstance(standing, Mapping | None):
-        raise BadValueError("standing", standing, "positions by the names of joints")
+    check_kind("standing", standing, Mapping | None, "positions by the names of joints")
     known = dict(standing or {})
     return {name: as_number(f"position of joint {name!r}", known[name]) for name in known}

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robomech_ros.cartesian.argument_checks import above_zero
 from robomech_ros.cartesian.path_models import PathModel
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots import SerialChain
-from robomech_ros.spatial.arrays import listed
+from robomech_ros.spatial.arrays import listed, positive_number
 from robomech_ros.trajectory import JointPath, PathCut, PathTrackingStatus
 from robomech_ros.trajectory.paths.path_cuts import PLACES, last_valid_coordinate
 from robomech_ros.typing import Array, BoolArray
@@ -22,6 +21,7 @@ from robomech_ros.typing import Array, BoolArray
 PathCheck = Callable[[JointPath], PathCut | None]
 # Points between which a relative jump is looked for, at least: of fewer the mean says nothing.
 _FEWEST = 10
+_ABOVE = "a number above 0"
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class PathStopLimits:
 
     def __post_init__(self) -> None:
         for name in ("condition", "step", "revolute_jump", "prismatic_jump"):
-            object.__setattr__(self, name, above_zero(name, getattr(self, name)))
+            object.__setattr__(self, name, positive_number(name, getattr(self, name), _ABOVE))
         expected = "a list of callables"
         checks = tuple(listed("checks", self.checks, expected))
         if not all(callable(one) for one in checks):
@@ -66,8 +66,7 @@ def singular_cut(robot: PathModel, joints: JointPath, bounds: PathStopLimits) ->
 
     def over(q: Array) -> BoolArray:
         singular = robot.singular_values(q)
-        above: BoolArray = singular[:, 0] > bounds.condition * singular[:, -1]
-        return above
+        return singular[:, 0] > bounds.condition * singular[:, -1]
 
     s = last_valid_coordinate(joints, over)
     if s is None:
@@ -124,7 +123,8 @@ def relative_jump(chain: SerialChain, step: float, factor: float) -> PathCheck:
         For `follow_path` and `plan_along`.
     """
     check_chain(chain)
-    length, most_factor = above_zero("step", step), above_zero("factor", factor)
+    length = positive_number("step", step, _ABOVE)
+    most_factor = positive_number("factor", factor, _ABOVE)
 
     def check(joints: JointPath) -> PathCut | None:
         if math.isinf(most_factor):
@@ -163,7 +163,7 @@ def stop_on_condition(broken: Callable[[Array], str], step: float) -> PathCheck:
     """
     if not callable(broken):
         raise BadValueError("broken", broken, "a callable")
-    length = above_zero("step", step)
+    length = positive_number("step", step, _ABOVE)
 
     def check(joints: JointPath) -> PathCut | None:
         count = max(math.ceil(joints.length / length), PLACES)

@@ -12,9 +12,9 @@ from robomech_ros.cartesian.following import PathFollowingResult, StopReason, fo
 from robomech_ros.cartesian.path_checks import PathStopLimits
 from robomech_ros.cartesian.path_models import PathModel
 from robomech_ros.cartesian.sampling import Sampling, in_steps
-from robomech_ros.errors import BadValueError
 from robomech_ros.printing import Printed
 from robomech_ros.robots import SerialChain
+from robomech_ros.spatial.arrays import check_kind
 from robomech_ros.trajectory import (
     JointLimits,
     Limits,
@@ -169,9 +169,9 @@ def plan_followed(
     RobomechError
         As `plan_along` does.
     """
-    if not isinstance(followed, PathFollowingResult):
-        raise BadValueError("followed", followed, "a PathFollowingResult")
-    fine = _as_sampling(sampling)
+    check_kind("followed", followed, PathFollowingResult, "a PathFollowingResult")
+    fine = Sampling() if sampling is None else sampling
+    check_kind("sampling", fine, Sampling, "a Sampling")
     if followed.joints is None:
         return None
     robot = followed.robot
@@ -201,10 +201,3 @@ def plan_followed(
         max_duration=fine.max_duration,
     )
     return in_steps(lambda q: robot.tip_poses(q, start), plan, fine, allowed)
-
-
-def _as_sampling(sampling: Sampling | None) -> Sampling:
-    known = Sampling() if sampling is None else sampling
-    if not isinstance(known, Sampling):
-        raise BadValueError("sampling", sampling, "a Sampling")
-    return known

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from robomech_ros.cartesian.argument_checks import above_zero, whole_number
 from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import positive_number, whole_number
 from robomech_ros.trajectory import Limits, SampledPlan, discretise, verify
 from robomech_ros.typing import Array
 
@@ -38,8 +38,12 @@ class Sampling:
 
     def __post_init__(self) -> None:
         for name in ("period", "max_duration", "max_step"):
-            object.__setattr__(self, name, above_zero(name, getattr(self, name)))
-        object.__setattr__(self, "max_points", whole_number("max_points", self.max_points, 2))
+            object.__setattr__(
+                self, name, positive_number(name, getattr(self, name), "a number above 0")
+            )
+        expected = "a whole number of at least 2"
+        count = whole_number("max_points", self.max_points, expected, 2)
+        object.__setattr__(self, "max_points", count)
         if math.isinf(self.period):
             raise BadValueError("period", self.period, "a finite time (s)")
 

@@ -29,5 +29,4 @@ def conic_solver() -> ModuleType:
         import clarabel
     except ImportError:
         raise ConicSolverUnavailableError from None
-    solver: ModuleType = clarabel
-    return solver
+    return clarabel

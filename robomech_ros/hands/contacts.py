@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from robomech_ros._kernels.hands.force_closure import wrench_cones
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_number
+from robomech_ros.spatial.arrays import as_choice, as_finite, as_single, listed, real_number
 from robomech_ros.typing import Array
 
 MODELS = ("frictionless", "point", "soft")
@@ -75,9 +75,7 @@ class Contact:
             raise WrongSizeError(
                 "position of the contact", position.shape, "(3,), or (2,) in a plane"
             )
-        if np.abs(position).max() > LARGEST_LENGTH:
-            why = f"coordinates up to {LARGEST_LENGTH:g} m"
-            raise BadValueError("position of the contact", position.tolist(), why)
+        check_coordinates("position of the contact", position)
         normal = as_finite("normal of the contact", self.normal, ())
         if normal.shape != position.shape:
             raise WrongSizeError("normal of the contact", normal.shape, position.shape)
@@ -171,12 +169,15 @@ def as_origin(origin: ArrayLike | None, contacts: Sequence[Contact]) -> Array:
     if origin is None:
         return centre(contacts)
     size = len(contacts[0].position)
-    array = as_finite("origin", origin, (size,))
-    if array.shape != (size,):
-        raise WrongSizeError("origin", array.shape, (size,))
-    if np.abs(array).max() > LARGEST_LENGTH:
-        raise BadValueError("origin", array.tolist(), f"coordinates up to {LARGEST_LENGTH:g} m")
+    array = as_single("origin", origin, (size,))
+    check_coordinates("origin", array)
     return array
+
+
+def check_coordinates(what: str, places: Array) -> None:
+    """Refuse places that are too far away."""
+    if np.abs(places).max() > LARGEST_LENGTH:
+        raise BadValueError(what, places.tolist(), f"coordinates up to {LARGEST_LENGTH:g} m")
 
 
 def centre(contacts: Sequence[Contact]) -> Array:

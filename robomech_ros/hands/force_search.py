@@ -128,8 +128,7 @@ def _worst(x: Array, used: BoolArray) -> Array:
 
 def _bounded(found: Array) -> Array:
     """Return how large a normal force has to be for what it bounds, shape (k,)."""
-    sizes: Array = np.sqrt((found[:, 1:] * found[:, 1:]).sum(axis=1))
-    return sizes
+    return np.sqrt((found[:, 1:] * found[:, 1:]).sum(axis=1))
 
 
 def _moved_inside(

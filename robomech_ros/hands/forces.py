@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError
 from robomech_ros.hands.contacts import (
     Contact,
     as_contacts,
@@ -20,7 +20,7 @@ from robomech_ros.hands.contacts import (
     span,
 )
 from robomech_ros.hands.force_search import ForceStatus as ForceStatus, search
-from robomech_ros.spatial.arrays import as_choice, as_finite
+from robomech_ros.spatial.arrays import as_choice, as_single
 from robomech_ros.typing import Array
 
 SMALLEST = ("largest", "total")
@@ -113,9 +113,7 @@ def contact_forces(
     """
     given = as_contacts(contacts)
     d = 3 if given[0].planar else 6
-    load = as_finite("wrench", wrench, (d,))
-    if load.shape != (d,):
-        raise WrongSizeError("wrench", load.shape, (d,))
+    load = as_single("wrench", wrench, (d,))
     if np.abs(load).max() > _MOST_LOAD:
         raise BadValueError("wrench", load.tolist(), f"numbers up to {_MOST_LOAD:g}")
     smallest = as_choice("smallest", smallest, SMALLEST)

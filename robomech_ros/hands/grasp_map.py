@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, span
+from robomech_ros.spatial.cross_product import cross_product_matrix
 from robomech_ros.typing import Array
 
 # Singular values below this share of the largest are rounding.
@@ -61,17 +62,7 @@ def _columns(contact: Contact, r: Array) -> Array:
     if contact.planar:
         full = np.array([[-r[1], r[0]], [1.0, 0.0], [0.0, 1.0]])
     else:
-        x, y, z = r
-        full = np.array(
-            [
-                [0.0, 0.0 - z, y],
-                [z, 0.0, 0.0 - x],
-                [0.0 - y, x, 0.0],
-                [1.0, 0, 0],
-                [0, 1.0, 0],
-                [0, 0, 1.0],
-            ]
-        )
+        full = np.vstack([cross_product_matrix(r) + 0.0, np.eye(3)])
     if contact.model == "frictionless":
         return (full @ contact.normal)[:, None]
     if contact.model == "soft":

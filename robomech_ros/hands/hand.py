@@ -32,7 +32,7 @@ from robomech_ros.robots.documents.guarded_yaml import check_keys
 from robomech_ros.robots.documents.yaml_rows import read_text
 from robomech_ros.robots.robot_kinds import checked_document, names_of, source_of
 from robomech_ros.robots.robot_yaml import description_from_yaml
-from robomech_ros.spatial.arrays import as_finite, listed
+from robomech_ros.spatial.arrays import as_single, check_kind, listed
 from robomech_ros.typing import Array
 
 _MOST_FINGERS = 20
@@ -97,20 +97,15 @@ class Hand:
 
 def hand_posture(hand: Hand, q: ArrayLike, what: str = "q") -> Array:
     """Check values of all joints of a hand, shape (n,)."""
-    if not isinstance(hand, Hand):
-        raise BadValueError("hand", hand, "a Hand")
-    values = as_finite(what, q, (hand.n,))
-    if values.shape != (hand.n,):
-        raise WrongSizeError(what, values.shape, (hand.n,))
-    return values
+    check_kind("hand", hand, Hand, "a Hand")
+    return as_single(what, q, (hand.n,))
 
 
 def fingers_of(
     hand: Hand, contacts: Sequence[Contact], fingers: Sequence[int] | None
 ) -> tuple[tuple[Contact, ...], tuple[int, ...]]:
     """Check contacts in space and which finger makes each; default one after the other."""
-    if not isinstance(hand, Hand):
-        raise BadValueError("hand", hand, "a Hand")
+    check_kind("hand", hand, Hand, "a Hand")
     given = as_contacts(contacts)
     if given[0].planar:
         raise BadValueError("contacts", "in the plane", "contacts in space")

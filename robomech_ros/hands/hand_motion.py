@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError
 from robomech_ros.hands.contacts import Contact, as_origin, centre
 from robomech_ros.hands.grasp_map import grasp_matrix, null_space
 from robomech_ros.hands.hand import Hand, fingers_of, hand_posture
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import bias_acceleration, jacobian, point_jacobian
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.arrays import as_single
 from robomech_ros.typing import Array
 
 # Squares of more have no digits left.
@@ -96,8 +96,7 @@ def hand_jacobian(
 def _point(hand: Hand, k: int, q: Array, contact: Contact) -> Array:
     """Return a contact in the frame of the last link of a finger."""
     T = forward_kinematics(hand.fingers[k], q)
-    point: Array = T[:3, :3].T @ (contact.position - T[:3, 3])
-    return point
+    return T[:3, :3].T @ (contact.position - T[:3, 3])
 
 
 def _rows(contact: Contact, twists: Array) -> Array:
@@ -305,17 +304,11 @@ def finger_torques(
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.3.
     """
     J = hand_jacobian(hand, q, contacts, fingers=fingers)
-    f = as_finite("components", components, (len(J),))
-    if f.shape != (len(J),):
-        raise WrongSizeError("components", f.shape, (len(J),))
-    torques: Array = J.T @ f
-    return torques
+    return J.T @ as_single("components", components, (len(J),))
 
 
 def _six(what: str, value: ArrayLike) -> Array:
-    array = as_finite(what, value, (6,))
-    if array.shape != (6,):
-        raise WrongSizeError(what, array.shape, (6,))
+    array = as_single(what, value, (6,))
     if np.abs(array).max() > _FASTEST:
         raise BadValueError(what, array.tolist(), f"numbers up to {_FASTEST:g}")
     return array

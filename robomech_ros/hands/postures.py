@@ -8,12 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.hands.contacts import Contact
+from robomech_ros.hands.contacts import Contact, check_coordinates
 from robomech_ros.hands.hand import Hand, finger_numbers, fingers_of
 from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
-from robomech_ros.spatial.arrays import as_finite, as_flag, listed, real_number
+from robomech_ros.spatial.arrays import as_finite, as_flag, check_kind, listed, whole_number
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.typing import Array
 
@@ -99,8 +98,7 @@ def tip_postures(
     places = as_finite("points", points, (3,))
     if places.ndim != 2 or not len(places):
         raise WrongSizeError("points", places.shape, "(k, 3), with k from 1 on")
-    if np.abs(places).max() > LARGEST_LENGTH:
-        raise BadValueError("points", places.tolist(), f"coordinates up to {LARGEST_LENGTH:g} m")
+    check_coordinates("points", places)
     owners = _distinct(finger_numbers(hand, len(places), fingers))
     respected = as_flag("respect_limits", respect_limits)
     parts = hand.split(start)
@@ -151,8 +149,7 @@ def hand_postures(
     results = listed("found", found, "results of grasp_postures")
     owners = _distinct(finger_numbers(hand, len(results), fingers))
     expected = f"a whole number from 1 to {MOST_POSTURES}"
-    if real_number("most", most, expected) not in range(1, MOST_POSTURES + 1):
-        raise BadValueError("most", most, expected)
+    count = whole_number("most", most, expected, 1, MOST_POSTURES)
     parts = hand.split(start)
     branches, costs = [], []
     for one, k in zip(results, owners, strict=True):
@@ -162,7 +159,7 @@ def hand_postures(
         order = np.argsort(cost, kind="stable")
         branches.append(one.q[order])
         costs.append(cost[order])
-    chosen = _cheapest([cost.tolist() for cost in costs], int(most))
+    chosen = _cheapest([cost.tolist() for cost in costs], count)
     q = np.tile(start, (len(chosen), 1))
     starts = np.cumsum([0, *(one.n for one in hand.fingers)])
     for j, k in enumerate(owners):
@@ -172,8 +169,7 @@ def hand_postures(
 
 def _seed(hand: Hand, seed: ArrayLike | None) -> Array:
     """Check a posture of the whole hand; None is the middle of the ranges."""
-    if not isinstance(hand, Hand):
-        raise BadValueError("hand", hand, "a Hand")
+    check_kind("hand", hand, Hand, "a Hand")
     if seed is None:
         return np.concatenate([one.midrange() for one in hand.fingers])
     return np.concatenate(hand.split(seed))

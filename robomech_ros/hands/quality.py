@@ -14,7 +14,7 @@ from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.hands.closure import is_force_closed
 from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, cones_of, rows_of
 from robomech_ros.printing import Printed
-from robomech_ros.spatial.arrays import real_number
+from robomech_ros.spatial.arrays import real_number, whole_number
 from robomech_ros.typing import Array
 
 # Of lengths (m) and tolerances.
@@ -105,13 +105,12 @@ def grasp_quality(
     size = _positive("length", length, LARGEST_LENGTH)
     close = _positive("tolerance", tolerance, 1.0)
     expected = f"a whole number from 1 to {_MOST_POINTS}"
-    if real_number("max_wrenches", max_wrenches, expected) not in range(1, _MOST_POINTS + 1):
-        raise BadValueError("max_wrenches", max_wrenches, expected)
+    most = whole_number("max_wrenches", max_wrenches, expected, 1, _MOST_POINTS)
     point = as_origin(origin, given)
     cones = cones_of(rows_of(given), point, size)
     if not is_force_closed(given):
         return GraspQuality(0.0, 0.0, np.zeros(cones.shape[2]), size, point, True)
-    lower, upper, weakest, certified = _bounds(cones, close, int(max_wrenches))
+    lower, upper, weakest, certified = _bounds(cones, close, most)
     return GraspQuality(lower, upper, weakest, size, point, certified)
 
 

@@ -1,26 +1,23 @@
 """Check numbers that come from a caller."""
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.typing import Array
 
 _FLOAT64 = np.dtype(np.float64)
+# So many numbers are looked at faster one by one.
+_FEW = 16
+# The least number above 0, and the largest that is not infinite.
+LEAST, LARGEST = math.ulp(0.0), float(np.finfo(np.float64).max)
 
 
 def real_array(what: str, value: ArrayLike) -> Array:
-    """Return a value as float64, finite or not.
-
-    Parameters
-    ----------
-    what : str
-        Name of the quantity in messages.
-    value : array_like
-        Real numbers; truth values, text and complex numbers do not count.
-    """
+    """Return a value as float64, finite or not; truth values, text and complex do not count."""
     if type(value) is np.ndarray and value.dtype is _FLOAT64:
         return value  # a third of the time of what follows
     try:
@@ -33,17 +30,7 @@ def real_array(what: str, value: ArrayLike) -> Array:
 
 
 def real_number(what: str, value: object, expected: str) -> float:
-    """Return one real number, finite or not; truth values and text do not count.
-
-    Parameters
-    ----------
-    what : str
-        Name of the quantity in messages.
-    value : object
-        From a caller.
-    expected : str
-        What messages say was expected.
-    """
+    """Return one real number, finite or not; truth values and text do not count."""
     if type(value) is float:
         return value
     try:
@@ -62,3 +49,59 @@ def finite_number(what: str, value: object, unit: str) -> float:
     if not math.isfinite(number):
         raise BadValueError(what, value, expected)
     return number
+
+
+def real_within(
+    what: str, value: object, expected: str, least: float, most: float = math.inf
+) -> float:
+    """Return one real number from `least` to `most`."""
+    number = real_number(what, value, expected)
+    if not least <= number <= most:
+        raise BadValueError(what, value, expected)
+    return number
+
+
+def positive_number(what: str, value: object, expected: str = "a positive number") -> float:
+    """Return one real number above 0."""
+    number = real_number(what, value, expected)
+    if not number > 0.0:
+        raise BadValueError(what, number, expected)
+    return number
+
+
+def whole_number(
+    what: str, value: object, expected: str, least: float, most: float = math.inf
+) -> int:
+    """Return one whole number from `least` to `most`."""
+    number = real_within(what, value, expected, least, most)
+    if not number.is_integer():
+        raise BadValueError(what, value, expected)
+    return int(number)
+
+
+def shaped_array(what: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """Return a value as finite float64 of exactly one shape."""
+    array = real_array(what, value)
+    if array.shape != shape:
+        raise WrongSizeError(what, array.shape, shape)
+    check_finite(what, array)
+    return array
+
+
+def all_finite(array: Array) -> bool:
+    """Say whether there is neither NaN nor infinity in an array."""
+    if array.size <= _FEW:
+        return all(map(math.isfinite, array.ravel().tolist()))
+    return bool(np.isfinite(array).all())
+
+
+def check_finite(what: str, array: Array) -> None:
+    """Refuse an array with NaN or infinity."""
+    if not all_finite(array):
+        raise NonFiniteError(what, array)
+
+
+def check_kind(what: str, value: object, kind: Any, expected: str) -> None:
+    """Refuse a value that is not an instance of a class."""
+    if not isinstance(value, kind):
+        raise BadValueError(what, value, expected)

@@ -147,15 +147,13 @@ def refine_root(
     """
     start = real_array("estimate", estimate)
     if start.shape != (2,):
-        raise WrongSizeError("estimate", start.shape, "(2,)")
+        raise WrongSizeError("estimate", start.shape, (2,))
     check_callable(equations)
 
     def value(x: Array) -> Array:
-        values: Array = real_array("equations", equations(x[:1], x[1:]))[:, 0]
-        return values
+        return real_array("equations", equations(x[:1], x[1:]))[:, 0]
 
     def slope(x: Array) -> Array:
-        slopes: Array = slopes_at(equations, x[None], STEP)[0]
-        return slopes
+        return slopes_at(equations, x[None], STEP)[0]
 
     return newton_gauss(value, slope, start, tolerance=tolerance, iterations=iterations)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.numerics.arrays import real_array
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.numerics.arrays import check_finite, real_array, shaped_array
 from robomech_ros.numerics.bivariate_roots import ANGLES, bivariate, refine_root
 from robomech_ros.numerics.grid_crossings import STEP, Equations, GridProblem, slopes_at
 from robomech_ros.typing import Array
@@ -123,21 +123,15 @@ class CurvePair:
         values = real_array("others", others(x, y))
         if values.ndim != 3 or values.shape[1:] != x.shape:
             raise WrongSizeError("others", values.shape, f"(m, {_COARSE}, {_COARSE})")
-        if not np.isfinite(values).all():
-            raise NonFiniteError("others", values)
+        check_finite("others", values)
         sizes: Array = np.sqrt(np.mean(values**2, axis=(1, 2)))
         sizes[sizes == 0.0] = 1.0
         return sizes
 
     def _start(self, estimate: ArrayLike) -> Array:
-        start = real_array("estimate", estimate)
-        if start.shape != (2,):
-            raise WrongSizeError("estimate", start.shape, "(2,)")
-        if not np.isfinite(start).all():
-            raise NonFiniteError("estimate", start)
+        start = shaped_array("estimate", estimate, (2,))
         (low, high), (least, most) = self.bounds
-        outside = self._within(start) is None
-        if outside:
+        if self._within(start) is None:
             expected = f"x from {low:.6g} to {high:.6g}, y from {least:.6g} to {most:.6g}"
             raise BadValueError("estimate", start.tolist(), expected)
         return start

@@ -9,8 +9,14 @@ from operator import index
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.numerics.arrays import real_array, real_number
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.numerics.arrays import (
+    check_finite,
+    real_array,
+    real_number,
+    shaped_array,
+    whole_number,
+)
 from robomech_ros.typing import Array, BoolArray
 
 Equations = Callable[[Array, Array], ArrayLike]
@@ -123,18 +129,15 @@ class GridProblem:
         ):
             raise BadValueError("period", period, "a positive number")
         expected = f"a whole number from {_FEWEST} to {_MOST}"
-        count = real_number("steps", steps, expected)
-        if not (_FEWEST <= count <= _MOST and count.is_integer()):
-            raise BadValueError("steps", steps, expected)
-        axes = np.linspace(low, high, int(count) + 1).T
+        count = whole_number("steps", steps, expected, _FEWEST, _MOST)
+        axes = np.linspace(low, high, count + 1).T
         x, y = np.meshgrid(*axes, indexing="ij")
         values = real_array("equations", equations(x, y))
         if values.ndim != 3 or values.shape[1:] != x.shape or len(values) < 2:
             raise WrongSizeError(
                 "equations", values.shape, f"(m, {x.shape[0]}, {x.shape[1]}), m at least 2"
             )
-        if not np.isfinite(values).all():
-            raise NonFiniteError("equations", values)
+        check_finite("equations", values)
         scale = np.abs(values).max(axis=(1, 2))
         both = _pair(pair, scale)
         scale[scale == 0.0] = 1.0
@@ -229,8 +232,7 @@ class GridProblem:
         scaled = (points - self.low) / self.width
         box = None if self.period is None else self.period / self.width
         tree = cKDTree(scaled if box is None else scaled % box, boxsize=box)
-        pairs: NDArray[np.intp] = tree.query_pairs(_ONE_ROOT, output_type="ndarray")
-        return pairs
+        return tree.query_pairs(_ONE_ROOT, output_type="ndarray")
 
     def _apart(self, difference: Array) -> Array:
         if self.period is None:
@@ -247,16 +249,11 @@ class GridProblem:
         length = np.abs(slopes).max(axis=2, keepdims=True)
         slopes = slopes / np.where(length > 0.0, length, 1.0)
         (a, b), (c, d) = slopes[:, 0].T, slopes[:, 1].T
-        angles: Array = np.arctan2(np.abs(a * d - b * c), np.abs(a * c + b * d))
-        return angles
+        return np.arctan2(np.abs(a * d - b * c), np.abs(a * c + b * d))
 
 
 def _bounds(bounds: ArrayLike) -> Array:
-    ends = real_array("bounds", bounds)
-    if ends.shape != (2, 2):
-        raise WrongSizeError("bounds", ends.shape, "(2, 2)")
-    if not np.isfinite(ends).all():
-        raise NonFiniteError("bounds", ends)
+    ends = shaped_array("bounds", bounds, (2, 2))
     if (ends[:, 1] <= ends[:, 0]).any():
         raise BadValueError("bounds", bounds, "a least value and a greater one for each unknown")
     return ends

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.numerics.arrays import real_array
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.numerics.arrays import check_finite, real_array
 from robomech_ros.typing import Array
 
 # A pivot below this (of the longest column) is rounding: the columns depend on each other.
@@ -63,9 +63,10 @@ def least_squares(A: ArrayLike, b: ArrayLike) -> tuple[Array, float]:
     m, n = A.shape
     if m < n:
         raise WrongSizeError("A", A.shape, "at least as many rows as columns")
-    reflections, U = _triangular(A)
-    turned = _reflect(reflections, b)
-    return _back_substituted(U, turned[:n]), float(np.linalg.norm(turned[n:]))
+    Q, U = _triangular(A)
+    turned = Q.T @ b
+    x = np.linalg.solve(U, turned).astype(np.float64, copy=False)
+    return x, float(np.linalg.norm(b - Q @ turned))
 
 
 def minimum_norm(A: ArrayLike, b: ArrayLike) -> Array:
@@ -106,11 +107,8 @@ def minimum_norm(A: ArrayLike, b: ArrayLike) -> Array:
     if m > n:
         raise WrongSizeError("A", A.shape, "at most as many rows as columns")
     # With H A^T = [U; 0], A x = U^T y for x = H^T [y; 0]: the rest of y would only lengthen x.
-    reflections, U = _triangular(A.T)
-    y = np.zeros(n)
-    for i in range(m):
-        y[i] = (b[i] - U[:i, i] @ y[:i]) / U[i, i]
-    return _reflect(reflections[::-1], y)
+    Q, U = _triangular(A.T)
+    return Q @ np.linalg.solve(U.T, b)
 
 
 def _checked(A: ArrayLike, b: ArrayLike) -> tuple[Array, Array]:
@@ -119,40 +117,13 @@ def _checked(A: ArrayLike, b: ArrayLike) -> tuple[Array, Array]:
         raise WrongSizeError("A", matrix.shape, "(m, n)")
     if vector.shape != matrix.shape[:1]:
         raise WrongSizeError("b", vector.shape, matrix.shape[:1])
-    for name, value in (("A", matrix), ("b", vector)):
-        if not np.isfinite(value).all():
-            raise NonFiniteError(name, value)
+    check_finite("A", matrix)
+    check_finite("b", vector)
     return matrix, vector
 
 
-def _triangular(A: Array) -> tuple[list[tuple[Array, float]], Array]:
-    """Reflect A (m, n), m >= n, to an upper triangle; give reflections (u, beta) and triangle."""
-    U = A.copy()
-    m, n = U.shape
-    largest = float(np.linalg.norm(A, axis=0).max())
-    reflections = []
-    for i in range(n):
-        u = np.zeros(m)
-        u[i:] = U[i:, i]
-        length = float(np.linalg.norm(u))
-        if length <= _RANK * largest:
-            raise BadValueError("A", A.tolist(), "a matrix of full rank")
-        alpha = length if u[i] >= 0.0 else -length
-        u[i] += alpha
-        beta = alpha * float(u[i])
-        U -= np.outer(u, u @ U) / beta
-        reflections.append((u, beta))
-    return reflections, U
-
-
-def _reflect(reflections: list[tuple[Array, float]], vector: Array) -> Array:
-    for u, beta in reflections:
-        vector = vector - u * float(u @ vector) / beta
-    return vector
-
-
-def _back_substituted(U: Array, b: Array) -> Array:
-    x = np.zeros(len(b))
-    for i in range(len(b) - 1, -1, -1):
-        x[i] = (b[i] - U[i, i + 1 : len(b)] @ x[i + 1 :]) / U[i, i]
-    return x
+def _triangular(A: Array) -> tuple[Array, Array]:
+    Q, U = np.linalg.qr(A)
+    if np.abs(np.diag(U)).min() <= _RANK * np.linalg.norm(A, axis=0).max():
+        raise BadValueError("A", A.tolist(), "a matrix of full rank")
+    return Q, U

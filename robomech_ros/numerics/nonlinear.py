@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.numerics.arrays import real_array, real_number
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.numerics.arrays import check_finite, real_array, real_number
 from robomech_ros.numerics.linear import least_squares
 from robomech_ros.typing import Array
 
@@ -221,8 +221,7 @@ def _start(x: ArrayLike) -> Array:
     start = real_array("x", x)
     if start.ndim != 1 or not start.size:
         raise WrongSizeError("x", start.shape, "(n,)")
-    if not np.isfinite(start).all():
-        raise NonFiniteError("x", start)
+    check_finite("x", start)
     return start.copy()
 
 

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from robomech_ros.rolling.conditioning import Isotropy as Isotropy, isotropy as isotropy
     from robomech_ros.rolling.constraints import Mobility as Mobility
     from robomech_ros.rolling.dynamics import RollingDynamics as RollingDynamics
-    from robomech_ros.rolling.joints import WheelJoints as WheelJoints
     from robomech_ros.rolling.library import (
         RollingRobot as RollingRobot,
         list_rolling as list_rolling,
@@ -42,7 +41,10 @@ if TYPE_CHECKING:
         swerve as swerve,
         tricycle as tricycle,
     )
-    from robomech_ros.rolling.tree import rolling_description as rolling_description
+    from robomech_ros.rolling.tree import (
+        WheelJoints as WheelJoints,
+        rolling_description as rolling_description,
+    )
     from robomech_ros.rolling.wheels import Wheel as Wheel
 
 __getattr__, __all__ = lazy_exports(
@@ -54,14 +56,13 @@ __getattr__, __all__ = lazy_exports(
         "conditioning": "Isotropy isotropy",
         "constraints": "Mobility",
         "dynamics": "RollingDynamics",
-        "joints": "WheelJoints",
         "library": "RollingRobot list_rolling load_rolling rolling_robot",
         "limiter": "BaseMotion CommandLimiter",
         "limits": "MotionLimits",
         "odometry": "Odometry OdometryNoise advance_odometry",
         "simulation": "RollingSimulation simulate_rolling",
         "standard_bases": "ackermann differential_drive mecanum omnidirectional swerve tricycle",
-        "tree": "rolling_description",
+        "tree": "WheelJoints rolling_description",
         "wheels": "Wheel",
     },
 )

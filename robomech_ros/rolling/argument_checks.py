@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_finite, real_number
+from robomech_ros.spatial.arrays import LEAST, as_finite, real_within
 from robomech_ros.typing import Array
 
 # Rates, twists, poses and times beyond this (SI) are no motion of a robot; angles have no digits.
@@ -38,6 +38,12 @@ def one_vector(what: str, value: ArrayLike, length: int) -> Array:
     return array
 
 
+def check_entries(what: str, value: object, kind: type, expected: str) -> None:
+    """Refuse what is no list of instances of a class."""
+    if not isinstance(value, list | tuple) or not all(isinstance(one, kind) for one in value):
+        raise BadValueError(what, value, expected)
+
+
 def shared_batch(*named: tuple[str, Array]) -> tuple[int, ...]:
     """Return the batch axes that arrays have together; the last axis is that of one item."""
     batch: tuple[int, ...] = ()
@@ -53,34 +59,22 @@ def shared_batch(*named: tuple[str, Array]) -> tuple[int, ...]:
 def duration(what: str, value: object) -> float:
     """Return a time from 1 ns (s)."""
     expected = f"a time from {_SHORTEST:g} s, up to {_LARGEST:g}"
-    number = real_number(what, value, expected)
-    if not _SHORTEST <= number <= _LARGEST:
-        raise BadValueError(what, value, expected)
-    return number
+    return real_within(what, value, expected, _SHORTEST, _LARGEST)
 
 
 def above_zero(what: str, value: object, unit: str, most: float = _LARGEST) -> float:
     """Return a number above 0; ``unit`` is for messages."""
     expected = f"a number above 0 {unit}" + (f", up to {most:g}" if math.isfinite(most) else "")
-    number = real_number(what, value, expected)
-    if not 0.0 < number <= most:
-        raise BadValueError(what, value, expected)
-    return number
+    return real_within(what, value, expected, LEAST, most)
 
 
 def length(what: str, value: object) -> float:
     """Return a length (m) that a robot can have."""
     expected = f"a length from {_LEAST_LENGTH:g} to {LARGEST_LENGTH:g} m"
-    number = real_number(what, value, expected)
-    if not _LEAST_LENGTH <= number <= LARGEST_LENGTH:
-        raise BadValueError(what, value, expected)
-    return number
+    return real_within(what, value, expected, _LEAST_LENGTH, LARGEST_LENGTH)
 
 
 def angle(what: str, value: object) -> float:
     """Return an angle (rad) that has digits."""
     expected = f"an angle (rad), up to {_MOST_TURNED:g}"
-    number = real_number(what, value, expected)
-    if not abs(number) <= _MOST_TURNED:
-        raise BadValueError(what, value, expected)
-    return number
+    return real_within(what, value, expected, -_MOST_TURNED, _MOST_TURNED)

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.arcs import moved
 from robomech_ros.rolling.argument_checks import bounded, duration, shared_batch
 from robomech_ros.rolling.constraints import (
@@ -27,6 +26,7 @@ from robomech_ros.rolling.steering import (
     steering_for,
 )
 from robomech_ros.rolling.wheels import Wheel
+from robomech_ros.spatial.arrays import check_kind
 from robomech_ros.typing import Array
 
 
@@ -85,8 +85,7 @@ class RollingBase:
     """
 
     def __init__(self, wheels: Sequence[Wheel], *, name: str = "base") -> None:
-        if not isinstance(name, str):
-            raise BadValueError("name", name, "a text")
+        check_kind("name", name, str, "a text")
         self.name = name
         self.wheels = checked_wheels(wheels)
         self.mobility = checked_mobility(self.wheels)
@@ -104,10 +103,8 @@ class RollingBase:
         self.driven_radii = self.radii[self._drives]
         self._headings = np.array([wheel.heading for wheel in self.wheels])
         self._steered = [wheel for wheel in self.wheels if wheel.kind == "steered"]
-        self.axle: Array | None = None
         fixed = [wheel for wheel in self.wheels if wheel.kind == "fixed"]
-        if fixed:
-            self.axle = axle_of(fixed[0])
+        self.axle = axle_of(fixed[0]) if fixed else None
         self.curvatures = (-math.inf, math.inf)
         if self.axle is not None:
             self.curvatures = curvature_range(self._steered, self.axle)

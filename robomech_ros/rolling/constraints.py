@@ -17,6 +17,7 @@ from robomech_ros.errors import (
     UnderdeterminedError,
     WrongSizeError,
 )
+from robomech_ros.rolling.argument_checks import check_entries
 from robomech_ros.rolling.wheels import Wheel
 from robomech_ros.typing import Array
 
@@ -84,10 +85,9 @@ def side_rows(wheels: Sequence[Wheel], angles: Array) -> Array:
     return np.stack([positions[:, 0] * c + positions[:, 1] * s, -s, c], axis=-1)
 
 
-def checked_wheels(wheels: object) -> tuple[Wheel, ...]:
+def checked_wheels(wheels: Sequence[Wheel]) -> tuple[Wheel, ...]:
     """Check that these are wheels with different names in different places, and name them."""
-    if not isinstance(wheels, list | tuple) or not all(isinstance(one, Wheel) for one in wheels):
-        raise BadValueError("wheels", wheels, "a list of wheels")
+    check_entries("wheels", wheels, Wheel, "a list of wheels")
     if not wheels:
         raise WrongSizeError("wheels", 0, "one wheel or more")
     names = wheel_names(wheels)

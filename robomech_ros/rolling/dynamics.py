@@ -9,11 +9,12 @@ from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.complement.constrained_bodies import ConstrainedBodies
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.rolling.argument_checks import one_vector
+from robomech_ros.rolling.argument_checks import check_entries, one_vector
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.bodies import PlatformBody, WheelBody
 from robomech_ros.rolling.steering import free_twists, require_feasible
 from robomech_ros.rolling.twist_shaping import shaped_twists
+from robomech_ros.spatial.arrays import check_kind
 from robomech_ros.typing import Array
 
 # A torque beyond its limit by no more than this part of it is at the limit.
@@ -74,17 +75,11 @@ class RollingDynamics:
     def __init__(
         self, base: RollingBase, platform: PlatformBody, wheels: Sequence[WheelBody]
     ) -> None:
-        if not isinstance(base, RollingBase):
-            raise BadValueError("base", base, "a RollingBase")
+        check_kind("base", base, RollingBase, "a RollingBase")
         if base.steered:
             raise BadValueError("base", ", ".join(base.steered), "a base without steered wheels")
-        if not isinstance(platform, PlatformBody):
-            raise BadValueError("platform", platform, "a PlatformBody")
-        expected = "a list of WheelBody"
-        if not isinstance(wheels, list | tuple) or not all(
-            isinstance(one, WheelBody) for one in wheels
-        ):
-            raise BadValueError("wheels", wheels, expected)
+        check_kind("platform", platform, PlatformBody, "a PlatformBody")
+        check_entries("wheels", wheels, WheelBody, "a list of WheelBody")
         if len(wheels) != len(base.wheels):
             raise WrongSizeError("wheels", len(wheels), len(base.wheels))
         self.base, self.platform, self.wheels = base, platform, tuple(wheels)

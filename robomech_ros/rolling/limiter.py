@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.rolling import limiting as kernels
-from robomech_ros.errors import BadValueError, LimitExceededError, WrongSizeError
+from robomech_ros.errors import LimitExceededError, WrongSizeError
 from robomech_ros.rolling.argument_checks import bounded, one_vector
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.constraints import direction_rows
 from robomech_ros.rolling.limits import AXES, MotionLimits
 from robomech_ros.rolling.steering import forward_row
-from robomech_ros.spatial.arrays import real_number
+from robomech_ros.spatial.arrays import check_kind, real_within
 from robomech_ros.typing import Array
 
 # A limit that leaves more than this part of a command does not shorten it.
@@ -91,14 +91,9 @@ class CommandLimiter:
     """
 
     def __init__(self, base: RollingBase, limits: MotionLimits, period: float) -> None:
-        if not isinstance(base, RollingBase):
-            raise BadValueError("base", base, "a RollingBase")
-        if not isinstance(limits, MotionLimits):
-            raise BadValueError("limits", limits, "MotionLimits")
-        expected = "a time from 1e-4 to 1 s"
-        time = real_number("period", period, expected)
-        if not 1e-4 <= time <= 1.0:
-            raise BadValueError("period", period, expected)
+        check_kind("base", base, RollingBase, "a RollingBase")
+        check_kind("limits", limits, MotionLimits, "MotionLimits")
+        time = real_within("period", period, "a time from 1e-4 to 1 s", 1e-4, 1.0)
         if len(base.steered) > _MOST_STEERED:
             raise WrongSizeError("steered wheels", len(base.steered), f"up to {_MOST_STEERED}")
         self.base, self.limits, self.period = base, limits, time
@@ -211,8 +206,7 @@ class CommandLimiter:
         motion : BaseMotion
             After the last; ``saturated`` is of all commands.
         """
-        if not isinstance(motion, BaseMotion):
-            raise BadValueError("motion", motion, "a BaseMotion, such as that of at_rest()")
+        check_kind("motion", motion, BaseMotion, "a BaseMotion, such as that of at_rest()")
         given = bounded("commands", commands, 3)
         if given.ndim != 2:
             raise WrongSizeError("commands", given.shape, "(n, 3)")

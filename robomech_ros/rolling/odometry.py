@@ -12,7 +12,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.arcs import moved, slope_by_pose
 from robomech_ros.rolling.argument_checks import duration, one_vector
 from robomech_ros.rolling.base import RollingBase
-from robomech_ros.spatial.arrays import real_number
+from robomech_ros.spatial.arrays import check_kind, real_number
 from robomech_ros.typing import Array
 
 # Places and weights of Gauss over [0, 1]: exact for the growth of the covariance on a straight way.
@@ -127,14 +127,11 @@ def advance_odometry(
     >>> after.pose.tolist(), after.covariance.diagonal().round(7).tolist()
     ([1.0, 0.0, 0.0], [5e-06, 4.67e-05, 0.000125])
     """
-    if not isinstance(base, RollingBase):
-        raise BadValueError("base", base, "a RollingBase")
-    if not isinstance(odometry, Odometry):
-        raise BadValueError("odometry", odometry, "an Odometry, such as Odometry.at()")
+    check_kind("base", base, RollingBase, "a RollingBase")
+    check_kind("odometry", odometry, Odometry, "an Odometry, such as Odometry.at()")
     time = duration("dt", dt)
     noise = OdometryNoise() if noise is None else noise
-    if not isinstance(noise, OdometryNoise):
-        raise BadValueError("noise", noise, "an OdometryNoise")
+    check_kind("noise", noise, OdometryNoise, "an OdometryNoise")
     given = one_vector("rates", rates, len(base.driven))
     angles = None if steering is None else one_vector("steering", steering, len(base.steered))
     twist, slip = base.body_twist(given, angles)

@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.argument_checks import duration as checked_duration, one_vector
 from robomech_ros.rolling.dynamics import RollingDynamics
+from robomech_ros.spatial.arrays import check_kind
 from robomech_ros.typing import Array
 
 # From the time (s), the twist (3,) and the brackets' angles (c,) to torques (k,) (N m).
@@ -95,8 +96,7 @@ def simulate_rolling(
     >>> bool(run.drift < 1e-9 * run.kinetic[0])
     True
     """
-    if not isinstance(dynamics, RollingDynamics):
-        raise BadValueError("dynamics", dynamics, "a RollingDynamics")
+    check_kind("dynamics", dynamics, RollingDynamics, "a RollingDynamics")
     if torques is not None and not callable(torques):
         raise BadValueError("torques", torques, "a function of time, twist and brackets, or None")
     time = checked_duration("duration", duration)

@@ -13,7 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.rolling.argument_checks import above_zero, angle, length as checked_length
+from robomech_ros.rolling.argument_checks import (
+    above_zero,
+    angle,
+    check_entries,
+    length as checked_length,
+)
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.wheels import Wheel
 from robomech_ros.spatial.arrays import as_finite
@@ -55,7 +60,8 @@ def differential_drive(
         )
         for name, side in (("left", 1.0), ("right", -1.0))
     ]
-    return RollingBase([*both, *_listed(casters)], name="differential_drive")
+    check_entries("casters", casters, Wheel, "a list of wheels")
+    return RollingBase([*both, *casters], name="differential_drive")
 
 
 def omnidirectional(
@@ -289,9 +295,3 @@ def swerve(radius: float, positions: ArrayLike, **options: Any) -> RollingBase:
         for i, place in enumerate(places)
     ]
     return RollingBase(wheels, name="swerve")
-
-
-def _listed(casters: object) -> list[Wheel]:
-    if not isinstance(casters, list | tuple) or not all(isinstance(one, Wheel) for one in casters):
-        raise BadValueError("casters", casters, "a list of wheels")
-    return list(casters)

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from robomech_ros.errors import BadValueError
 from robomech_ros.robots import RobotDescription
 from robomech_ros.robots.urdf.document import description_from_urdf
 from robomech_ros.robots.urdf.elements import element
 from robomech_ros.rolling.base import RollingBase
-from robomech_ros.rolling.joints import WheelJoints
 from robomech_ros.rolling.wheels import Wheel
+from robomech_ros.spatial.arrays import check_kind
 
 # Joints that place the base in the frame of odometry: x, y (m) and heading (rad).
 BASE_JOINTS = ("base_x", "base_y", "base_heading")
@@ -37,6 +37,55 @@ _COLOURS = {
     _BODY: (0.20, 0.47, 0.70, 1.0),
     _NONE: (0.0, 0.0, 0.0, 0.0),
 }
+
+
+@dataclass(frozen=True)
+class WheelJoints:
+    """Names of the joints of a base.
+
+    Attributes
+    ----------
+    rolling : tuple of (str, int)
+        Joints that roll, each with the number of its wheel.  Several wheels of one side may count
+        as one wheel; a wheel without a joint is not told to roll.
+    steering : tuple of str
+        Of the steered wheels.
+    brackets : tuple of str
+        Of the casters.
+
+    Examples
+    --------
+    >>> from robomech_ros.rolling import WheelJoints, load_rolling
+    >>> WheelJoints.of(load_rolling("tricycle")).names
+    ('front', 'rear_right', 'rear_left', 'front_steering')
+    """
+
+    rolling: tuple[tuple[str, int], ...]
+    steering: tuple[str, ...]
+    brackets: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, base: RollingBase) -> WheelJoints:
+        """Name the joints of a base after its wheels.
+
+        Parameters
+        ----------
+        base : RollingBase
+
+        Returns
+        -------
+        WheelJoints
+            Wheels roll by their own names; steering is ``<name>_steering``, the bracket of a
+            caster ``<name>_bracket``.
+        """
+        rolling = tuple((name, number) for number, name in enumerate(base.names))
+        steering = tuple(f"{name}_steering" for name in base.steered)
+        return cls(rolling, steering, tuple(f"{name}_bracket" for name in base.casters))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All of them: those that roll, steering, brackets."""
+        return (*(name for name, _ in self.rolling), *self.steering, *self.brackets)
 
 
 def rolling_description(
@@ -85,8 +134,7 @@ def rolling_description(
     >>> rolling_description(load_rolling("tricycle"), placed=False).root
     'base_link'
     """
-    if not isinstance(base, RollingBase):
-        raise BadValueError("base", base, "a RollingBase")
+    check_kind("base", base, RollingBase, "a RollingBase")
     joints = WheelJoints.of(base) if joints is None else joints
     names = _Names(base_link, joints.names)
     axles = [_axles(number, wheel, joints) for number, wheel in enumerate(base.wheels)]

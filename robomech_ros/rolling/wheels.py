@@ -11,7 +11,14 @@ from numpy.typing import ArrayLike
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.rolling.argument_checks import above_zero, angle, length
-from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag, real_array, real_number
+from robomech_ros.spatial.arrays import (
+    as_choice,
+    as_flag,
+    as_single,
+    check_kind,
+    real_array,
+    real_number,
+)
 from robomech_ros.typing import Array
 
 KINDS = ("fixed", "steered", "caster", "omni")
@@ -72,9 +79,7 @@ class Wheel:
     def __post_init__(self) -> None:
         keep = object.__setattr__
         keep(self, "kind", as_choice("kind", self.kind, KINDS))
-        position = as_finite("position", self.position, (2,)).copy()
-        if position.shape != (2,):
-            raise WrongSizeError("position", position.shape, (2,))
+        position = as_single("position", self.position, (2,)).copy()
         if np.abs(position).max() > LARGEST_LENGTH:
             what = f"coordinates up to {LARGEST_LENGTH:g} m"
             raise BadValueError("position", position.tolist(), what)
@@ -94,8 +99,7 @@ class Wheel:
         for name, unit in (("max_rate", "rad/s"), ("max_steering_rate", "rad/s")):
             keep(self, name, above_zero(name, getattr(self, name), unit, math.inf))
         keep(self, "steering_limits", _range(self.steering_limits))
-        if not isinstance(self.name, str):
-            raise BadValueError("name", self.name, "a text")
+        check_kind("name", self.name, str, "a text")
         self._check_kind()
 
     def _check_kind(self) -> None:

@@ -1,6 +1,5 @@
 """Check arrays that come from a caller."""
 
-import math
 from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import Any
 
@@ -8,32 +7,24 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.numerics.arrays import real_array as real_array, real_number as real_number
+from robomech_ros.numerics.arrays import (
+    LARGEST as LARGEST,
+    LEAST as LEAST,
+    all_finite as all_finite,
+    check_finite as check_finite,
+    check_kind as check_kind,
+    positive_number as positive_number,
+    real_array as real_array,
+    real_number as real_number,
+    real_within as real_within,
+    shaped_array as shaped_array,
+    whole_number as whole_number,
+)
 from robomech_ros.typing import Array, IntArray
-
-# So many numbers are looked at faster one by one.
-_FEW = 16
-
-
-def all_finite(array: Array) -> bool:
-    """Say whether there is neither NaN nor infinity in an array."""
-    if array.size <= _FEW:
-        return all(map(math.isfinite, array.ravel().tolist()))
-    return bool(np.isfinite(array).all())
 
 
 def listed(what: str, value: object, expected: str) -> tuple[Any, ...]:
-    """Return the entries of a list; text, mappings and sets do not count.
-
-    Parameters
-    ----------
-    what : str
-        Name of the list in messages.
-    value : object
-        From a caller.
-    expected : str
-        What messages say was expected.
-    """
+    """Return the entries of a list; text, mappings and sets do not count."""
     if isinstance(value, str | bytes | Mapping | Set) or not isinstance(value, Iterable):
         raise BadValueError(what, value, expected)
     try:
@@ -49,22 +40,20 @@ def readable_axis(axis: Array) -> list[float]:
 
 
 def as_finite(what: str, value: ArrayLike, tail: tuple[int, ...]) -> Array:
-    """Return a value as float64 of shape (..., *tail).
-
-    Parameters
-    ----------
-    what : str
-        Name of the quantity in messages.
-    value : array_like
-        Real numbers.
-    tail : tuple of int
-        The last axes; ``()`` accepts every shape.
-    """
+    """Return a value as finite float64 of shape (..., *tail); ``()`` accepts every shape."""
     array = real_array(what, value)
     if tail and array.shape[-len(tail) :] != tail:
         raise WrongSizeError(what, array.shape, f"(..., {', '.join(map(str, tail))})")
     if not all_finite(array):
         raise NonFiniteError(what, array if array.ndim else float(array))
+    return array
+
+
+def as_single(what: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """Return a value as finite float64 of exactly one shape, without batch axes."""
+    array = as_finite(what, value, shape)
+    if array.shape != shape:
+        raise WrongSizeError(what, array.shape, shape)
     return array
 
 
@@ -86,15 +75,7 @@ def held_rows(what: str, mask: object) -> IntArray:
 
 
 def as_flag(what: str, value: object) -> bool:
-    """Check a truth value; 0 and 1 count as such.
-
-    Parameters
-    ----------
-    what : str
-        Name of the value in messages.
-    value : object
-        From a caller.
-    """
+    """Check a truth value; 0 and 1 count as such."""
     if value is True or value is False:
         return value
     if isinstance(value, bool | np.bool_ | int | np.integer) and value in (0, 1):

@@ -92,5 +92,4 @@ def nearest_rotation(matrix: ArrayLike) -> Array:
     """
     u, _, vt = np.linalg.svd(as_finite("rotation matrix", matrix, (3, 3)))
     u[..., :, 2] *= np.where(np.linalg.det(u @ vt) < 0.0, -1.0, 1.0)[..., None]
-    result: Array = u @ vt
-    return result
+    return u @ vt

@@ -250,8 +250,7 @@ class Limits:
     @cached_property
     def inverses(self) -> Array:
         """One over the limits of velocity, acceleration and jerk, (3, n)."""
-        inverses: Array = 1.0 / self.rates
-        return inverses
+        return 1.0 / self.rates
 
     def check_start(self, position: Array) -> None:
         """Raise `SeedOutsideLimitsError` where a start (n,) in rad or m is outside the limits."""

@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.spatial.arrays import real_number
+from robomech_ros.spatial.arrays import positive_number, whole_number
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import Trajectory
@@ -54,15 +54,6 @@ class Waypoints:
         return interpolant(self.times, self.positions, self.velocities, self.accelerations)
 
 
-def _whole(what: str, value: int) -> int:
-    """Check a number of samples, two at least."""
-    expected = "a whole number from 2 on"
-    number = real_number(what, value, expected)
-    if not (number >= 2.0 and float(number).is_integer()):
-        raise BadValueError(what, value, expected)
-    return int(number)
-
-
 def discretise(
     trajectory: PiecewiseTrajectory, period: float, max_points: int, *, jerk_error: float = 1.0
 ) -> Waypoints:
@@ -95,15 +86,12 @@ def discretise(
         If the trajectory has no pieces, or the period is no positive number or asks for more than
         `max_points` samples, or those are no number.
     """
-    period = real_number("sample_period", period, "a number of seconds above 0")
-    if not period > 0.0:
-        raise BadValueError("sample_period", period, "a number of seconds above 0")
+    period = positive_number("sample_period", period, "a number of seconds above 0")
     pieces = getattr(trajectory, "pieces", None)
     if not isinstance(pieces, PiecewisePolynomial):
         raise BadValueError("trajectory", trajectory, "one with pieces")
-    max_points = _whole("max_points", max_points)
-    if not real_number("jerk_error", jerk_error, "rad or m over s^3, above 0") > 0.0:
-        raise BadValueError("jerk_error", jerk_error, "rad or m over s^3, above 0")
+    max_points = whole_number("max_points", max_points, "a whole number from 2 on", 2)
+    jerk_error = positive_number("jerk_error", jerk_error, "rad or m over s^3, above 0")
     breaks = _distinct_breaks(pieces, jerk_error)
     lengths = breaks[1:] - breaks[:-1]
     counts = np.maximum(np.ceil(lengths / period * (1.0 - 1e-9)), 1.0)

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.spatial import as_pose
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.arrays import as_finite, check_kind
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array, BoolArray
 from robomech_ros.walking.robot import LeggedRobot
@@ -71,8 +71,7 @@ def leg_odometry(
     >>> round(float(trunk[-1, 0, 3]), 3) == round(float(updates[-1].trunk[0, 3]), 3)
     True
     """
-    if not isinstance(robot, LeggedRobot):
-        raise BadValueError("robot", robot, "a LeggedRobot")
+    check_kind("robot", robot, LeggedRobot, "a LeggedRobot")
     rows = as_finite("q", q, (robot.n,))
     if rows.ndim != 2 or not len(rows):
         raise WrongSizeError("q", rows.shape, f"(m, {robot.n})")

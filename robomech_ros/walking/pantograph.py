@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
+from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import as_choice, as_single, real_number
 from robomech_ros.typing import Array
 
 _KNEES = {"forward": 1.0, "back": -1.0}
@@ -66,7 +66,7 @@ class PantographLeg:
             if not least < value < np.inf:
                 raise BadValueError(name, value, expected)
             object.__setattr__(self, name, float(value))
-        object.__setattr__(self, "_hip", _three("hip", self.hip).copy())
+        object.__setattr__(self, "_hip", as_single("hip", self.hip, (3,)).copy())
 
     def foot(self, drives: ArrayLike) -> Array:
         """Compute where the foot is in the trunk (m), shape (3,).
@@ -93,7 +93,7 @@ class PantographLeg:
         knee : {"forward", "back"}, optional
             On which side of the line AF, seen with v above 0, the knee is.
         """
-        turn, h, v = _three("drives", drives)
+        turn, h, v = as_single("drives", drives, (3,))
         side = _KNEES[as_choice("knee", knee, tuple(_KNEES))]
         A, B = np.array([0.0, v]), np.array([h, 0.0])
         F = A + self.ratio * (B - A)
@@ -122,7 +122,7 @@ class PantographLeg:
         drives : array_like, shape (3,)
             Turn (rad), h and v (m).
         """
-        values = _three("drives", drives)
+        values = as_single("drives", drives, (3,))
         x, up = self._axes(values[0])
         away = self.foot(values) - self._hip
         columns = [np.cross(x, away), self.ratio * x, -(self.ratio - 1.0) * up]
@@ -146,7 +146,7 @@ class PantographLeg:
         BadValueError
             Not such numbers, a foot on the axis, whose turn is undetermined, or out of reach.
         """
-        x, y, z = _three("foot", foot) - self._hip
+        x, y, z = as_single("foot", foot, (3,)) - self._hip
         depth = float(np.hypot(y, z))
         if depth <= _ZERO * (self.thigh + self.shank):
             raise BadValueError("foot", foot, "a place that is not on the axis of the leg")
@@ -158,10 +158,3 @@ class PantographLeg:
     def _axes(turn: float) -> tuple[Array, Array]:
         """Return x and the way up in the plane of the leg, in the trunk."""
         return np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(turn), np.cos(turn)])
-
-
-def _three(what: str, value: ArrayLike) -> Array:
-    array = as_finite(what, value, (3,))
-    if array.shape != (3,):
-        raise WrongSizeError(what, array.shape, (3,))
-    return array

@@ -14,6 +14,7 @@ from robomech_ros.parallel import Limb, Mechanism
 from robomech_ros.parallel.mechanism.limb import Axis, chain_of_axes
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.spatial.cross_product import cross_product_matrix
 from robomech_ros.typing import Array
 
 # Part of the greatest pivot below which one is zero.
@@ -24,10 +25,7 @@ def contact_rows(feet: Array) -> Array:
     """Return the matrix from trunk twist [w; v] to velocities of its points (3 m, 6)."""
     rows = np.zeros((len(feet), 3, 6))
     rows[:, :, 3:] = np.eye(3)
-    x, y, z = feet.T
-    rows[:, 0, 1], rows[:, 0, 2] = z, -y
-    rows[:, 1, 0], rows[:, 1, 2] = -z, x
-    rows[:, 2, 0], rows[:, 2, 1] = y, -x
+    rows[:, :, :3] = -cross_product_matrix(feet)
     return rows.reshape(-1, 6)
 
 

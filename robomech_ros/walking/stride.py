@@ -104,8 +104,7 @@ class Stride:
 
     def _centre(self, pose: Array) -> Array:
         """Return the mass centre of a pose, in the walking frame, shape (3,)."""
-        centre: Array = pose[9:12] + pose[:9].reshape(3, 3) @ pose[12:15]
-        return centre
+        return pose[9:12] + pose[:9].reshape(3, 3) @ pose[12:15]
 
     def quickest(self, start: Array, end: Array) -> float:
         """Return the shortest time (s) for a way between two offsets.

@@ -11,10 +11,17 @@ from numpy.typing import ArrayLike
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.walking import gait_step
 from robomech_ros._kernels.walking.gait_step import State, Step, StepReport
-from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeError
+from robomech_ros.errors import BadValueError, MissingLimitsError
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.outcomes import Code
-from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
+from robomech_ros.spatial.arrays import (
+    LARGEST,
+    LEAST,
+    as_choice,
+    as_single,
+    check_kind,
+    real_within,
+)
 from robomech_ros.typing import Array
 from robomech_ros.walking.gait_timing import SPEED_PART, fastest_twist, suitable_cycle, sway_cycle
 from robomech_ros.walking.gaits import GAITS
@@ -96,8 +103,7 @@ class Walker:
         acceleration: ArrayLike = (1.0, 0.5, 0.5),
         speed: float = 1.0,
     ) -> None:
-        if not isinstance(robot, LeggedRobot):
-            raise BadValueError("robot", robot, "a LeggedRobot")
+        check_kind("robot", robot, LeggedRobot, "a LeggedRobot")
         missing = [
             name
             for name, speed in zip(robot.joint_names, robot.velocity, strict=True)
@@ -111,7 +117,7 @@ class Walker:
         self.lift = _positive("lift", lift)
         self.timeout = _positive("timeout", timeout)
         self._bound = None if bound is None else finite_number("bound", bound, "m")
-        self._acceleration = _three("acceleration", acceleration)
+        self._acceleration = as_single("acceleration", acceleration, (3,))
         if self._acceleration.min() <= 0.0:
             raise BadValueError("acceleration", self._acceleration.tolist(), "three above 0")
         self._speed = _positive("speed", speed)
@@ -133,7 +139,7 @@ class Walker:
         place : array_like, shape (3,), optional
             x, y (m) and yaw (rad) over the ground.
         """
-        where = _three("place", place)
+        where = as_single("place", place, (3,))
         if self._waiting is not None:
             self._stride, self._waiting = self._waiting, None
         self._pose, self._way = self._stride.level.copy(), TrunkPath(np.zeros(6))
@@ -195,7 +201,7 @@ class Walker:
         twist : array_like, shape (3,)
             [w, vx, vy] of the trunk in its own axes (rad/s, m/s).
         """
-        self._command = _three("twist", twist).copy()
+        self._command = as_single("twist", twist, (3,)).copy()
         self._age = 0.0
 
     def command_gait(self, gait: str) -> None:
@@ -229,9 +235,7 @@ class Walker:
         TrunkPoseCheck
             NONE, else why it is refused, with leg and joint; nothing moves then.
         """
-        target = as_finite("pose", pose, (6,))
-        if target.shape != (6,):
-            raise WrongSizeError("pose", target.shape, (6,))
+        target = as_single("pose", pose, (6,))
         time = _positive("duration", duration)
         if np.array_equal(target, self._way.goal):
             # It is on its way there already, or there.
@@ -352,14 +356,4 @@ class Walker:
 
 
 def _positive(what: str, value: object) -> float:
-    number = real_number(what, value, "a number above 0")
-    if not 0.0 < number < np.inf:
-        raise BadValueError(what, value, "a number above 0")
-    return number
-
-
-def _three(what: str, value: ArrayLike) -> Array:
-    array = as_finite(what, value, (3,))
-    if array.shape != (3,):
-        raise WrongSizeError(what, array.shape, (3,))
-    return np.ascontiguousarray(array)
+    return real_within(what, value, "a number above 0", LEAST, LARGEST)

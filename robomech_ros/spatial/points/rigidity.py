@@ -209,8 +209,7 @@ def spread_matrix(centred: Array) -> Array:
     """Form ``J = tr(P P^T) 1 - P P^T`` of points (..., m, 3) relative to their centroid."""
     scatter = np.swapaxes(centred, -1, -2) @ centred
     trace = np.trace(scatter, axis1=-2, axis2=-1)
-    J: Array = trace[..., None, None] * np.eye(3) - scatter
-    return J
+    return trace[..., None, None] * np.eye(3) - scatter
 
 
 def _centred(value: ArrayLike) -> Array:

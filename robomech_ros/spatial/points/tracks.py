@@ -10,7 +10,13 @@ from numpy.typing import ArrayLike
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import points as kernels
 from robomech_ros.errors import BadValueError, InconsistentDataError, WrongSizeError
-from robomech_ros.spatial.arrays import as_finite, real_number
+from robomech_ros.spatial.arrays import (
+    LARGEST,
+    as_finite,
+    positive_number,
+    real_within,
+    whole_number,
+)
 from robomech_ros.spatial.points.from_points import (
     angular_acceleration_from_points,
     angular_velocity_from_points,
@@ -122,8 +128,9 @@ def motion_from_tracks(
     """
     t, p = _checked(times, points)
     count, m = p.shape[:2]
-    span = min(_whole("window", window), count)
-    order = _whole("degree", degree)
+    expected = "a whole number, at least 1"
+    span = min(whole_number("window", window, expected, 1, 2**31 - 1), count)
+    order = whole_number("degree", degree, expected, 1, 2**31 - 1)
     if not 2 <= order <= _MOST_DEGREE:
         raise BadValueError("degree", order, f"2 to {_MOST_DEGREE}")
     if span <= order:
@@ -147,10 +154,7 @@ def _largest_change(given: float | None, sigma: float) -> float:
     """Largest change of a distance (m) of a rigid body; without bound where noise is unknown."""
     if given is None:
         return _MOST_CHANGE * sigma if sigma > 0.0 else np.inf
-    limit = real_number("tolerance", given, "a positive number")
-    if not limit > 0.0:
-        raise BadValueError("tolerance", limit, "a positive number")
-    return limit
+    return positive_number("tolerance", given)
 
 
 def _check_distances(points: Array, limit: float) -> None:
@@ -172,10 +176,7 @@ def _check_distances(points: Array, limit: float) -> None:
 def _deviation(given: float | None, squares: Array, gains: Array, width: int) -> float:
     """Find the standard deviation of the noise: as given, or by what the fit leaves over."""
     if given is not None:
-        sigma = real_number("deviation", given, "a number, at least 0")
-        if not 0.0 <= sigma < np.inf:
-            raise BadValueError("deviation", sigma, "a number, at least 0")
-        return sigma
+        return real_within("deviation", given, "a number, at least 0", 0.0, LARGEST)
     # The value of a fit at its own sample has the weight of that sample, which is also the sum
     # of the squared weights: of the noise 1 - weight is left over.
     free = float(np.sum(1.0 - gains)) * width
@@ -194,10 +195,3 @@ def _checked(times: ArrayLike, points: ArrayLike) -> tuple[Array, Array]:
         k = int(np.argmax(~(steps > 0.0)))
         raise BadValueError(f"times[{k + 1}] - times[{k}]", float(steps[k]), "a positive number")
     return np.ascontiguousarray(t), p
-
-
-def _whole(what: str, value: object) -> int:
-    number = real_number(what, value, "a whole number, at least 1")
-    if not (1.0 <= number < 2**31 and number == int(number)):
-        raise BadValueError(what, value, "a whole number, at least 1")
-    return int(number)

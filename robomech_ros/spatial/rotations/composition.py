@@ -9,6 +9,7 @@ from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import conversions
 from robomech_ros._kernels.spatial.representations import MATRIX, QUATERNION
 from robomech_ros.spatial.rotations.conversions import (
+    converted,
     kind_of,
     raise_bad_rotation,
     rotation_rows,
@@ -65,8 +66,8 @@ def compose_rotations(second: ArrayLike, first: ArrayLike, representation: str) 
     out = np.empty((int(np.prod(shape)), 9 if kind == MATRIX else tail[0]))
     status = _compose(kind, *rows, out)
     if status:
-        for one, own in ((left, left_shape), (right, right_shape)):
-            _check(what, one, own, kind)
+        for value in (second, first):
+            converted(what, value, kind, QUATERNION)
         raise_bad_rotation(what, out, shape, kind, status)
     return out.reshape(shape + tail)
 
@@ -77,16 +78,6 @@ def _spread(rows: Array, own: tuple[int, ...], shape: tuple[int, ...]) -> Array:
         return rows
     wide = np.broadcast_to(rows.reshape(*own, -1), (*shape, rows.shape[1]))
     return np.ascontiguousarray(wide).reshape(-1, rows.shape[1])
-
-
-def _check(what: str, rows: Array, shape: tuple[int, ...], kind: int) -> None:
-    out = np.empty((len(rows), 4))
-    status = _convert(kind, QUATERNION, rows, out)
-    if status:
-        raise_bad_rotation(what, rows, shape, kind, status)
-
-
-_convert = direct(conversions.convert)
 
 
 def slerp(start: ArrayLike, goal: ArrayLike, fraction: ArrayLike) -> Array:

@@ -41,5 +41,4 @@ def unit_quaternion(quaternion: ArrayLike, tolerance: float = UNIT_NORM) -> Arra
         value, length = q[index].tolist(), float(norm[index])
         reason = "all zero" if length == 0.0 else f"norm is {length:.9g}"
         raise BadQuaternionError(value, f"{reason}{where}, expected norm 1 within {tolerance:g}")
-    result: Array = q / norm[..., None]
-    return result
+    return q / norm[..., None]

@@ -11,7 +11,6 @@ from robomech_ros.spatial.cross_product import cross, cross_product_matrix
 from robomech_ros.spatial.rows import common_shape, finite_result
 from robomech_ros.typing import Array
 
-_SIX = 6
 # Largest difference of an inertia matrix from its transpose, over its largest entry, that is taken
 # for rounding: six digits.
 _ASYMMETRY = 1e-5
@@ -111,7 +110,7 @@ def inertia_dyad(mass: ArrayLike, inertia: ArrayLike) -> Array:
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.
     """
     m, own = _mass(mass), _inertia(inertia)
-    M = np.zeros((*common_shape("mass and inertia", m.shape, own.shape[:-2]), _SIX, _SIX))
+    M = np.zeros((*common_shape("mass and inertia", m.shape, own.shape[:-2]), 6, 6))
     M[..., :3, :3] = own
     M[..., 3:, 3:] = m[..., None, None] * np.eye(3)
     return M
@@ -134,7 +133,7 @@ def angular_velocity_dyad(angular_velocity: ArrayLike) -> Array:
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.
     """
     turn = cross_product_matrix(angular_velocity)
-    W = np.zeros((*turn.shape[:-2], _SIX, _SIX))
+    W = np.zeros((*turn.shape[:-2], 6, 6))
     W[..., :3, :3] = turn
     return W
 
@@ -187,7 +186,7 @@ def twist_kinetic_energy(mass: ArrayLike, inertia: ArrayLike, twist: ArrayLike) 
     >>> float(twist_kinetic_energy(2.0, 0.1 * np.eye(3), [0.0, 0.0, 1.0, 3.0, 0.0, 0.0]))
     9.05
     """
-    t = as_finite("twist", twist, (_SIX,))
+    t = as_finite("twist", twist, (6,))
     momentum = momentum_screw(mass, inertia, t)
     with np.errstate(over="ignore", invalid="ignore"):
         energy: Array = 0.5 * np.sum(t * momentum, axis=-1)
@@ -229,20 +228,20 @@ def newton_euler_wrench(
     array([ 0., -4.,  0.,  0.,  0.,  0.])
     """
     m, own = _mass(mass), _inertia(inertia)
-    t = as_finite("twist", twist, (_SIX,))
+    t = as_finite("twist", twist, (6,))
     momentum = _momentum(m, own, "twist", t)
     wrench = _momentum(m, own, "twist_rate", twist_rate)
     shape = common_shape("twist and twist_rate", momentum.shape[:-1], wrench.shape[:-1])
-    wrench = np.array(np.broadcast_to(wrench, (*shape, _SIX)))
+    wrench = np.array(np.broadcast_to(wrench, (*shape, 6)))
     with np.errstate(over="ignore", invalid="ignore"):
         wrench[..., :3] += cross(t[..., :3], momentum[..., :3])
     return finite_result("twist", wrench, t)
 
 
 def _momentum(m: Array, own: Array, what: str, value: ArrayLike) -> Array:
-    six = as_finite(what, value, (_SIX,))
+    six = as_finite(what, value, (6,))
     shape = common_shape(f"mass, inertia and {what}", m.shape, own.shape[:-2], six.shape[:-1])
-    out = np.empty((*shape, _SIX))
+    out = np.empty((*shape, 6))
     with np.errstate(over="ignore", invalid="ignore"):
         out[..., :3] = (own @ six[..., :3, None])[..., 0]
         out[..., 3:] = m[..., None] * six[..., 3:]

@@ -12,8 +12,6 @@ from robomech_ros.spatial.cross_product import cross
 from robomech_ros.spatial.rows import common_shape, finite_result
 from robomech_ros.typing import Array
 
-_SIX = 6
-
 
 @dataclass(frozen=True, eq=False)
 class InstantScrew:
@@ -71,7 +69,7 @@ def instant_screw(twist: ArrayLike, point: ArrayLike | None = None) -> InstantSc
     >>> round(float(screw.pitch), 6), np.round(screw.point, 6)
     (-0.921053, array([-1.928947,  1.784211,  1.871053]))
     """
-    t = as_finite("twist", twist, (_SIX,))
+    t = as_finite("twist", twist, (6,))
     return _screw("twist", t[..., :3], t[..., 3:], point)
 
 
@@ -99,7 +97,7 @@ def wrench_axis(wrench: ArrayLike, point: ArrayLike | None = None) -> InstantScr
     >>> wrench_axis([0.0, 0.0, 5.0, 0.0, 10.0, 0.0]).point
     array([0.5, 0. , 0. ])
     """
-    w = as_finite("wrench", wrench, (_SIX,))
+    w = as_finite("wrench", wrench, (6,))
     return _screw("wrench", w[..., 3:], w[..., :3], point)
 
 

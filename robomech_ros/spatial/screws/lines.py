@@ -15,7 +15,6 @@ from robomech_ros.spatial.screws.transfers import transfer_wrench
 from robomech_ros.spatial.transformations.linear_maps import unit_vectors
 from robomech_ros.typing import Array, BoolArray
 
-_SIX = 6
 # Sine of the angle between lines that count as parallel: what their feet are computed from is
 # divided by its square.
 _PARALLEL = 1e-9
@@ -78,7 +77,7 @@ def line_through(point: ArrayLike, direction: ArrayLike) -> Array:
     """
     p, e = as_finite("point", point, (3,)), unit_vectors("direction", direction)
     shape = common_shape("point and direction", p.shape[:-1], e.shape[:-1])
-    line = np.empty((*shape, _SIX))
+    line = np.empty((*shape, 6))
     with np.errstate(over="ignore", invalid="ignore"):
         line[..., :3], line[..., 3:] = e, cross(p, e)
     return finite_result("point", line, p)
@@ -201,8 +200,7 @@ def line_reciprocity(first: ArrayLike, second: ArrayLike) -> Array:
     """
     (e, n), (f, m) = _line("first line", first), _line("second line", second)
     common_shape("lines", e.shape[:-1], f.shape[:-1])
-    moment: Array = np.sum(e * m + f * n, axis=-1)
-    return moment
+    return np.sum(e * m + f * n, axis=-1)
 
 
 def line_distance(first: ArrayLike, second: ArrayLike) -> Array:
@@ -305,13 +303,12 @@ def _any_normal(e: Array) -> Array:
     """Return unit vectors at right angles to unit vectors."""
     least = np.eye(3)[np.argmin(np.abs(e), axis=-1)]
     normal = cross(e, least)
-    unit: Array = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
-    return unit
+    return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
 
 def _line(what: str, value: ArrayLike) -> tuple[Array, Array]:
     """Check Pluecker coordinates and make the direction a unit vector."""
-    line = as_finite(what, value, (_SIX,))
+    line = as_finite(what, value, (6,))
     e = unit_vectors(f"direction of {what}", line[..., :3])
     length = np.sum(e * line[..., :3], axis=-1, keepdims=True)
     with np.errstate(over="ignore", invalid="ignore"):

@@ -16,7 +16,6 @@ from robomech_ros.spatial.rotations.quaternions import (
 from robomech_ros.spatial.rows import common_shape
 from robomech_ros.typing import Array
 
-_SEVEN = 7
 _FOUR_NUMBERS = ("quaternion", "linear-invariants", "axis-angle")
 
 
@@ -109,7 +108,7 @@ def pose_from_pose_array(array: ArrayLike, rotation: str = "quaternion") -> Arra
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.2.3.
     """
     kind = as_choice("rotation", rotation, _FOUR_NUMBERS)
-    seven = as_finite("pose array", array, (_SEVEN,))
+    seven = as_finite("pose array", array, (7,))
     return assembled(convert_rotation(seven[..., :4], kind, "matrix"), seven[..., 4:])
 
 

@@ -18,8 +18,6 @@ from robomech_ros.typing import Array
 
 _adjoints = direct(exponential.adjoints)
 
-_SIX = 6
-
 
 def transfer_twist(twist: ArrayLike, from_point: ArrayLike, to_point: ArrayLike) -> Array:
     r"""Return the twist of a body at another of its points.
@@ -139,18 +137,18 @@ def pose_adjoint(pose: ArrayLike) -> Array:
         Not a pose, or too far away.
     """
     rows, shape = as_rows("pose", pose, (4, 4), 16)
-    out = np.empty((len(rows), _SIX * _SIX))
+    out = np.empty((len(rows), 36))
     if _adjoints(rows, out):
         raise_bad_pose(rows, shape)
-    return out.reshape(*shape, _SIX, _SIX)
+    return out.reshape(*shape, 6, 6)
 
 
 def _moved(what: str, six: ArrayLike, start: ArrayLike, end: ArrayLike, free: int) -> Array:
     """Add to one half of six numbers the free half times the way between two points."""
-    given = as_finite(what, six, (_SIX,))
+    given = as_finite(what, six, (6,))
     a, p = (as_finite(f"point of {what}", one, (3,)) for one in (start, end))
     shape = common_shape(f"{what} and points", given.shape[:-1], a.shape[:-1], p.shape[:-1])
-    out = np.empty((*shape, _SIX))
+    out = np.empty((*shape, 6))
     out[...] = given
     bound = 3 - free
     with np.errstate(over="ignore", invalid="ignore"):
@@ -161,8 +159,8 @@ def _moved(what: str, six: ArrayLike, start: ArrayLike, end: ArrayLike, free: in
 def _matrix(start: ArrayLike, end: ArrayLike, row: int, column: int) -> Array:
     a, p = (as_finite("point", one, (3,)) for one in (start, end))
     shape = common_shape("points", a.shape[:-1], p.shape[:-1])
-    out = np.zeros((*shape, _SIX, _SIX))
-    out[...] = np.eye(_SIX)
+    out = np.zeros((*shape, 6, 6))
+    out[...] = np.eye(6)
     with np.errstate(over="ignore"):
         way = a - p
     finite_result("points", way, a)

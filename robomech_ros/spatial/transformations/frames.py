@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_finite, real_number
+from robomech_ros.spatial.arrays import as_finite, positive_number
 from robomech_ros.spatial.cross_product import axial_vector, cross
 from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.poses import as_pose
@@ -215,9 +215,7 @@ def same_in_two_frames(first: ArrayLike, second: ArrayLike, tolerance: float = _
     A, B = _square("first", first), _square("second", second)
     if A.shape[-1] != B.shape[-1]:
         raise WrongSizeError("second", B.shape, f"(..., {A.shape[-1]}, {A.shape[-1]})")
-    limit = real_number("tolerance", tolerance, "a positive number")
-    if not limit > 0.0:
-        raise BadValueError("tolerance", limit, "a positive number")
+    limit = positive_number("tolerance", tolerance)
     common_shape("first and second", A.shape[:-2], B.shape[:-2])
     sizes = [np.abs(one).max(axis=(-1, -2), keepdims=True) for one in (A, B)]
     scale = np.maximum(*sizes)
@@ -231,8 +229,7 @@ def same_in_two_frames(first: ArrayLike, second: ArrayLike, tolerance: float = _
             numbers.append(_mixed_products(parts[2], axial_vector(one)))
         found.append(np.concatenate(numbers, axis=-1))
     # The k-th moment grows with the k-th power, and its differences with k.
-    same: BoolArray = (np.abs(found[0] - found[1]) <= limit * A.shape[-1] ** 3).all(axis=-1)
-    return same
+    return (np.abs(found[0] - found[1]) <= limit * A.shape[-1] ** 3).all(axis=-1)
 
 
 def _mixed_products(symmetric: Array, vector: Array) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_finite, real_number
+from robomech_ros.spatial.arrays import as_finite, real_within
 from robomech_ros.typing import Array, IntArray
 
 # Singular values below this part of the largest are zero: rounding of products of matrices.
@@ -67,9 +67,7 @@ def linear_map(matrix: ArrayLike, tolerance: float = _RANK) -> LinearMap:
     A = as_finite("matrix", matrix, ())
     if A.ndim < 2 or 0 in A.shape[-2:]:
         raise WrongSizeError("matrix", A.shape, "(..., m, n) with m and n at least 1")
-    limit = real_number("tolerance", tolerance, "a number from 0 to 1")
-    if not 0.0 <= limit <= 1.0:
-        raise BadValueError("tolerance", limit, "a number from 0 to 1")
+    limit = real_within("tolerance", tolerance, "a number from 0 to 1", 0.0, 1.0)
     # Divided by the largest entry, so that no square overflows.
     largest = np.abs(A).max(axis=(-1, -2), keepdims=True)
     scale = np.where(largest > 0.0, largest, 1.0)
@@ -106,8 +104,7 @@ def orthogonal_projection(matrix: ArrayLike) -> Array:
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.2.
     """
     basis = linear_map(matrix).range_basis
-    projection: Array = basis @ np.swapaxes(basis, -1, -2)
-    return projection
+    return basis @ np.swapaxes(basis, -1, -2)
 
 
 def projection_on_line(direction: ArrayLike) -> Array:
@@ -146,8 +143,7 @@ def projection_on_plane(normal: ArrayLike) -> Array:
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.2.
     """
-    projection: Array = np.eye(3) - projection_on_line(normal)
-    return projection
+    return np.eye(3) - projection_on_line(normal)
 
 
 def unit_vectors(what: str, value: ArrayLike) -> Array:
@@ -158,5 +154,4 @@ def unit_vectors(what: str, value: ArrayLike) -> Array:
         raise BadValueError(what, v.tolist(), "a vector that is not zero")
     # First by the largest entry, so that no square over- or underflows.
     v = v / largest
-    unit: Array = v / np.linalg.norm(v, axis=-1, keepdims=True)
-    return unit
+    return v / np.linalg.norm(v, axis=-1, keepdims=True)

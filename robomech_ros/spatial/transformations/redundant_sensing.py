@@ -7,13 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import (
-    BadValueError,
-    InconsistentDataError,
-    UnderdeterminedError,
-    WrongSizeError,
-)
-from robomech_ros.spatial.arrays import readable_axis, real_number
+from robomech_ros.errors import InconsistentDataError, UnderdeterminedError, WrongSizeError
+from robomech_ros.spatial.arrays import positive_number, readable_axis
 from robomech_ros.spatial.cross_product import cross
 from robomech_ros.spatial.matrices import as_rotation, nearest_rotation
 from robomech_ros.spatial.rotations.axis_angle import rotation_vector_from_matrix
@@ -84,9 +79,7 @@ def sensor_agreement(rotations: ArrayLike, tolerance: float = _SAME_ANGLE) -> Se
     >>> sensor_agreement([*seen, [matrix_from_axis_angle([0, 0, 1], 0.6)]]).faulty
     (2,)
     """
-    limit = real_number("tolerance", tolerance, "a positive number")
-    if not limit > 0.0:
-        raise BadValueError("tolerance", limit, "a positive number")
+    limit = positive_number("tolerance", tolerance)
     vectors = rotation_vector_from_matrix(rotations)
     if vectors.ndim != 3 or vectors.shape[0] < _LEAST_SENSORS or not vectors.shape[1]:
         raise WrongSizeError("rotations", (*vectors.shape, 3), "(s, k, 3, 3) with s at least 2")
@@ -130,8 +123,7 @@ def frame_between_sensors(first: ArrayLike, second: ArrayLike) -> Array:
     if A.ndim != 3 or A.shape != B.shape or len(A) < 2:
         raise WrongSizeError("rotations", (A.shape[:-2], B.shape[:-2]), "(k, 3, 3) each, k >= 2")
     frames, misfits = frames_between(A, B)
-    best: Array = frames[single_match(frames, misfits, 3 * len(A) - 3)]
-    return best
+    return frames[single_match(frames, misfits, 3 * len(A) - 3)]
 
 
 def frames_between(first: Array, second: Array) -> tuple[Array, Array]:

@@ -41,8 +41,7 @@ def reflection(normal: ArrayLike) -> Array:
     >>> reflection([0.0, 0.0, 2.0]).diagonal()
     array([ 1.,  1., -1.])
     """
-    mirrored: Array = np.eye(3) - 2.0 * projection_on_line(normal)
-    return mirrored
+    return np.eye(3) - 2.0 * projection_on_line(normal)
 
 
 def reflection_normal(matrix: ArrayLike) -> Array:
@@ -80,8 +79,7 @@ def reflection_normal(matrix: ArrayLike) -> Array:
     n = n / np.linalg.norm(n, axis=-1, keepdims=True)
     first_used = np.argmax(n != 0.0, axis=-1)[..., None]
     sign = np.where(np.take_along_axis(n, first_used, axis=-1) < 0.0, -1.0, 1.0)
-    normal: Array = sign * n + 0.0
-    return normal
+    return sign * n + 0.0
 
 
 def compose_reflections(second: ArrayLike, first: ArrayLike) -> Array:
@@ -115,8 +113,7 @@ def compose_reflections(second: ArrayLike, first: ArrayLike) -> Array:
     """
     after, before = reflection(second), reflection(first)
     common_shape("second and first", after.shape[:-2], before.shape[:-2])
-    rotation: Array = after @ before
-    return rotation
+    return after @ before
 
 
 def reflections_from_matrix(matrix: ArrayLike) -> tuple[Array, Array]:

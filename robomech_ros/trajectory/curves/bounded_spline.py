@@ -110,8 +110,7 @@ def _least_distance(A: Array, b: Array, G: Array, h: Array) -> Array | None:
     residual = E @ nnls(E, f)[0] - f
     if not abs(residual[-1]) > 1e-12:
         return None
-    x: Array = start + np.linalg.solve(R, -residual[:-1] / residual[-1])
-    return x
+    return start + np.linalg.solve(R, -residual[:-1] / residual[-1])
 
 
 def _extreme_instants(unit: PiecewisePolynomial, values: Array) -> Array:
@@ -122,5 +121,4 @@ def _extreme_instants(unit: PiecewisePolynomial, values: Array) -> Array:
         half = -(b + np.copysign(np.sqrt(b * b - 3.0 * a * c), b))
         roots = np.stack((half / (3.0 * a), c / half))
         inside = (roots > 0.0) & (roots < unit.spans)
-    instants: Array = (unit.breaks[:-1] + roots)[inside]
-    return instants
+    return (unit.breaks[:-1] + roots)[inside]

@@ -133,8 +133,7 @@ def _piece_extremes() -> Callable[..., int]:
     from robomech_ros._kernels.compiling.jit import direct
     from robomech_ros._kernels.timing.peaks import piece_extremes
 
-    entry: Callable[..., int] = direct(piece_extremes)
-    return entry
+    return direct(piece_extremes)
 
 
 def first_above(coefficients: Array, bound: npt.ArrayLike) -> tuple[int, int] | None:
@@ -188,15 +187,13 @@ def _on_unit_spans(curve: PiecewisePolynomial) -> Array:
     """Return the coefficients in powers of the part of each segment that is over."""
     if not len(curve.spans):
         return curve.coefficients
-    powers: Array = curve.coefficients * _powers(curve.spans, len(curve.coefficients) - 1)
-    return powers
+    return curve.coefficients * _powers(curve.spans, len(curve.coefficients) - 1)
 
 
 def _rate_scales(curve: PiecewisePolynomial, orders: tuple[int, ...]) -> Array:
     """Return by what derivatives over parts of segments are multiplied, shape (k, max(s, 1), 1)."""
     spans = curve.spans if len(curve.spans) else np.ones(1)
-    scales: Array = 1.0 / _powers(spans, max(orders))[list(orders)]
-    return scales
+    return 1.0 / _powers(spans, max(orders))[list(orders)]
 
 
 def _powers(values: Array, highest: int) -> Array:
@@ -204,8 +201,7 @@ def _powers(values: Array, highest: int) -> Array:
     table = np.empty((highest + 1, len(values), 1))
     table[0] = 1.0
     table[1:, :, 0] = values
-    powers: Array = np.multiply.accumulate(table, axis=0, out=table)
-    return powers
+    return np.multiply.accumulate(table, axis=0, out=table)
 
 
 @cache
@@ -235,8 +231,7 @@ def _division(size: int) -> Array:
 
 def _divided(pieces: Array) -> Array:
     """Divide m pieces (d + 1, m): the first parts of all, then the second ones, and so on."""
-    parts: Array = (_division(len(pieces)) @ pieces).reshape(len(pieces), -1)
-    return parts
+    return (_division(len(pieces)) @ pieces).reshape(len(pieces), -1)
 
 
 def _goes_above(pieces: Array, bounds: Array) -> BoolArray:

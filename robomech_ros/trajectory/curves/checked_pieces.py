@@ -3,8 +3,8 @@
 import numpy as np
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import real_array
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import check_finite, real_array
 from robomech_ros.trajectory.curves.bounds import hull
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 
@@ -32,9 +32,8 @@ def checked_pieces(
         raise WrongSizeError(f"coefficients of the {what}", shape, f"(order + 1, {wanted}, n)")
     if shape[0] > largest_order + 1:
         raise BadValueError(f"order of the {what}", shape[0] - 1, f"at most {largest_order}")
-    for name, values in (("breaks", breaks), ("coefficients", coefficients)):
-        if not np.isfinite(values).all():
-            raise NonFiniteError(f"{name} of the {what}", values)
+    check_finite(f"breaks of the {what}", breaks)
+    check_finite(f"coefficients of the {what}", coefficients)
     if not (np.diff(breaks) > 0.0).all():
         k = int(np.argmin(np.diff(breaks)))
         expected = f"more than the one before, {float(breaks[k])!r}"

@@ -6,7 +6,7 @@ from robomech_ros.trajectory.curves.bounds import hull
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import Limits
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import BoolArray
 
 # How far a quintic over two pieces may be off them where they meet, rad or m, and in parts of the
 # acceleration limit.
@@ -50,9 +50,9 @@ def _pairs_joined(curve: PiecewisePolynomial, first: int, limits: Limits) -> Pie
     ends = np.arange(first, len(breaks), 2)
     if len(ends) < 2:
         return curve
-    at, rates = _states(curve)
+    rates = curve.sample(breaks)[:3]
     wide = interpolant(breaks[ends], *(values[ends] for values in rates))
-    middle = wide.sample(at[ends[:-1] + 1])
+    middle = wide.sample(breaks[ends[:-1] + 1])
     off = np.abs(middle.position - rates[0][ends[:-1] + 1])
     acceleration_off = np.abs(middle.acceleration - rates[2][ends[:-1] + 1])
     good = (off <= _OFF).all(axis=1)
@@ -64,12 +64,6 @@ def _pairs_joined(curve: PiecewisePolynomial, first: int, limits: Limits) -> Pie
     return interpolant(breaks[kept], *(values[kept] for values in rates))
 
 
-def _states(curve: PiecewisePolynomial) -> tuple[Array, list[Array]]:
-    """List the breaks, and positions, velocities and accelerations there, each (s + 1, n)."""
-    sample = curve.sample(curve.breaks)
-    return curve.breaks, [sample.position, sample.velocity, sample.acceleration]
-
-
 def _jerk_kept(
     curve: PiecewisePolynomial, wide: PiecewisePolynomial, first: int, limits: Limits
 ) -> BoolArray:
@@ -78,5 +72,4 @@ def _jerk_kept(
     narrow = np.abs(hull(curve, 3)).max(axis=0)[first : first + 2 * count]
     before = narrow.reshape(count, 2, -1).max(axis=1)
     after = np.abs(hull(wide, 3)).max(axis=0)
-    kept: BoolArray = (after <= np.maximum(before, limits.jerk)).all(axis=1)
-    return kept
+    return (after <= np.maximum(before, limits.jerk)).all(axis=1)

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import real_array
+from robomech_ros.spatial.arrays import check_finite, real_array
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.typing import Array, BoolArray
 
@@ -77,8 +77,7 @@ def _times(times: npt.ArrayLike) -> Array:
     breaks = real_array("times", times).copy()
     if breaks.ndim != 1 or not len(breaks):
         raise WrongSizeError("times", breaks.shape, "(m,) with at least one instant")
-    if not np.isfinite(breaks).all():
-        raise NonFiniteError("times", breaks)
+    check_finite("times", breaks)
     later = breaks[1:] > breaks[:-1]
     if not later.all():
         k = int(later.argmin()) + 1
@@ -112,8 +111,7 @@ def _given_at_both_ends(rows: Array) -> BoolArray:
     if not rows.shape[1]:
         return np.zeros(len(rows) - 1, dtype=np.bool_)
     given = ~np.isnan(rows[:, 0])  # a row that lacks one number lacks all
-    both: BoolArray = given[:-1] & given[1:]
-    return both
+    return given[:-1] & given[1:]
 
 
 def _selection(rows: BoolArray) -> Selection:

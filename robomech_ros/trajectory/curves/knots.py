@@ -54,8 +54,7 @@ def spaced_knots(points: Array, spacing: str, scale: Array | float = 1.0) -> Arr
     distances = np.linalg.norm(np.diff(points, axis=0) / scale, axis=1)
     spans = distances**power
     spans = np.maximum(spans, _SHORTEST * (spans.mean() or 1.0))
-    knots: Array = np.concatenate([[0.0], np.cumsum(spans)]) / spans.sum()
-    return knots
+    return np.concatenate([[0.0], np.cumsum(spans)]) / spans.sum()
 
 
 def knots_at(at: npt.ArrayLike, count: int) -> Array:

@@ -179,8 +179,7 @@ def arc_length(curve: Curve) -> ArcLengthCurve:
     curve = as_curve("curve", curve)
 
     def speed(u: Array) -> Array:
-        length: Array = np.linalg.norm(curve.derivatives(u)[1], axis=-1)
-        return length
+        return np.linalg.norm(curve.derivatives(u)[1], axis=-1)
 
     return ArcLengthCurve(curve, measured(speed, curve.breaks))
 
@@ -269,22 +268,19 @@ def _parameter_rates(r: Array) -> tuple[Array, Array, Array, Array]:
 
 def dot(a: Array, b: Array) -> Array:
     """Scalar products of rows, shape (...)."""
-    product: Array = np.sum(a * b, axis=-1)
-    return product
+    return np.sum(a * b, axis=-1)
 
 
 def _fitted(speed: Speed, low: Array, high: Array) -> Array:
     """Chebyshev coefficients (k, 16) of a speed in intervals."""
     nodes = 0.5 * (high + low)[:, None] + 0.5 * (high - low)[:, None] * _NODES
-    coefficients: Array = speed(nodes.ravel()).reshape(nodes.shape) @ _TO_COEFFICIENTS.T
-    return coefficients
+    return speed(nodes.ravel()).reshape(nodes.shape) @ _TO_COEFFICIENTS.T
 
 
 def _means(coefficients: Array) -> Array:
     """Mean over an interval of a polynomial with Chebyshev coefficients (k, 16)."""
     even = np.arange(0, _TERMS, 2)
-    mean: Array = coefficients[:, even] @ (1.0 / (1.0 - even**2))
-    return mean
+    return coefficients[:, even] @ (1.0 / (1.0 - even**2))
 
 
 def _interval(edges: Array, values: Array) -> npt.NDArray[np.intp]:

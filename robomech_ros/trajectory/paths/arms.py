@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_finite, held_rows
+from robomech_ros.spatial.arrays import as_finite, held_rows, shaped_array
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.typing import Array, IntArray
 
@@ -103,8 +103,8 @@ class SerialArm:
         values = as_finite("joint values", q, ())
         if values.ndim != 1:
             raise WrongSizeError("joint values", values.shape, "(n,)")
-        rates = checked_array("joint rates", qd, values.shape)[:, None]
-        columns = checked_array("jacobian", self.jacobian(values), (6, len(values))).T
+        rates = shaped_array("joint rates", qd, values.shape)[:, None]
+        columns = shaped_array("jacobian", self.jacobian(values), (6, len(values))).T
         axes, arms = columns[:, :3], columns[:, 3:]
         after = np.cumsum(axes * rates, axis=0)
         moved = np.cumsum(arms * rates, axis=0)
@@ -150,14 +150,6 @@ class JoinedArms:
 Tracked = Arm | JoinedArms
 
 
-def checked_array(what: str, value: npt.ArrayLike, shape: tuple[int, ...]) -> Array:
-    """Check what an arm returned: finite numbers of exactly one shape."""
-    array = as_finite(what, value, ())
-    if array.shape != shape:
-        raise WrongSizeError(what, array.shape, shape)
-    return array
-
-
 def as_arm(value: object) -> Arm:
     """Check that a value has the methods of an arm, or raise BadValueError."""
     missing = [name for name in _METHODS if not callable(getattr(value, name, None))]
@@ -179,5 +171,5 @@ def as_near(arm: Tracked, value: npt.ArrayLike) -> Array:
     if isinstance(arm, JoinedArms) and len(q) != sum(arm.joints):
         raise WrongSizeError("near", q.shape, (sum(arm.joints),))
     for one, own in arm.shares(q) if isinstance(arm, JoinedArms) else [(arm, q)]:
-        checked_array("jacobian", one.jacobian(own), (6, len(own)))
+        shaped_array("jacobian", one.jacobian(own), (6, len(own)))
     return q.copy()

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.curve import PolynomialCurve, evaluated
 from robomech_ros.trajectory.paths.curve_arguments import as_points, as_positive
@@ -95,8 +96,7 @@ def blended_polyline(
         Not points, neighbours that coincide, a corner at which the way goes straight back, or not
         exactly one of radius and deviation, above 0.
     """
-    if not isinstance(blend, str) or blend not in get_args(Blend):
-        raise BadValueError("blend", blend, "one of " + ", ".join(get_args(Blend)))
+    as_choice("blend", blend, get_args(Blend))
     if (radius is None) == (deviation is None):
         raise BadValueError("radius, deviation", (radius, deviation), "exactly one of the two")
     size = as_positive("radius", radius) if deviation is None else None
@@ -175,8 +175,7 @@ def _cuts(blend: Blend, half: Array, radius: float | None, deviation: float | No
         reach = 38.4 * _SPREAD / (6.0 - 7.0 * _SPREAD) ** 2 * sine / cosine**2
     else:
         reach = 16.0 / (16.0 - 25.0 * _SPREAD) / sine
-    cuts: Array = reach * (radius if radius is not None else deviation or 0.0)
-    return cuts
+    return reach * (radius if radius is not None else deviation or 0.0)
 
 
 def _straight(begins: Array, ends: Array, ways: Array) -> _Pieces:

@@ -9,8 +9,8 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import listed, real_array
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import check_finite, listed, real_array
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
@@ -87,8 +87,7 @@ class FunctionCurve:
             if array.shape != (len(u), 3):
                 raise WrongSizeError(f"{what}, order {k}", array.shape, (len(u), 3))
             rows[k] = array
-        if not np.isfinite(rows).all():
-            raise NonFiniteError(what, rows)
+        check_finite(what, rows)
         placed: Array = rows @ self.pose[:3, :3].T
         placed[0] += self.pose[:3, 3]
         return placed

@@ -7,18 +7,17 @@ import numpy.typing as npt
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import real_array, real_number
+from robomech_ros.spatial.arrays import check_finite, real_array, real_number, shaped_array
 from robomech_ros.trajectory.tolerances import COINCIDENT, PARAMETER_SLACK
 from robomech_ros.typing import Array
 
 
 def as_breaks(what: str, value: npt.ArrayLike) -> Array:
     """Check numbers that increase strictly, at least two; give a copy."""
-    breaks: Array = real_array(what, value).copy()
+    breaks = real_array(what, value).copy()
     if breaks.ndim != 1 or len(breaks) < 2:
         raise WrongSizeError(what, breaks.shape, "(k,) with at least two numbers")
-    if not np.isfinite(breaks).all():
-        raise NonFiniteError(what, breaks)
+    check_finite(what, breaks)
     late = np.flatnonzero(np.diff(breaks) <= 0.0)
     if len(late):
         k = int(late[0]) + 1
@@ -31,8 +30,7 @@ def as_points(what: str, value: npt.ArrayLike, least: int) -> Array:
     points = real_array(what, value)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < least:
         raise WrongSizeError(what, points.shape, f"(k, 3) with k at least {least}")
-    if not np.isfinite(points).all():
-        raise NonFiniteError(what, points)
+    check_finite(what, points)
     if np.abs(points).max() > LARGEST_LENGTH:
         worst = np.unravel_index(int(np.abs(points).argmax()), points.shape)
         where = ", ".join(str(int(i)) for i in worst)
@@ -66,11 +64,7 @@ def as_parameters(what: str, value: npt.ArrayLike, start: float, end: float) -> 
 
 def as_vector(what: str, value: npt.ArrayLike, shape: tuple[int, ...] = (3,)) -> Array:
     """Check finite numbers of exactly one shape, none above 1e6."""
-    numbers = real_array(what, value)
-    if numbers.shape != shape:
-        raise WrongSizeError(what, numbers.shape, shape)
-    if not np.isfinite(numbers).all():
-        raise NonFiniteError(what, numbers)
+    numbers = shaped_array(what, value, shape)
     if np.abs(numbers).max(initial=0.0) > LARGEST_LENGTH:
         raise BadValueError(what, numbers.tolist(), f"numbers of at most {LARGEST_LENGTH:g}")
     return numbers

@@ -145,8 +145,7 @@ def _frames(curve: Curve, u: Array) -> FrenetSerret:
 def _is_curved(curve: Curve, rows: Array, p: Array) -> BoolArray:
     """Return True where the curvature (1/m) exceeds rounding over the length of the curve."""
     length = np.linalg.norm(rows[1], axis=-1) * (curve.breaks[-1] - curve.breaks[0])
-    curved: BoolArray = np.linalg.norm(p[2], axis=-1) * length > STRAIGHT
-    return curved
+    return np.linalg.norm(p[2], axis=-1) * length > STRAIGHT
 
 
 def _carried_normals(curve: Curve, u: Array, tangents: Array) -> Array:
@@ -196,5 +195,4 @@ def _carried(vectors: Array, before: Array, after: Array) -> Array:
     scale = np.maximum(1.0 + dot(before, after), np.finfo(np.float64).tiny)
     turned = vectors - between * (dot(vectors, after) / scale)[:, None]
     turned -= after * dot(turned, after)[:, None]
-    normal: Array = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
-    return normal
+    return turned / np.linalg.norm(turned, axis=-1, keepdims=True)

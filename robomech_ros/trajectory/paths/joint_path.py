@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import check_kind
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.curve_arguments import as_parameters
 from robomech_ros.trajectory.paths.pose_path import PosePath
@@ -179,11 +180,9 @@ def _speeds_at(law: Trajectory, coordinates: Array) -> Array:
     return law.sample(high).velocity[:, 0]
 
 
-def check_follows(path: object, joints: object) -> None:
+def check_follows(path: PosePath, joints: JointPath) -> None:
     """Check that a joint path, over the coordinate of a pose path, is no longer than that."""
-    if not isinstance(path, PosePath):
-        raise BadValueError("path", path, "a PosePath")
-    if not isinstance(joints, JointPath):
-        raise BadValueError("joints", joints, "a JointPath")
+    check_kind("path", path, PosePath, "a PosePath")
+    check_kind("joints", joints, JointPath, "a JointPath")
     if joints.length > path.length:
         raise BadValueError("length of the joint path", joints.length, f"at most {path.length:.9g}")

@@ -8,12 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.spatial.arrays import real_number
+from robomech_ros.spatial.arrays import shaped_array, whole_number
 from robomech_ros.spatial.screws.pose_conversions import pose_error
 from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.quintic_spline import Ends
-from robomech_ros.trajectory.paths.arms import Arm, as_arm, checked_array
+from robomech_ros.trajectory.paths.arms import Arm, as_arm
 from robomech_ros.trajectory.paths.curve_arguments import as_parameters
 from robomech_ros.trajectory.paths.joint_path import JointPath, check_follows
 from robomech_ros.trajectory.paths.pose_path import PosePath, PoseSample
@@ -103,7 +103,7 @@ def tracking_error(path: PosePath, arm: Arm, joints: JointPath, s: npt.ArrayLike
     rows = joints.derivatives(np.atleast_1d(inside))[0]
     actual = np.empty((len(rows), 4, 4))
     for k, q in enumerate(rows):
-        actual[k] = checked_array("pose of the arm", arm.forward(q), (4, 4))
+        actual[k] = shaped_array("pose of the arm", arm.forward(q), (4, 4))
     errors = pose_error(path.sample(np.atleast_1d(inside)).pose, actual)
     return errors if inside.ndim else errors[0]
 
@@ -142,7 +142,4 @@ def _part(
 def _count(poses: object, ends: Ends, stops: int) -> int:
     least = (4 if ends == "periodic" else 2) + 3 * stops
     expected = f"a whole number from {least} to {_MOST_POSES}"
-    number = real_number("poses", poses, expected)
-    if not least <= number <= _MOST_POSES or number != int(number):
-        raise BadValueError("poses", poses, expected)
-    return int(number)
+    return whole_number("poses", poses, expected, least, _MOST_POSES)

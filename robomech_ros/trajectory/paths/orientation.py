@@ -280,5 +280,4 @@ def _angle(curve: Curve, low: Array, high: Array) -> Array:
     between = (
         np.swapaxes(frenet_serret(curve, low).frame, -1, -2) @ frenet_serret(curve, high).frame
     )
-    angles: Array = np.linalg.norm(rotation_vector_from_matrix(between), axis=-1)
-    return angles
+    return np.linalg.norm(rotation_vector_from_matrix(between), axis=-1)

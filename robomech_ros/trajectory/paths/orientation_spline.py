@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import real_array
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import shaped_array
 from robomech_ros.spatial.rotations.axis_angle import (
     matrix_from_rotation_vector,
     rotation_vector_from_matrix,
@@ -188,9 +188,5 @@ def _end_rates(given: npt.ArrayLike | None, ends: Ends, rotations: Array) -> Arr
         return None
     if given is None:
         raise BadValueError("end_rates", None, "angular velocities, since the ends are clamped")
-    rates = real_array("end_rates", given)
-    if rates.shape != (2, 3):
-        raise WrongSizeError("end_rates", rates.shape, (2, 3))
-    if not np.isfinite(rates).all():
-        raise NonFiniteError("end_rates", rates)
+    rates = shaped_array("end_rates", given, (2, 3))
     return applied(np.swapaxes(rotations[[0, -1]], -1, -2), rates)

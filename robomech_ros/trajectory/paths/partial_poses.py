@@ -13,12 +13,13 @@ from typing import TypeGuard
 
 import numpy as np
 
+from robomech_ros.spatial.arrays import shaped_array
 from robomech_ros.spatial.rotations.axis_angle import (
     matrix_from_rotation_vector,
     rotation_vector_from_matrix,
 )
 from robomech_ros.spatial.rotations.rates import rotation_rates
-from robomech_ros.trajectory.paths.arms import SerialArm, Tracked, checked_array
+from robomech_ros.trajectory.paths.arms import SerialArm, Tracked
 from robomech_ros.trajectory.paths.joint_path import JointPath
 from robomech_ros.trajectory.paths.pose_path import PoseSample
 from robomech_ros.typing import Array, IntArray
@@ -50,11 +51,10 @@ def partial_rank(arm: SerialArm, joints: int) -> int:
 
 def partial_deviation(arm: SerialArm, q: Array, pose: Array) -> Array:
     """Return what is left of the k held components (rad, m), in the axes of the pose."""
-    actual = checked_array("pose of the arm", arm.forward(q), (4, 4))
+    actual = shaped_array("pose of the arm", arm.forward(q), (4, 4))
     R = pose[:3, :3]
     turn = rotation_vector_from_matrix(R.T @ actual[:3, :3])
-    left: Array = -np.concatenate([turn, R.T @ (actual[:3, 3] - pose[:3, 3])])[arm.held]
-    return left
+    return -np.concatenate([turn, R.T @ (actual[:3, 3] - pose[:3, 3])])[arm.held]
 
 
 def least_turn(target: Array, actual: Array, rows: IntArray) -> Array:
@@ -75,8 +75,7 @@ def least_turn(target: Array, actual: Array, rows: IntArray) -> Array:
     axis, wanted = actual[:, ~held][:, 0], target[:, ~held][:, 0]
     normal = np.cross(axis, wanted)
     sine = float(np.linalg.norm(normal))
-    turn: Array = normal * (math.atan2(sine, float(axis @ wanted)) / max(sine, 1e-300))
-    return turn
+    return normal * (math.atan2(sine, float(axis @ wanted)) / max(sine, 1e-300))
 
 
 def partial_step(arm: SerialArm, q: Array, pose: Array) -> Array:
@@ -129,8 +128,8 @@ def _least_rates(arm: SerialArm, q: Array, place: PoseSample) -> Array:
 
 def _equations(arm: SerialArm, q: Array, place: PoseSample) -> Array:
     """Return [A b], shape (k, n + 1), of the equations A q' = b."""
-    J = checked_array("jacobian", arm.jacobian(q), (6, len(q)))
-    actual = checked_array("pose of the arm", arm.forward(q), (4, 4))
+    J = shaped_array("jacobian", arm.jacobian(q), (6, len(q)))
+    actual = shaped_array("pose of the arm", arm.forward(q), (4, 4))
     R, apart = place.pose[:3, :3], actual[:3, 3] - place.pose[:3, 3]
     omega, velocity = place.twist[:3], place.twist[3:]
     carried = np.concatenate([omega, velocity + np.cross(omega, apart)])
@@ -140,8 +139,7 @@ def _equations(arm: SerialArm, q: Array, place: PoseSample) -> Array:
         turn = rotation_vector_from_matrix(R.T @ actual[:3, :3])
         turns = np.tile(turn, (turning.shape[1], 1))
         turning = rotation_rates(turns, "rotation-vector", turning.T)[0].T
-    system: Array = np.concatenate([turning, moving])[arm.held]
-    return system
+    return np.concatenate([turning, moving])[arm.held]
 
 
 def _moved(place: PoseSample, h: float) -> PoseSample:
@@ -159,5 +157,4 @@ def _freedom(arm: SerialArm, q: Array) -> Array:
     lower, upper = arm.bounds
     near = np.clip(_NEAR * (upper - lower), np.finfo(np.float64).tiny, _NEAR_AT_MOST)
     x = np.clip(np.minimum(q - lower, upper - q) / near, 0.0, 1.0)
-    factors: Array = _LEAST + (1.0 - _LEAST) * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
-    return factors
+    return _LEAST + (1.0 - _LEAST) * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)

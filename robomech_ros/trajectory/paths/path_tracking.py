@@ -9,10 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import check_kind, shaped_array
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.paths.arms import Tracked, as_near, as_tracked, checked_array
+from robomech_ros.trajectory.paths.arms import Tracked, as_near, as_tracked
 from robomech_ros.trajectory.paths.curve_arguments import as_positive
 from robomech_ros.trajectory.paths.joint_path import JointPath
 from robomech_ros.trajectory.paths.path_cuts import limit_cut
@@ -101,8 +102,7 @@ def track_path(
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 11.5.
     """
-    if not isinstance(path, PosePath):
-        raise BadValueError("path", path, "a PosePath")
+    check_kind("path", path, PosePath, "a PosePath")
     q = as_near(as_tracked(arm), near)
     allowed = as_positive("tolerance", tolerance)
     if allowed < LEAST_TOLERANCE:
@@ -286,4 +286,4 @@ def _nearest(arm: Tracked, pose: Array, near: Array, limits: Limits | None) -> A
     """Ask the arm for joint values at a pose, near others that are put within the limits."""
     seed = near if limits is None else np.clip(near, limits.lower, limits.upper)
     found = arm.inverse(pose, seed)
-    return None if found is None else checked_array("joint values of inverse", found, near.shape)
+    return None if found is None else shaped_array("joint values of inverse", found, near.shape)

@@ -95,8 +95,7 @@ class PosePath:
         scale = np.array([self.length] * 3 + [1.0] * 3)
         step = np.abs((after - before) * scale).max(axis=1)
         size = np.maximum(np.abs(after * scale).max(axis=1), 1.0)
-        stops: Array = inner[step > RATE_STEP * size]
-        return stops
+        return inner[step > RATE_STEP * size]
 
     def sample(self, s: npt.ArrayLike) -> PoseSample:
         """Sample pose, twist and its derivative.

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robomech_ros.spatial.arrays import shaped_array
 from robomech_ros.spatial.cross_product import axial_vector
-from robomech_ros.trajectory.paths.arms import JoinedArms, Tracked, checked_array
+from robomech_ros.trajectory.paths.arms import JoinedArms, Tracked
 from robomech_ros.trajectory.paths.partial_poses import (
     is_partial,
     least_solution,
@@ -77,10 +78,10 @@ def posture(arm: Tracked, q: Array, place: PoseSample) -> Posture:
         return Posture(q, first, second, max(one.condition for one in parts))
     if is_partial(arm):
         return Posture(q, *partial_rates(arm, q, place))
-    J = checked_array("jacobian", arm.jacobian(q), (6, len(q)))
+    J = shaped_array("jacobian", arm.jacobian(q), (6, len(q)))
     singular = np.linalg.svd(J, compute_uv=False)
     first = least_solution(J, place.twist)
-    rate = checked_array("jacobian_rate", arm.jacobian_rate(q, first), (6, len(q)))
+    rate = shaped_array("jacobian_rate", arm.jacobian_rate(q, first), (6, len(q)))
     second = least_solution(J, place.twist_rate - rate @ first)
     if is_redundant(arm, q):
         spare = rate.T @ least_solution(J.T, first)
@@ -127,7 +128,7 @@ def corrected(arm: Tracked, q: Array, pose: Array) -> Array | None:
         if is_partial(arm):
             step = partial_step(arm, q, pose)
         else:
-            J = checked_array("jacobian", arm.jacobian(q), (6, len(q)))
+            J = shaped_array("jacobian", arm.jacobian(q), (6, len(q)))
             step = least_solution(J, pose_deviation(arm, q, pose))
         size = float(np.abs(step).max())
         if not np.isfinite(size) or size > max(2.0 * last, 1.0):
@@ -149,7 +150,7 @@ def pose_deviation(arm: Tracked, q: Array, pose: Array) -> Array:
         return partial_deviation(arm, q, pose)
     if isinstance(arm, JoinedArms):
         return np.concatenate([pose_deviation(one, own, pose) for one, own in arm.shares(q)])
-    actual = checked_array("pose of the arm", arm.forward(q), (4, 4))
+    actual = shaped_array("pose of the arm", arm.forward(q), (4, 4))
     left = pose[:3, :3] @ actual[:3, :3].T
     vector = axial_vector(left)
     if np.trace(left) < 1.0:

@@ -21,5 +21,4 @@ def body_rate_matrix(theta: Array) -> Array:
 
 def applied(matrices: Array, vectors: Array) -> Array:
     """Products of matrices (m, 3, 3) with vectors (m, 3), one by one."""
-    product: Array = (matrices @ vectors[..., None])[..., 0]
-    return product
+    return (matrices @ vectors[..., None])[..., 0]

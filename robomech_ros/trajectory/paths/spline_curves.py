@@ -7,8 +7,8 @@ from typing import cast, get_args
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import as_choice, real_array, real_number
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import as_choice, real_number, shaped_array
 from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
 from robomech_ros.trajectory.curves.quintic_spline import Ends, quintic_spline
 from robomech_ros.trajectory.paths.curve import PolynomialCurve
@@ -119,9 +119,4 @@ def _end_rates(given: npt.ArrayLike | None, ends: Ends, shape: tuple[int, ...]) 
         return None
     if ends != "clamped":
         raise BadValueError("end_rates", given, f"none, since the ends are {ends}")
-    rates = real_array("end_rates", given)
-    if rates.shape != shape:
-        raise WrongSizeError("end_rates", rates.shape, shape)
-    if not np.isfinite(rates).all():
-        raise NonFiniteError("end_rates", rates)
-    return rates
+    return shaped_array("end_rates", given, shape)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, DurationTooShortError
-from robomech_ros.spatial.arrays import as_choice
+from robomech_ros.spatial.arrays import as_choice, check_kind
 from robomech_ros.trajectory.curves.joining import joined
 from robomech_ros.trajectory.curves.motion_to_rest import MotionToRest, check_positions
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
@@ -164,7 +164,8 @@ def along_path(
     """
     tracking = track_path(path, ik, start, limits=limits, condition_limit=condition_limit)
     if tracking.path is None:
-        return _resting(np.array(start, dtype=np.float64), tracking)
+        rest = np.array(start, dtype=np.float64)
+        return PathMotion(rest, PiecewisePolynomial(np.zeros(1), rest[None, None]), tracking)
     return along_joint_path(
         path, tracking, limits=limits, profile=profile, duration=duration, speeds=speeds, arm=ik
     )
@@ -225,15 +226,9 @@ def along_joint_path(
     return PathMotion(joints.derivatives(joints.length)[0], curve, tracking)
 
 
-def _resting(start: Array, tracking: PathTracking) -> PathMotion:
-    """Stand still at joint values (n,), where a path cannot even begin."""
-    return PathMotion(start, PiecewisePolynomial(np.zeros(1), start[None, None]), tracking)
-
-
 def _found(path: PosePath, tracking: PathTracking) -> JointPath:
     """Return the joint path that has been found along a pose path."""
-    if not isinstance(tracking, PathTracking):
-        raise BadValueError("tracking", tracking, "a PathTracking")
+    check_kind("tracking", tracking, PathTracking, "a PathTracking")
     if tracking.path is None:
         raise BadValueError("tracking", tracking.reason, "one that has found a joint path")
     check_follows(path, tracking.path)
@@ -260,13 +255,11 @@ def _speed_limits(twists: Callable[[Array], Array], most: TipSpeeds | None) -> l
     """Limit the speeds of the tool, whose twists (m, 6) over the path coordinate are given."""
     if most is None:
         return []
-    if not isinstance(most, TipSpeeds):
-        raise BadValueError("speeds", most, "a TipSpeeds")
+    check_kind("speeds", most, TipSpeeds, "a TipSpeeds")
 
     def rate(part: slice) -> Callable[[Array], Array]:
         def of(s: Array) -> Array:
-            magnitude: Array = np.linalg.norm(twists(s)[:, part], axis=1)
-            return magnitude
+            return np.linalg.norm(twists(s)[:, part], axis=1)
 
         return of
 

@@ -51,13 +51,7 @@ class Profile(Protocol):
 
     @classmethod
     def plan(
-        cls,
-        start: Array,
-        goal: Array,
-        limits: Limits,
-        duration: float | None = None,
-        start_velocity: Array | None = None,
-        start_acceleration: Array | None = None,
+        cls, start: Array, goal: Array, limits: Limits, duration: float | None = None
     ) -> PiecewiseTrajectory:
         """Plan from `start` to rest at `goal` (n,), within `limits`."""
 
@@ -173,8 +167,9 @@ def point_to_point(
     moving = _rates_at_start(start_velocity, start_acceleration, shape)
     if not method.STARTS_MOVING:
         _check_at_rest(profile, moving)
-        moving = {}
-    return method.plan(start, goal, allowed, seconds, **moving)
+        return method.plan(start, goal, allowed, seconds)
+    plan: Any = method.plan
+    return plan(start, goal, allowed, seconds, **moving)
 
 
 def scaled_limits(

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
+from robomech_ros.errors import WrongSizeError
+from robomech_ros.spatial.arrays import as_choice, as_finite, whole_number
 from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
 from robomech_ros.trajectory.limits import JointLimits
 from robomech_ros.trajectory.plans.spline_motions import Spline, spline_through
@@ -70,13 +70,11 @@ def spline_like(
     """
     law = _LAWS[as_choice("profile", profile, tuple(_LAWS))]
     expected = f"a whole number from 3 to {_MOST_KNOTS}"
-    count = real_number("knots", knots, expected)
-    if not (3.0 <= count <= _MOST_KNOTS and count == int(count)):
-        raise BadValueError("knots", knots, expected)
+    count = whole_number("knots", knots, expected, 3, _MOST_KNOTS)
     start, goal = as_finite("start", q0, ()), as_finite("goal", q1, ())
     if start.ndim != 1 or start.shape != goal.shape:
         raise WrongSizeError("goal", goal.shape, start.shape if start.ndim == 1 else "(n,)")
-    values = _least_deviation(law, int(count))[:, None]
+    values = _least_deviation(law, count)[:, None]
     points = (1.0 - values) * start + values * goal
     return spline_through(points, limits=limits, spacing="uniform", duration=duration)
 

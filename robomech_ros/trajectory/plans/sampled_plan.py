@@ -117,7 +117,11 @@ def sampled_motion(
     plan: SampledPlan | None = None
     for attempt in range(_ROUNDS):
         try:
-            trajectory = planner(_tightened(first, factors) if attempt else first)
+            trajectory = planner(
+                first.scaled(velocity=factors[0], acceleration=factors[1], jerk=factors[2])
+                if attempt
+                else first
+            )
         except DurationTooShortError:
             if plan is None or not plan.verification.ok:
                 raise
@@ -211,20 +215,6 @@ def _tighten(factors: Array, ratios: Array, *, stagger: bool) -> None:
     factors /= 1.0 + 1.1 * np.maximum(ratios - 1.0, 0.0) + MARGIN
 
 
-def _tightened(limits: Limits, factors: Array) -> Limits:
-    return limits.scaled(velocity=factors[0], acceleration=factors[1], jerk=factors[2])
-
-
-def _ratios(verification: Verification) -> Array:
-    return np.array(
-        [
-            verification.peak_velocity_ratio,
-            verification.peak_acceleration_ratio,
-            verification.peak_jerk_ratio,
-        ]
-    )
-
-
 def _shown_ratios(plan: SampledPlan, limits: Limits) -> Array:
     """Find the ratios (3, n) of velocity, acceleration and jerk to their limits, as sampled.
 
@@ -232,10 +222,12 @@ def _shown_ratios(plan: SampledPlan, limits: Limits) -> Array:
     it counts where samples are so near to each other that it can be seen.
     """
     if not _rounding_shows(plan.waypoints, limits):
-        return _ratios(plan.verification)
+        found = plan.verification
+        return np.array(
+            [found.peak_velocity_ratio, found.peak_acceleration_ratio, found.peak_jerk_ratio]
+        )
     low, high = extremes(plan.waypoints.curve)
-    ratios: Array = np.maximum(-low, high)[1:] / limits.rates
-    return ratios
+    return np.maximum(-low, high)[1:] / limits.rates
 
 
 def _rounding_shows(waypoints: Waypoints, limits: Limits) -> bool:

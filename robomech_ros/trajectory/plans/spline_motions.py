@@ -8,8 +8,8 @@ from typing import Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import as_choice, real_array, real_number
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import as_choice, real_number, shaped_array
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.cubic_spline import CubicEnds, cubic_spline
 from robomech_ros.trajectory.curves.knots import (
@@ -215,20 +215,11 @@ def _slopes(slopes: npt.ArrayLike | None, ends: str, n: int, timed: bool) -> Arr
         return np.zeros((2, n))
     if ends != "clamped" or not timed:
         raise BadValueError("slopes", slopes, "none, except for clamped ends with times")
-    rates = real_array("slopes", slopes)
-    if rates.shape != (2, n):
-        raise WrongSizeError("slopes", rates.shape, (2, n))
-    if not np.isfinite(rates).all():
-        raise NonFiniteError("slopes", rates)
-    return rates
+    return shaped_array("slopes", slopes, (2, n))
 
 
 def _knots(times: npt.ArrayLike, count: int) -> Array:
-    knots = real_array("times", times).copy()
-    if knots.shape != (count,):
-        raise WrongSizeError("times", knots.shape, (count,))
-    if not np.isfinite(knots).all():
-        raise NonFiniteError("times", knots)
+    knots = shaped_array("times", times, (count,)).copy()
     late = np.flatnonzero(np.diff(knots) <= 0.0)
     if len(late):
         k = int(late[0]) + 1
@@ -240,7 +231,5 @@ def _spline(places: Array, knots: Array, ends: CubicEnds, degree: int, slopes: A
     if degree == 3:
         return Spline(places, knots, ends, cubic_spline(knots, places, ends, slopes))
     rates = np.stack([slopes, np.zeros_like(slopes)], axis=1)
-    kind: Ends = "natural" if ends == "natural" else "clamped"
-    if ends == "periodic":
-        kind = "periodic"
+    kind: Ends = "clamped" if ends == "rest" or ends == "parabolic" else ends
     return Spline(places, knots, ends, quintic_spline(knots, places, kind, rates))

@@ -71,10 +71,8 @@ def _inside_limits(
     points: Array, limits: Limits, at: Array | None, duration: float | None
 ) -> Spline | None:
     """Plan a spline that the position limits hold back between the points."""
-    if at is None:
-        knots = spaced_knots(points, "centripetal", limits.velocity)
-    else:
-        knots = knots_at(at, len(points))
+    spaced = spaced_knots(points, "centripetal", limits.velocity)
+    knots = spaced if at is None else knots_at(at, len(points))
     # A start outside, within the slack, may stay there.
     lower, upper = np.minimum(limits.lower, points[0]), np.maximum(limits.upper, points[0])
     shape = bounded_spline(knots, points, lower, upper)

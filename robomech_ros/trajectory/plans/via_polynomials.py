@@ -168,8 +168,7 @@ def _costs(places: Array, knots: Array, profile: str, limits: Limits) -> Array:
     swing = np.abs(unit.coefficients[1:]).reshape(-1, *low.shape[1:]).max(axis=(0, 2))
     swing /= np.abs(places - places[0]).max()
     outside = np.maximum(outside, np.where(swing > _LARGEST_SWING, swing, 0.0))
-    ranked: Array = np.where(outside > POSITION_SLACK, _OUTSIDE * (1.0 + outside), costs)
-    return ranked
+    return np.where(outside > POSITION_SLACK, _OUTSIDE * (1.0 + outside), costs)
 
 
 def _through(places: Array, knots: Array, profile: str) -> PiecewisePolynomial:

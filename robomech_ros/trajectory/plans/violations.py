@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import as_flag, real_array, real_number
+from robomech_ros.spatial.arrays import as_flag, real_within, shaped_array
 from robomech_ros.trajectory.curves.bounds import first_above, hull, steps
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
@@ -82,19 +81,13 @@ def end_violations(
 ) -> Iterable[Violation]:
     """Yield what is wrong with the first and the last instant."""
     expected = "a number of rad or m from 0 on"
-    slack = real_number("start_tolerance", start_tolerance, expected)
-    if not slack >= 0.0:
-        raise BadValueError("start_tolerance", start_tolerance, expected)
+    slack = real_within("start_tolerance", start_tolerance, expected, 0.0)
     from_zero, to_rest = as_flag("from_zero", from_zero), as_flag("to_rest", to_rest)
     begin, end = float(curve.breaks[0]), float(curve.breaks[-1])
     if from_zero and begin != 0.0:
         yield Violation("start time", "", begin, begin, 0.0, "s")
     if start is not None:
-        wanted = real_array("start", start)
-        if wanted.shape != (curve.joints,):
-            raise WrongSizeError("start", wanted.shape, (curve.joints,))
-        if not np.isfinite(wanted).all():
-            raise NonFiniteError("start", wanted)
+        wanted = shaped_array("start", start, (curve.joints,))
         first = curve.coefficients[0, 0]
         yield from _worst("start position", limits, 0, begin, first, wanted, slack)
     if to_rest:
@@ -134,8 +127,7 @@ def _position_violations(curve: PiecewisePolynomial, limits: Limits) -> Iterable
 def _steps(curve: PiecewisePolynomial, doubts: Array) -> Array:
     """Find how far position, velocity and acceleration step for certain, shape (3, s - 1, n)."""
     rounding = np.maximum(doubts[:3, 1:], doubts[:3, :-1])
-    certain: Array = np.maximum(np.abs(steps(curve, (0, 1, 2))) - rounding, 0.0)
-    return certain
+    return np.maximum(np.abs(steps(curve, (0, 1, 2))) - rounding, 0.0)
 
 
 def _step_violations(

@@ -130,8 +130,7 @@ class JerkLimited:
     @property
     def duration(self) -> float:
         """Time from start to end, in s."""
-        duration: float = self.course.duration
-        return duration
+        return self.course.duration
 
     @cached_property
     def phases(self) -> Phases:

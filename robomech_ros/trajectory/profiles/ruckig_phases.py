@@ -281,8 +281,7 @@ def _miss(phases: Phases, rise: Array) -> Array:
         return np.where(rise == 0.0, 0.0, np.inf)
     span = phases.breaks[-1] - phases.breaks[-2]
     end = span ** np.arange(4.0) @ phases.coefficients[:, -1]
-    jerk: Array = _MISS_JERK * np.abs(end - rise) / phases.breaks[-1] ** 3
-    return jerk
+    return _MISS_JERK * np.abs(end - rise) / phases.breaks[-1] ** 3
 
 
 def _phases_of(motion: Any, request: Any, length: Array | float) -> Phases:
@@ -368,8 +367,7 @@ def _gentler(states: Array, spans: Array) -> Array:
     acceleration, jerk = states[:, 2], states[:-1, 3]
     with np.errstate(divide="ignore", invalid="ignore"):
         enough = np.abs(np.diff(acceleration, axis=0)) / spans[:, None]
-    gentler: Array = np.copysign(np.fmin(np.abs(jerk), enough), jerk)
-    return gentler
+    return np.copysign(np.fmin(np.abs(jerk), enough), jerk)
 
 
 def _phases(profile: Any) -> JointPhases:

@@ -22,13 +22,7 @@ class StraightMotion(ABC):
 
     @classmethod
     def plan(
-        cls: type[_M],
-        start: Array,
-        goal: Array,
-        limits: Limits,
-        duration: float | None = None,
-        start_velocity: Array | None = None,
-        start_acceleration: Array | None = None,
+        cls: type[_M], start: Array, goal: Array, limits: Limits, duration: float | None = None
     ) -> _M:
         """Plan the fastest motion within the limits, or the one that takes a wanted time.
 
@@ -41,8 +35,6 @@ class StraightMotion(ABC):
             finite do as well.
         duration : float, optional
             Wanted duration in s; None for the shortest.
-        start_velocity, start_acceleration : None
-            The motion starts from rest.
 
         Raises
         ------

@@ -9,8 +9,8 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import real_array
+from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import shaped_array
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.typing import Array, IntArray
 
@@ -94,15 +94,14 @@ class DrivenPath:
         """Torques or forces of the drives (k, m), without friction."""
         robot: Any = self.robot
         inverse = robot.inverse if _is_robot(robot) else robot
-        return _rows(
-            "torques of inverse_dynamics", inverse(q, rates, accelerations), accelerations.shape
-        )
+        found = inverse(q, rates, accelerations)
+        return shaped_array("torques of inverse_dynamics", found, accelerations.shape)
 
     def lost(self, q: Array, rates: Array) -> Array:
         """Torques or forces of the drives (k, m) that friction takes."""
         assert self.friction is not None
         found = self.friction(q, rates) if _is_robot(self.robot) else self.friction(rates)
-        return _rows("torques of friction", found, rates.shape)
+        return shaped_array("torques of friction", found, rates.shape)
 
 
 def require_callable(what: str, given: object) -> None:
@@ -113,12 +112,3 @@ def require_callable(what: str, given: object) -> None:
 
 def _is_robot(given: object) -> bool:
     return hasattr(given, "drives_at") and not isinstance(given, type)
-
-
-def _rows(what: str, given: npt.ArrayLike, shape: tuple[int, ...]) -> Array:
-    array = real_array(what, given)
-    if array.shape != shape:
-        raise WrongSizeError(what, array.shape, shape)
-    if not np.isfinite(array).all():
-        raise NonFiniteError(what, array)
-    return array

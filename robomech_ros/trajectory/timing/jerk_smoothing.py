@@ -143,8 +143,7 @@ class _Caps:
     values: Array
 
     def __call__(self, nodes: Array) -> Array:
-        bounds: Array = np.interp(nodes, self.places, self.values)
-        return bounds
+        return np.interp(nodes, self.places, self.values)
 
 
 def _jerk_bound(path: PiecewisePolynomial, jerk: Array) -> _Caps:
@@ -350,5 +349,4 @@ def _spread(factors: Array, reach: int) -> Array:
     """Take the largest factor nearby, then the mean nearby: the motion must change gently."""
     padded = np.pad(factors, 2 * reach, constant_values=1.0)
     largest = sliding_window_view(np.maximum(padded, 1.0), 2 * reach + 1).max(axis=1)
-    mean: Array = sliding_window_view(largest, 2 * reach + 1).mean(axis=1)
-    return mean
+    return sliding_window_view(largest, 2 * reach + 1).mean(axis=1)

@@ -9,8 +9,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import as_finite, real_array, real_number
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import (
+    as_finite,
+    check_finite,
+    real_array,
+    real_number,
+    shaped_array,
+)
 from robomech_ros.trajectory.limits import SMALLEST_LIMIT
 from robomech_ros.typing import Array
 
@@ -49,11 +55,12 @@ class SpeedLimit:
             raise BadValueError("speed limit", limit, expected)
         object.__setattr__(self, "limit", limit)
         if not _is_function(self.rate):
-            object.__setattr__(self, "rate", _interpolated("rate of a speed limit", self.rate, ()))
+            object.__setattr__(self, "rate", _interpolated("rate of a speed limit", self.rate))
 
     def powers(self, nodes: Array) -> Array:
         """Return the rate over the limit in every cell, in powers of sigma, shape (m, 5)."""
-        values = _values("rate of a speed limit", self.rate, nodes, ())
+        given = self.rate(_places(nodes))
+        values = _checked("rate of a speed limit", given, (len(nodes) - 1, 5))
         return _in_powers(values / self.limit)
 
 
@@ -85,9 +92,8 @@ class TorqueLimits:
         upper = np.atleast_1d(real_array("upper torque limits", self.upper))
         if lower.ndim != 1 or lower.shape != upper.shape:
             raise WrongSizeError("upper torque limits", upper.shape, lower.shape)
-        for what, values in (("lower", lower), ("upper", upper)):
-            if not np.isfinite(values).all():
-                raise NonFiniteError(f"{what} torque limits", values)
+        check_finite("lower torque limits", lower)
+        check_finite("upper torque limits", upper)
         if not (lower < upper).all():
             k = int(np.argmin(upper - lower))
             expected = f"less than the upper one, {float(upper[k])!r}"
@@ -133,38 +139,24 @@ def _is_function(given: object) -> bool:
 
 def _places(nodes: Array) -> Array:
     """List the five sampled path coordinates of every cell, one cell after the other."""
-    places: Array = (nodes[:-1, None] + np.diff(nodes)[:, None] * _PLACES).ravel()
-    return places
+    return (nodes[:-1, None] + np.diff(nodes)[:, None] * _PLACES).ravel()
 
 
 def _checked(what: str, given: npt.ArrayLike, shape: tuple[int, ...]) -> Array:
-    values = real_array(what, given)
-    wanted = (shape[0] * shape[1], *shape[2:])
-    if values.shape != wanted:
-        raise WrongSizeError(what, values.shape, wanted)
-    if not np.isfinite(values).all():
-        raise NonFiniteError(what, values)
-    return values.reshape(shape)
-
-
-def _values(
-    what: str, rate: Callable[[Array], npt.ArrayLike], nodes: Array, tail: tuple[int, ...]
-) -> Array:
-    return _checked(what, rate(_places(nodes)), (len(nodes) - 1, 5, *tail))
+    return shaped_array(what, given, (shape[0] * shape[1], *shape[2:])).reshape(shape)
 
 
 def _in_powers(values: Array) -> Array:
     """Turn five samples (..., 5) into the powers of the quartic through them."""
-    powers: Array = np.ascontiguousarray(values @ _QUARTIC.T)
-    return powers
+    return np.ascontiguousarray(values @ _QUARTIC.T)
 
 
-def _interpolated(what: str, given: object, tail: tuple[int, ...]) -> Callable[[Array], Array]:
+def _interpolated(what: str, given: object) -> Callable[[Array], Array]:
     expected = "a callable, or a pair of arrays: path coordinates and rates"
     if not isinstance(given, tuple | list) or len(given) != 2:
         raise BadValueError(what, given, expected)
     where = _coordinates(what, given[0])
-    values = as_finite(what, given[1], tail)
+    values = as_finite(what, given[1], ())
     if values.shape != where.shape:
         raise WrongSizeError(what, values.shape, where.shape)
     return lambda s: np.interp(s, where, values)

@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import check_kind
 from robomech_ros.trajectory.curves.bounds import hull
 from robomech_ros.trajectory.curves.checked_pieces import checked_pieces
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
@@ -17,8 +18,8 @@ _MOST_PIECES = 100_000
 
 def checked_path(path: PiecewisePolynomial) -> PiecewisePolynomial:
     """Check a path, and give it with plain arrays and without powers that nowhere occur."""
-    if not isinstance(path, PiecewisePolynomial):
-        raise BadValueError("path", path, "a PiecewisePolynomial over the path coordinate")
+    expected = "a PiecewisePolynomial over the path coordinate"
+    check_kind("path", path, PiecewisePolynomial, expected)
     curve = checked_pieces(path, "path", _LARGEST_ORDER)
     coefficients, pieces = curve.coefficients, curve.coefficients.shape[1]
     if pieces > _MOST_PIECES:
@@ -64,8 +65,7 @@ def jump(curve: PiecewisePolynomial, order: int) -> np.ndarray:
     shorter = np.minimum(curve.spans[1:], curve.spans[:-1])[:, None]
     rounding = np.finfo(np.float64).eps * np.abs(curve.coefficients[0]).max(axis=0)
     allowed = PATH_STEP * size + 100.0 * rounding / shorter**order
-    stepping: np.ndarray = (step > allowed).any(axis=1)
-    return stepping
+    return (step > allowed).any(axis=1)
 
 
 def _moves(curve: PiecewisePolynomial) -> np.ndarray:
@@ -74,8 +74,7 @@ def _moves(curve: PiecewisePolynomial) -> np.ndarray:
         return np.zeros(1, bool)
     way = np.abs(hull(curve, 1)).max(axis=0) * curve.spans[:, None]
     rounding: Array = np.finfo(np.float64).eps * np.abs(curve.coefficients[0]).max(axis=0)
-    moving: np.ndarray = (way > np.maximum(rounding, PATH_STANDSTILL)).any(axis=1)
-    return moving
+    return (way > np.maximum(rounding, PATH_STANDSTILL)).any(axis=1)
 
 
 def _check_continuity(curve: PiecewisePolynomial) -> None:

@@ -27,7 +27,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.arrays import as_single
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, lasting_pieces
@@ -181,9 +181,7 @@ def _shortest(part: PiecewisePolynomial, allowed: PathLimits, begin: float, end:
 
 
 def _checked_speeds(given: object) -> tuple[float, float]:
-    speeds = as_finite("path_speed", given, (2,))  # type: ignore[arg-type]
-    if speeds.shape != (2,):
-        raise WrongSizeError("path_speed", speeds.shape, (2,))
+    speeds = as_single("path_speed", given, (2,))  # type: ignore[arg-type]
     if not (speeds >= 0.0).all():
         raise BadValueError("path_speed", speeds.tolist(), "two speeds, zero or above")
     return float(speeds[0]), float(speeds[1])

@@ -66,8 +66,7 @@ class PathSection:
 
         At the end it is the limit from the left: the next part begins with other derivatives.
         """
-        s: Array = np.minimum(self.low + self.length * done, np.nextafter(self.high, self.low))
-        return s
+        return np.minimum(self.low + self.length * done, np.nextafter(self.high, self.low))
 
     def pieces(self) -> PiecewisePolynomial:
         """Return the joints over the path coordinate in this section only."""
@@ -147,8 +146,7 @@ def _deviations(unit: PiecewisePolynomial, section: PathSection, law: Law) -> Ar
     """How far (rad or m) the joints are off the path in the middle between instants, (m - 1,)."""
     middle = 0.5 * (unit.breaks[1:] + unit.breaks[:-1])
     exact = section.joints.derivatives(_coordinates(section, law, middle)[0][:, 0])[0]
-    off: Array = np.abs(unit.sample(middle).position - exact).max(axis=1)
-    return off
+    return np.abs(unit.sample(middle).position - exact).max(axis=1)
 
 
 def _least_duration(section: PathSection, law: Law, instants: Array) -> float:
@@ -206,8 +204,7 @@ def _shape_durations(
         for order, (rate, values) in enumerate(zip(RATES, rates, strict=True), 1)
     ]
     needed.append((speed.rate(s) * v[..., 0]).max(axis=1))
-    durations: Array = np.max(needed, axis=0)
-    return durations
+    return np.max(needed, axis=0)
 
 
 def _time_optimal(section: PathSection) -> PiecewisePolynomial:

@@ -68,13 +68,7 @@ class TimeOptimalMotion(MotionToRest):
 
     @classmethod
     def plan(
-        cls,
-        start: Array,
-        goal: Array,
-        limits: Limits,
-        duration: float | None = None,
-        start_velocity: Array | None = None,
-        start_acceleration: Array | None = None,
+        cls, start: Array, goal: Array, limits: Limits, duration: float | None = None
     ) -> TimeOptimalMotion:
         """Compute the fastest motion, slowed down as a whole where wanted.
 
@@ -204,8 +198,7 @@ def _without_kinks(knots: Array) -> Array:
         for k in order:
             a, b = spans[k - 1], spans[k]
             spans[k - 1 : k + 1] = max(a, _SHORTEST_BESIDE * b), max(b, _SHORTEST_BESIDE * a)
-    longer: Array = np.concatenate([[0.0], np.cumsum(spans)]) / spans.sum()
-    return longer
+    return np.concatenate([[0.0], np.cumsum(spans)]) / spans.sum()
 
 
 def _passed(timed: TimeOptimal, parameters: Array, places: Array) -> Array:

@@ -264,8 +264,7 @@ class _Speed:
     squares: Array
 
     def __call__(self, s: Array) -> Array:
-        speeds: Array = np.sqrt(np.interp(s, self.coordinates, self.squares))
-        return speeds
+        return np.sqrt(np.interp(s, self.coordinates, self.squares))
 
     @property
     def highest(self) -> float:
