@@ -28,7 +28,6 @@ from robomech_ros.calibration.initial_guess import (
 )
 from robomech_ros.calibration.maximum_likelihood import FEW, Fit
 from robomech_ros.calibration.result import HandEyeNoise, HandEyeResult, sensor_covariance
-from robomech_ros.calibration.samples import checked_samples, distinct_samples
 from robomech_ros.errors import BadValueError, InconsistentDataError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag
 from robomech_ros.spatial.poses import as_pose, assembled, inverse_pose
@@ -36,6 +35,9 @@ from robomech_ros.typing import Array
 
 MOUNTS = ("eye-in-hand", "eye-to-hand")
 
+_LEAST_SAMPLES = 3
+# Positions farther away (m) are a mistake.
+LARGEST_COORDINATE = 1e6
 # Three samples fit both mounts equally well.
 _MIN_TO_COMPARE = 4
 _WEAK = 5.0
@@ -109,10 +111,10 @@ def hand_eye(
     kind = as_choice("mount", mount, MOUNTS)
     reject = as_flag("robust", robust)
     variances = _variances(noise)
-    robot, sensor = checked_samples(robot_poses, sensor_poses)
+    robot, sensor = _checked_samples(robot_poses, sensor_poses)
     side = MOUNTS.index(kind)
     rows = pack_poses(robot), pack_poses(sensor)
-    first, back = distinct_samples(*rows)
+    first, back = _distinct_samples(*rows)
     if side:
         rows = invert_rows(rows[0]), rows[1]
     A, S = rows[0][first], rows[1][first]
@@ -234,3 +236,37 @@ def _result(
         information=fit.information,
         robot_poses=robot,
     )
+
+
+def _checked_samples(robot_poses: ArrayLike, sensor_poses: ArrayLike) -> tuple[Array, Array]:
+    """Check both lists of poses; gives them as arrays, shape (n, 4, 4)."""
+    robot = as_pose(robot_poses, what="robot_poses")
+    sensor = as_pose(sensor_poses, what="sensor_poses")
+    if robot.ndim != 3 or robot.shape != sensor.shape:
+        raise WrongSizeError(
+            "robot_poses and sensor_poses",
+            (robot.shape, sensor.shape),
+            "(n, 4, 4) both, one of each for each sample",
+        )
+    for what, poses in (("robot_poses", robot), ("sensor_poses", sensor)):
+        most = float(np.abs(poses[:, :3, 3]).max(initial=0.0))
+        if most > LARGEST_COORDINATE:
+            raise BadValueError(
+                f"largest coordinate of {what}", most, f"at most {LARGEST_COORDINATE:g} m"
+            )
+    return robot, sensor
+
+
+def _distinct_samples(robot: Array, sensor: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Numbers of samples (n, 12) that differ, in an order of their own, and of each among them."""
+    rows = np.concatenate((robot, sensor), axis=1) + 0.0
+    keys = [row.tobytes() for row in rows]
+    places = {key: k for k, key in enumerate(sorted(set(keys)))}
+    first = np.zeros(len(places), np.intp)
+    back = np.array([places[key] for key in keys], np.intp)
+    first[back] = np.arange(len(keys))
+    if len(first) < _LEAST_SAMPLES:
+        raise WrongSizeError(
+            "samples that differ from each other", len(first), "3 or more; five or more are better"
+        )
+    return first, back

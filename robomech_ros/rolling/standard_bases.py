@@ -54,12 +54,7 @@ def differential_drive(
     [3.0, 7.0]
     """
     half = 0.5 * checked_length("track", track)
-    both: list[Wheel] = [
-        Wheel(
-            kind="fixed", position=np.array([0.0, side * half]), radius=radius, name=name, **options
-        )
-        for name, side in (("left", 1.0), ("right", -1.0))
-    ]
+    both = _wheels(radius, [("left", 0.0, half), ("right", 0.0, -half)], kind="fixed", **options)
     check_entries("casters", casters, Wheel, "a list of wheels")
     return RollingBase([*both, *casters], name="differential_drive")
 
@@ -100,19 +95,12 @@ def omnidirectional(
         raise BadValueError("count", count, "a number of wheels from 3 to 100")
     rho = checked_length("distance", distance)
     start = angle("offset", offset)
-    wheels = []
+    wheels = list[Wheel]()
     for i in range(count):
         azimuth = start + 2.0 * math.pi * i / count
-        wheels.append(
-            Wheel(
-                kind="omni",
-                position=rho * np.array([math.cos(azimuth), math.sin(azimuth)]),
-                radius=radius,
-                heading=azimuth - 0.5 * math.pi,
-                name=f"wheel_{i + 1}",
-                **options,
-            )
-        )
+        place = f"wheel_{i + 1}", rho * math.cos(azimuth), rho * math.sin(azimuth)
+        heading = azimuth - 0.5 * math.pi
+        wheels += _wheels(radius, [place], kind="omni", heading=heading, **options)
     return RollingBase(wheels, name="omnidirectional")
 
 
@@ -157,17 +145,9 @@ def mecanum(
     to_axis = angle("roller", roller)
     corners = (("front_left", x, y, -to_axis), ("front_right", x, -y, to_axis),
                ("rear_right", -x, -y, -to_axis), ("rear_left", -x, y, to_axis))  # fmt: skip
-    wheels = [
-        Wheel(
-            kind="omni",
-            position=np.array([px, py]),
-            radius=radius,
-            roller=turn,
-            name=name,
-            **options,
-        )
-        for name, px, py, turn in corners
-    ]
+    wheels = list[Wheel]()
+    for *place, turn in corners:
+        wheels += _wheels(radius, [place], kind="omni", roller=turn, **options)
     return RollingBase(wheels, name="mecanum")
 
 
@@ -196,18 +176,12 @@ def tricycle(
     >>> base.steering_angles([1.0, 1.0, 0.0]).round(6).tolist(), base.mobility.type
     ([0.785398], '(1,1)')
     """
-    half, limit = (
-        0.5 * checked_length("track", track),
-        above_zero("steering_limit", steering_limit, "rad"),
-    )
-    front = np.array([checked_length("wheelbase", wheelbase), 0.0])
-    right, left = np.array([0.0, -half]), np.array([0.0, half])
-    wheels = [
-        Wheel(kind="steered", position=front, radius=radius,
-              steering_limits=(-limit, limit), name="front"),
-        Wheel(kind="fixed", position=right, radius=radius, driven=False, name="rear_right"),
-        Wheel(kind="fixed", position=left, radius=radius, driven=False, name="rear_left"),
-    ]  # fmt: skip
+    half = 0.5 * checked_length("track", track)
+    limits = _limits(steering_limit)
+    front = "front", checked_length("wheelbase", wheelbase), 0.0
+    wheels = _wheels(radius, [front], kind="steered", steering_limits=limits)
+    rear = [("rear_right", 0.0, -half), ("rear_left", 0.0, half)]
+    wheels += _wheels(radius, rear, kind="fixed", driven=False)
     return RollingBase(wheels, name="tricycle")
 
 
@@ -240,27 +214,12 @@ def ackermann(
     >>> car.steering_angles([0.5, 1.0, 0.0]).round(6).tolist()
     [0.463648, 0.643501]
     """
-    half, limit = (
-        0.5 * checked_length("track", track),
-        above_zero("steering_limit", steering_limit, "rad"),
-    )
-    x, wheels = checked_length("wheelbase", wheelbase), []
-    for side, y in (("right", -half), ("left", half)):
-        name = f"rear_{side}"
-        wheels.append(
-            Wheel(kind="fixed", position=np.array([0.0, y]), radius=radius, name=name, **options)
-        )
-    for side, y in (("right", -half), ("left", half)):
-        wheels.append(
-            Wheel(
-                kind="steered",
-                position=np.array([x, y]),
-                radius=radius,
-                driven=False,
-                steering_limits=(-limit, limit),
-                name=f"front_{side}",
-            )
-        )
+    half = 0.5 * checked_length("track", track)
+    limits, x = _limits(steering_limit), checked_length("wheelbase", wheelbase)
+    rear = [("rear_right", 0.0, -half), ("rear_left", 0.0, half)]
+    front = [("front_right", x, -half), ("front_left", x, half)]
+    wheels = _wheels(radius, rear, kind="fixed", **options)
+    wheels += _wheels(radius, front, kind="steered", driven=False, steering_limits=limits)
     return RollingBase(wheels, name="ackermann")
 
 
@@ -290,8 +249,19 @@ def swerve(radius: float, positions: ArrayLike, **options: Any) -> RollingBase:
     places = as_finite("positions", positions, (2,))
     if places.ndim != 2:
         raise WrongSizeError("positions", places.shape, "(n, 2)")
-    wheels = [
-        Wheel(kind="steered", position=place, radius=radius, name=f"wheel_{i + 1}", **options)
-        for i, place in enumerate(places)
-    ]
+    named = [(f"wheel_{i + 1}", x, y) for i, (x, y) in enumerate(places.tolist())]
+    wheels = _wheels(radius, named, kind="steered", **options)
     return RollingBase(wheels, name="swerve")
+
+
+def _wheels(radius: float, places: Sequence[Sequence[Any]], **options: Any) -> list[Wheel]:
+    """Make wheels of one kind; each place is a name, x and y (m)."""
+    return [
+        Wheel(position=np.array([x, y]), radius=radius, name=name, **options)
+        for name, x, y in places
+    ]
+
+
+def _limits(steering_limit: float) -> tuple[float, float]:
+    limit = above_zero("steering_limit", steering_limit, "rad")
+    return -limit, limit

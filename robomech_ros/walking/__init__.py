@@ -18,8 +18,7 @@ if TYPE_CHECKING:
         stability_margin as stability_margin,
         support_polygon as support_polygon,
     )
-    from robomech_ros.walking.update import WalkUpdate as WalkUpdate
-    from robomech_ros.walking.walker import Walker as Walker
+    from robomech_ros.walking.walker import Walker as Walker, WalkUpdate as WalkUpdate
 
 __getattr__, __all__ = lazy_exports(
     __name__,
@@ -32,7 +31,6 @@ __getattr__, __all__ = lazy_exports(
         "robot": "LeggedRobot",
         "stride": "TrunkPoseCheck",
         "support": "stability_margin support_polygon",
-        "update": "WalkUpdate",
-        "walker": "Walker",
+        "walker": "WalkUpdate Walker",
     },
 )

@@ -94,8 +94,11 @@ def load_legged(name_or_path: str | os.PathLike[str]) -> LeggedRobot:
     if not isinstance(rows, list) or not rows:
         raise RobotDescriptionError(f"{where}: legs", "expected a list of legs")
     try:
-        make = _from_urdf if "urdf" in document else _from_axes
-        legs, homes, tree = make(document, rows, where)
+        tree = None
+        if "urdf" in document:
+            path = Path(read_text(document["urdf"], f"{where}: urdf", longest=None))
+            tree = load_description(Path(where).parent / path)
+        legs, homes = _legs(document, rows, where, tree)
         given = document.get("mass_centre")
         centre = None if given is None else _numbers(given, f"{where}: mass_centre", 3)
         return LeggedRobot(
@@ -112,58 +115,48 @@ def load_legged(name_or_path: str | os.PathLike[str]) -> LeggedRobot:
         raise RobotDescriptionError(where, str(error)) from None
 
 
-def _from_urdf(
-    document: Mapping[str, Any], rows: list[Any], where: str
-) -> tuple[dict[str, SerialChain], list[Array], RobotDescription]:
-    path = Path(read_text(document["urdf"], f"{where}: urdf", longest=None))
-    description = load_description(Path(where).parent / path)
+def _legs(
+    document: Mapping[str, Any], rows: list[Any], where: str, tree: RobotDescription | None
+) -> tuple[dict[str, SerialChain], list[Array]]:
+    """Read the legs, which are those of a tree or have axes of their own, and their homes."""
+    own = () if tree else ("joints",)
+    trunk = "" if tree else read_text(document.get("trunk", "base_link"), f"{where}: trunk")
     legs, homes = dict[str, SerialChain](), []
     for i, row in enumerate(rows):
         place = f"{where}: leg {i + 1}"
-        check_keys(row, place, ("name", "foot", "home"), ())
-        name = _new_name(row, legs, place)
-        legs[name] = description.chain(document.get("trunk"), read_text(row["foot"], place))
+        check_keys(row, place, ("name", "foot", "home", *own), ())
+        name = read_text(row["name"], f"{place}: name")
+        if name in legs:
+            raise RobotDescriptionError(f"{place}: name", f"'{name}' is there twice")
+        if tree:
+            legs[name] = tree.chain(document.get("trunk"), read_text(row["foot"], place))
+        else:
+            legs[name] = _leg_of_axes(row, name, trunk, place)
         homes.append(_numbers(row["home"], f"{place}: home", 3))
-    return legs, homes, description
+    return legs, homes
 
 
-def _from_axes(
-    document: Mapping[str, Any], rows: list[Any], where: str
-) -> tuple[dict[str, SerialChain], list[Array], None]:
-    trunk = read_text(document.get("trunk", "base_link"), f"{where}: trunk")
-    legs, homes = dict[str, SerialChain](), []
-    for i, row in enumerate(rows):
-        place = f"{where}: leg {i + 1}"
-        check_keys(row, place, ("name", "foot", "home", "joints"), ())
-        name = _new_name(row, legs, place)
-        joints = row["joints"]
-        if not isinstance(joints, list) or len(joints) != 3:
-            raise RobotDescriptionError(f"{place}: joints", "expected a list of three joints")
-        axes = [_axis(joint, name, f"{place}: joint {k + 1}") for k, joint in enumerate(joints)]
-        speeds = [
-            read_positive(joint["velocity"], "velocity", f"{place}: joint {k + 1}")
-            for k, joint in enumerate(joints)
-        ]
-        foot = assembled(np.eye(3), _numbers(row["foot"], f"{place}: foot", 3))
-        chain = chain_of_axes(name, axes, foot, f"{name}_foot")
-        frames = tuple(
-            replace(
-                frame,
-                name=trunk if frame.name == chain.base else frame.name,
-                parent=trunk if frame.parent == chain.base else frame.parent,
-            )
-            for frame in chain.frames
+def _leg_of_axes(row: Mapping[str, Any], name: str, trunk: str, place: str) -> SerialChain:
+    joints = row["joints"]
+    if not isinstance(joints, list) or len(joints) != 3:
+        raise RobotDescriptionError(f"{place}: joints", "expected a list of three joints")
+    axes = [_axis(joint, name, f"{place}: joint {k + 1}") for k, joint in enumerate(joints)]
+    speeds = [
+        read_positive(joint["velocity"], "velocity", f"{place}: joint {k + 1}")
+        for k, joint in enumerate(joints)
+    ]
+    foot = assembled(np.eye(3), _numbers(row["foot"], f"{place}: foot", 3))
+    chain = chain_of_axes(name, axes, foot, f"{name}_foot")
+    named = {chain.base: trunk}
+    frames = tuple(
+        replace(
+            frame,
+            name=named.get(frame.name, frame.name),
+            parent=named.get(frame.parent, frame.parent),
         )
-        legs[name] = replace(chain, base=trunk, frames=frames, velocity=np.array(speeds))
-        homes.append(_numbers(row["home"], f"{place}: home", 3))
-    return legs, homes, None
-
-
-def _new_name(row: Mapping[str, Any], legs: Mapping[str, SerialChain], where: str) -> str:
-    name = read_text(row["name"], f"{where}: name")
-    if name in legs:
-        raise RobotDescriptionError(f"{where}: name", f"'{name}' is there twice")
-    return name
+        for frame in chain.frames
+    )
+    return replace(chain, base=trunk, frames=frames, velocity=np.array(speeds))
 
 
 def _axis(joint: object, leg: str, where: str) -> Axis:

@@ -11,16 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.walking.gait_step import MOST_LEGS
-from robomech_ros.errors import BadValueError, SeedOutsideLimitsError, WrongSizeError
+from robomech_ros.errors import BadValueError, SeedOutsideLimitsError
 from robomech_ros.kinematics import InverseKinematicsResult, forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.parallel import Mechanism
-from robomech_ros.robots import RobotDescription, SerialChain
+from robomech_ros.parallel.mechanism.tree import tree_of_limbs
+from robomech_ros.robots import RobotDescription, SerialChain, urdf_from_description
 from robomech_ros.robots.bodies import combine_bodies
-from robomech_ros.spatial.arrays import as_choice, as_finite, listed
+from robomech_ros.spatial.arrays import as_choice, as_single, check_kind, listed
 from robomech_ros.spatial.poses import inverse_pose
 from robomech_ros.typing import Array, BoolArray
-from robomech_ros.walking.leg_tree import leg_tree_description
 from robomech_ros.walking.stance_mechanism import contact_rows, stance_mechanism
 
 _JOINTS = 3
@@ -83,13 +83,11 @@ class LeggedRobot:
         if len(legs) > MOST_LEGS:
             raise BadValueError("number of legs", len(legs), f"at most {MOST_LEGS}")
         for leg, chain in legs.items():
-            if not isinstance(chain, SerialChain):
-                raise BadValueError(f"leg '{leg}'", chain, "a SerialChain")
+            check_kind(f"leg '{leg}'", chain, SerialChain, "a SerialChain")
             if chain.n != _JOINTS:
                 raise BadValueError(f"number of joints of leg '{leg}'", chain.n, str(_JOINTS))
             chain.require_uncoupled(f"leg '{leg}'", "describe the leg without <mimic>")
-        if not isinstance(tree, RobotDescription | None):
-            raise BadValueError("tree", tree, "a RobotDescription")
+        check_kind("tree", tree, RobotDescription | None, "a RobotDescription")
         trunks = sorted({chain.base for chain in legs.values()})
         if len(trunks) > 1:
             raise BadValueError("base links of the legs", trunks, "one trunk")
@@ -102,15 +100,16 @@ class LeggedRobot:
         self.lower = np.concatenate([leg.lower for leg in self.legs])
         self.upper = np.concatenate([leg.upper for leg in self.legs])
         self.velocity = np.concatenate([leg.velocity for leg in self.legs])
-        own = np.concatenate([_standing(leg) for leg in self.legs])
-        self.home = own if home is None else self._checked("home", home, (self.n,)).copy()
+        # Alike for all legs where nothing is given.
+        own = [leg.midrange() if leg.home_given is None else leg.home() for leg in self.legs]
+        self.home = np.concatenate(own) if home is None else self.joints(home, "home").flatten()
         for joint, value, lower, upper in zip(
             self.joint_names, self.home, self.lower, self.upper, strict=True
         ):
             if not lower <= value <= upper:
                 raise SeedOutsideLimitsError(joint, value, lower, upper, "home")
         centre = self._mass_centre_at_home() if mass_centre is None else mass_centre
-        self.mass_centre = self._checked("mass_centre", centre, (3,)).copy()
+        self.mass_centre = as_single("mass_centre", centre, (3,)).copy()
 
     def _mass_centre_at_home(self) -> Array:
         """Compute the mass centre of all links of the tree in the trunk (m), shape (3,)."""
@@ -145,7 +144,11 @@ class LeggedRobot:
 
         It is the URDF that the legs were taken from; without one bodies are made up.
         """
-        tree = self._tree or leg_tree_description(self.name, self.legs, self.source)
+        tree = self._tree
+        if tree is None:
+            made = tree_of_limbs(self.name, self.legs, None, {})
+            tree = replace(made, document="", source=self.source)
+            tree = replace(tree, document=urdf_from_description(tree))
         home = dict(zip(self.joint_names, self.home.tolist(), strict=True))
         return replace(tree, home={**tree.home, **home})
 
@@ -153,13 +156,6 @@ class LeggedRobot:
     def packed(self) -> Array:
         """The legs as kernels read them, shape (k, 4, 13)."""
         return np.array([leg.packed for leg in self.legs])
-
-    @staticmethod
-    def _checked(what: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
-        array = as_finite(what, value, shape)
-        if array.shape != shape:
-            raise WrongSizeError(what, array.shape, shape)
-        return array
 
     @classmethod
     def from_description(
@@ -188,13 +184,9 @@ class LeggedRobot:
         ------
         UnknownLinkError, RobotDescriptionError
             No such link, or no chain between the two.
-        SeedOutsideLimitsError
-            As for the class.
         """
-        if not isinstance(description, RobotDescription):
-            raise BadValueError("description", description, "a RobotDescription")
-        if not isinstance(feet, Mapping):
-            raise BadValueError("feet", feet, "links of feet by the names of the legs")
+        check_kind("description", description, RobotDescription, "a RobotDescription")
+        check_kind("feet", feet, Mapping, "links of feet by the names of the legs")
         legs = {leg: description.chain(trunk, foot) for leg, foot in feet.items()}
         return cls(
             legs,
@@ -207,7 +199,7 @@ class LeggedRobot:
 
     def joints(self, q: ArrayLike, what: str = "q") -> Array:
         """Check values of all joints and give them leg by leg, shape (k, 3)."""
-        return np.ascontiguousarray(self._checked(what, q, (self.n,)).reshape(-1, _JOINTS))
+        return np.ascontiguousarray(as_single(what, q, (self.n,)).reshape(-1, _JOINTS))
 
     def leg_number(self, leg: str) -> int:
         """Find a leg by name, or raise BadValueError with the names there are."""
@@ -215,8 +207,7 @@ class LeggedRobot:
 
     def standing(self, stance: Sequence[str] | None, least: int = 3) -> tuple[int, ...]:
         """Return the numbers of the legs that stand; None stands for all."""
-        if not isinstance(least, int):
-            raise BadValueError("least", least, "a number of legs")
+        check_kind("least", least, int, "a number of legs")
         if stance is None:
             return tuple(range(len(self.legs)))
         names = listed("stance", stance, "names of legs")
@@ -279,14 +270,10 @@ class LeggedRobot:
         InverseKinematicsResult
             All branches, or the reason why there are none.
 
-        Raises
-        ------
-        SeedOutsideLimitsError, BadValueError
-            Not a leg, not a place, or no seed.
         """
         k = self.leg_number(leg)
         T = np.eye(4)
-        T[:3, 3] = self._checked("foot", foot, (3,))
+        T[:3, 3] = as_single("foot", foot, (3,))
         near = self.home.reshape(-1, _JOINTS)[k] if seed is None else seed
         return inverse_kinematics(
             self.legs[k], T, seed=near, respect_limits=respect_limits, task_mask=_PLACE
@@ -315,7 +302,7 @@ class LeggedRobot:
         ----------
         Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.4.
         """
-        given = self._checked("twist", twist, (6,))
+        given = as_single("twist", twist, (6,))
         feet, J = self.feet(q), self.foot_jacobians(q)
         rates = np.zeros((len(self.legs), _JOINTS))
         for k in self.standing(stance, 1):
@@ -392,8 +379,3 @@ class LeggedRobot:
             self.joints(q)[list(standing)],
             self.name,
         )
-
-
-def _standing(leg: SerialChain) -> Array:
-    """Return where a leg stands to begin with: alike for all legs where nothing is given."""
-    return leg.midrange() if leg.home_given is None else leg.home()

@@ -125,7 +125,8 @@ class Stride:
         away = np.array(centres) - self.level[9:11] - self.level[12:14]
         off = float(np.hypot(*away.T).max())
         if off > self.spare:
-            leg = robot.leg_names[self._weakest(robot)]
+            weakest = np.argmin(_depths(robot, self.gait, self.geometry))
+            leg = robot.leg_names[int(weakest)]
             why = (
                 f"the mass centre would move {off:.4g} m to the side, and the margin of the "
                 f"gait '{self.gait.name}' allows {self.spare:.4g} m when leg '{leg}' is lifted"
@@ -137,12 +138,9 @@ class Stride:
                 return answer
         return TrunkPoseCheck(Code.NONE)
 
-    def _weakest(self, robot: LeggedRobot) -> int:
-        return int(np.argmin(_depths(robot, self.gait, self.geometry)[1]))
 
-
-def _depths(robot: LeggedRobot, gait: Gait, geometry: Array) -> tuple[float, Array]:
-    """Return the least margin with feet at their places, and the least one with each leg lifted."""
+def _depths(robot: LeggedRobot, gait: Gait, geometry: Array) -> Array:
+    """Return the least margin (m) with each leg lifted, the feet at their places."""
     least = np.full(len(robot.legs), np.inf)
     for standing in gait.stances(len(robot.legs)):
         up = [k for k, stands in enumerate(standing) if not stands]
@@ -151,7 +149,7 @@ def _depths(robot: LeggedRobot, gait: Gait, geometry: Array) -> tuple[float, Arr
             centre = centre + geometry[up[0], 3:5]
         margin = float(stability_margin(centre, geometry[list(standing), :2]))
         least[up] = np.minimum(least[up], margin)
-    return float(least.min()), least
+    return least
 
 
 def _sways(robot: LeggedRobot, places: Array) -> Array:
@@ -212,7 +210,8 @@ def stride_of(robot: LeggedRobot, gait: Gait, lift: float, bound: float | None) 
     if gait.sways:
         geometry[:, 3:5] = _sways(robot, feet[:, :2])
         sway = 1.0 / len(robot.legs) - (1.0 - float(gait.duty))
-    deepest, of_legs = _depths(robot, gait, geometry)
+    of_legs = _depths(robot, gait, geometry)
+    deepest = float(of_legs.min())
     budget = deepest - least
     leg = robot.leg_names[int(np.argmin(of_legs))]
     if budget <= 0.0:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from copy import copy
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,13 +23,12 @@ from robomech_ros.spatial.arrays import (
     check_kind,
     real_within,
 )
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, BoolArray
 from robomech_ros.walking.gait_timing import SPEED_PART, fastest_twist, suitable_cycle, sway_cycle
 from robomech_ros.walking.gaits import GAITS
 from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.stride import Stride, TrunkPoseCheck, stride_of
 from robomech_ros.walking.trunk_path import TrunkPath
-from robomech_ros.walking.update import WalkUpdate
 
 _ADVANCE, _POSSIBLE = direct(gait_step.advance), direct(gait_step.possible_part)
 _SUSTAINED = direct(gait_step.sustained_part)
@@ -40,6 +40,44 @@ _TRIES = 8
 _ON_THE_WAY = np.linspace(0.0, 1.0, 9)[1:]
 # Periods that a swing takes at least.
 _LEAST_SWING = 8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WalkUpdate:
+    """Result of one period of walking.
+
+    Attributes
+    ----------
+    q, rates : ndarray, shape (3 k,)
+        All joints, and their mean rates over the period (rad or m, and s).
+    contacts : ndarray of bool, shape (k,)
+        Which feet stand.
+    feet : ndarray, shape (k, 3)
+        Over the ground (m).
+    base : ndarray, shape (3,)
+        x, y (m) and yaw (rad) over the ground of the frame that moves with the command.
+    trunk : ndarray, shape (4, 4)
+        Pose of the trunk over the ground (m).
+    twist : ndarray, shape (3,)
+        [w, vx, vy] of that frame in its own axes (rad/s, m/s).
+    margin : float
+        Static stability margin (m).
+    part : float
+        Part of the commanded twist that feet and joints allow, 1 where nothing limits it.
+    walking : bool
+        Whether feet move; if not, all are down.
+    """
+
+    q: Array
+    rates: Array
+    contacts: BoolArray
+    feet: Array
+    base: Array
+    trunk: Array
+    twist: Array
+    margin: float
+    part: float
+    walking: bool
 
 
 class Walker:

@@ -8,7 +8,7 @@ import numpy as np
 from geometry_msgs.msg import PoseArray, TransformStamped, Vector3
 
 from robomech_ros.calibration import NextPose
-from robomech_ros.calibration.samples import LARGEST_COORDINATE
+from robomech_ros.calibration.estimation import LARGEST_COORDINATE
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.nodes.calibration.files import POSITION_FIRST
 from robomech_ros.nodes.calibration.samples import Samples, Solution

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -139,6 +140,32 @@ def lasting_pieces(breaks: Array, coefficients: Array) -> tuple[PiecewisePolynom
         return PiecewisePolynomial(breaks, coefficients), lasting
     kept = np.append(breaks[:-1][lasting], breaks[-1])
     return PiecewisePolynomial(kept, coefficients[:, lasting]), lasting
+
+
+def joined(curves: Sequence[PiecewisePolynomial]) -> PiecewisePolynomial:
+    """Put curves of the same joints one behind the other.
+
+    Parameters
+    ----------
+    curves : sequence of PiecewisePolynomial
+        One at least; each begins at its own t = 0 where the one before it ends.
+
+    Returns
+    -------
+    PiecewisePolynomial
+        From t = 0 on, without pieces so short that their ends are the same instant.
+    """
+    starts = np.cumsum([0.0, *(curve.breaks[-1] for curve in curves)])
+    breaks = [curve.breaks[:-1] + start for curve, start in zip(curves, starts, strict=False)]
+    size = max(len(curve.coefficients) for curve in curves)
+    padded = [
+        np.pad(curve.coefficients, ((0, size - len(curve.coefficients)), (0, 0), (0, 0)))
+        for curve in curves
+    ]
+    pieces, _ = lasting_pieces(
+        np.append(np.concatenate(breaks), starts[-1]), np.concatenate(padded, axis=1)
+    )
+    return pieces
 
 
 def _differentiated(coefficients: Array) -> Array:

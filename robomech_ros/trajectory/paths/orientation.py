@@ -19,7 +19,6 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.curve import Curve, as_curve
 from robomech_ros.trajectory.paths.curve_arguments import as_breaks, as_parameters
 from robomech_ros.trajectory.paths.frenet import frenet_serret
-from robomech_ros.trajectory.paths.rotation_vectors import applied
 from robomech_ros.trajectory.tolerances import NEARLY_HALF_TURN
 from robomech_ros.typing import Array
 
@@ -281,3 +280,8 @@ def _angle(curve: Curve, low: Array, high: Array) -> Array:
         np.swapaxes(frenet_serret(curve, low).frame, -1, -2) @ frenet_serret(curve, high).frame
     )
     return np.linalg.norm(rotation_vector_from_matrix(between), axis=-1)
+
+
+def applied(matrices: Array, vectors: Array) -> Array:
+    """Products of matrices (m, 3, 3) with vectors (m, 3), one by one."""
+    return (matrices @ vectors[..., None])[..., 0]

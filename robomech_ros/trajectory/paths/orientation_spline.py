@@ -11,13 +11,14 @@ from robomech_ros.spatial.rotations.axis_angle import (
     matrix_from_rotation_vector,
     rotation_vector_from_matrix,
 )
+from robomech_ros.spatial.rotations.rates import angular_motion
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.quintic_spline import Ends, Side, matched
-from robomech_ros.trajectory.paths.orientation import PiecewiseRotation, as_rotations, turns_between
-from robomech_ros.trajectory.paths.rotation_vectors import (
+from robomech_ros.trajectory.paths.orientation import (
+    PiecewiseRotation,
     applied,
-    body_rate_matrix,
-    turning_acceleration,
+    as_rotations,
+    turns_between,
 )
 from robomech_ros.trajectory.paths.spline_curves import as_ends
 from robomech_ros.trajectory.tolerances import COINCIDENT
@@ -100,7 +101,7 @@ class _System:
 
     def __init__(self, h: Array, turns: Array, ends: Ends, rates: Array | None) -> None:
         self.h, self.turns, self.ends, self.rates = h, turns, ends, rates
-        self.to_body = body_rate_matrix(turns)
+        self.to_body = _body_rate_matrix(turns)
         self.to_vector = np.linalg.inv(self.to_body).astype(np.float64, copy=False)
         self.back: Array = np.swapaxes(matrix_from_rotation_vector(turns), -1, -2)
 
@@ -152,7 +153,7 @@ class _System:
         return begin, linear + weight * self._quadratic(last)
 
     def _quadratic(self, vector: Array) -> Array:
-        return applied(self.back, turning_acceleration(self.turns, vector))
+        return applied(self.back, angular_motion(self.turns, "rotation-vector", vector)[1])
 
     def _slopes(self, w: Array) -> Array:
         """Differentiate the quadratic term, (n - 1, 3, 3); its differences are exact."""
@@ -190,3 +191,11 @@ def _end_rates(given: npt.ArrayLike | None, ends: Ends, rotations: Array) -> Arr
         raise BadValueError("end_rates", None, "angular velocities, since the ends are clamped")
     rates = shaped_array("end_rates", given, (2, 3))
     return applied(np.swapaxes(rotations[[0, -1]], -1, -2), rates)
+
+
+def _body_rate_matrix(theta: Array) -> Array:
+    """Matrices (m, 3, 3) from the rate of a rotation vector to the moving frame's own velocity."""
+    # Seen from the moving frame, the fixed one turns back.
+    turns = np.repeat(-theta[:, None], 3, axis=1)
+    rates = np.broadcast_to(np.eye(3), turns.shape)
+    return np.swapaxes(angular_motion(turns, "rotation-vector", rates)[0], -1, -2)

@@ -11,9 +11,8 @@ import numpy as np
 import ruckig
 
 from robomech_ros.errors import LimitExceededError, RobomechError
-from robomech_ros.trajectory.curves.joining import joined
 from robomech_ros.trajectory.curves.motion_to_rest import MotionThrough, check_positions
-from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, joined
 from robomech_ros.trajectory.curves.time_scaling import fitted
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.profiles.jerk_limited import JerkLimited, planned_between

@@ -12,9 +12,8 @@ import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, DurationTooShortError
 from robomech_ros.spatial.arrays import as_choice, check_kind
-from robomech_ros.trajectory.curves.joining import joined
 from robomech_ros.trajectory.curves.motion_to_rest import MotionToRest, check_positions
-from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, joined
 from robomech_ros.trajectory.curves.time_scaling import checked_duration, stretch_needed
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.paths.arms import Arm, Tracked

@@ -16,13 +16,15 @@ from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions, check_rates, settled
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
-from robomech_ros.trajectory.profiles.resting_phases import resting_phases
 from robomech_ros.trajectory.profiles.ruckig_phases import (
+    JointPhases,
     Phases,
+    common_phases,
     jerk_phases,
     phases_from_rest,
     rest_to_rest,
 )
+from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS, along_line
 from robomech_ros.trajectory.sample import Sample
 from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, LIMIT_SLACK, SHORTEST_TRAJECTORY
 from robomech_ros.typing import Array
@@ -30,6 +32,8 @@ from robomech_ros.typing import Array
 # Power k of x + c is _SHIFTS[i, k] c^_SHIFTED[i, k] times power i of x, summed; for k = 3, 4, 5.
 _SHIFTS = np.array([[math.comb(k, i) for k in range(3, 6)] for i in range(6)], float)
 _SHIFTED = np.array([[max(k - i, 0) for k in range(3, 6)] for i in range(6)])
+# Powers of time times these are derivatives.
+_FACTORIALS = np.array([1.0, 1.0, 2.0, 6.0])
 # The excess over a jerk limit, in parts of it, that is rounding; with more the motion is planned
 # again, at most so often, within a limit that is lower by so many times the excess.
 _EXCESS, _ROUNDS, _ROOM = 1e-10, 4, 1.5
@@ -232,7 +236,7 @@ def planned_between(
         except BadValueError:
             if any(rates.any() for rates in (*begin, *end)):
                 raise
-            phases = resting_phases(goal - start, allowed, least)
+            phases = _resting_phases(goal - start, allowed, least)
         pieces = curve_of(phases, start, goal, end[0])
         low, high = extremes(pieces)
         excess = np.maximum(-low, high)[3] / limits.jerk - 1.0
@@ -267,3 +271,39 @@ def curve_of(
     scales = breaks[-1] ** -np.arange(6.0)
     coefficients += (shifts @ quintic).transpose(1, 0, 2) * scales[:, None, None]
     return PiecewisePolynomial(breaks, coefficients)
+
+
+def _resting_phases(rise: Array, limits: Limits, shortest: float) -> Phases:
+    """Compute the fastest motion from rest to rest that takes at least a given time.
+
+    Every joint follows the double-S profile of its own way, slowed down to the duration of all.
+
+    Parameters
+    ----------
+    rise : ndarray, shape (n,)
+        Displacements, rad or m.
+    limits : Limits
+        Velocity, acceleration and jerk limits, all finite.
+    shortest : float
+        Least duration in s.
+
+    Returns
+    -------
+    Phases
+        Positions count from the start.
+    """
+    moving = np.flatnonzero(rise)
+    rates = 1.0 / (np.abs(rise[moving]) * limits.inverses[:, moving])
+    shapes = [DoubleS.shape(*of)[:2] for of in rates.T.tolist()]
+    alone = np.zeros(len(rise))
+    alone[moving] = [lasting for _, lasting in shapes]
+    total = max(shortest, float(alone.max()))
+    joints: list[JointPhases] = [(np.array([0.0, total]), np.zeros((2, 4))) for _ in rise]
+    for joint, (ramp, lasting) in zip(moving, shapes, strict=True):
+        slow = tuple(part * (total / lasting) for part in ramp)
+        line = along_line(np.zeros(1), rise[joint : joint + 1], slow, total)
+        states = np.zeros((len(line.breaks), 4))
+        states[:-1] = line.coefficients[:, :, 0].T * _FACTORIALS
+        states[-1, 0] = rise[joint]
+        joints[joint] = line.breaks, states
+    return Phases(*common_phases(joints, total), alone)

@@ -20,7 +20,6 @@ from typing import NamedTuple
 import numpy as np
 
 from robomech_ros.trajectory.curves.bounds import extremes
-from robomech_ros.trajectory.curves.hermite import septic
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Rate
 from robomech_ros.typing import Array
@@ -148,10 +147,38 @@ def _rates_cubic(tau: Array) -> Rates:
     )
 
 
+def _septic(breaks: Array, values: Array) -> PiecewisePolynomial:
+    """Interpolate positions and three derivatives, segment by segment.
+
+    Parameters
+    ----------
+    breaks : ndarray, shape (m,)
+        Instants in s, strictly increasing.
+    values : ndarray, shape (4, m, n)
+        Position, velocity, acceleration and jerk there, rad or m over powers of s.
+
+    Returns
+    -------
+    PiecewisePolynomial
+        Of order 7, with continuous jerk.
+    """
+    spans = np.diff(breaks)[:, None]
+    factorials = np.array([math.factorial(d) for d in range(4)])[:, None, None]
+    powers = spans ** np.arange(4)[:, None, None]
+    # Taylor coefficients over segments of length 1, from the front and at the back.
+    front, back = values[:, :-1] / factorials * powers, values[:, 1:] / factorials * powers
+    left = np.array([[math.comb(k, d) for k in range(4)] for d in range(4)], float)
+    missing = back - np.tensordot(left, front, axes=1)
+    right = np.array([[math.comb(k, d) for k in range(4, 8)] for d in range(4)], float)
+    high = np.tensordot(np.linalg.inv(right), missing, axes=1)
+    scaled = np.concatenate([front, high]) / spans ** np.arange(8)[:, None, None]
+    return PiecewisePolynomial(breaks, scaled)
+
+
 def _cycloidal_pieces() -> PiecewisePolynomial:
     tau = np.linspace(0.0, 1.0, _CYCLOIDAL_SEGMENTS + 1)
     values = np.stack([_progress_cycloidal(tau), *_rates_cycloidal(tau)])
-    return septic(tau, values[:, :, None])
+    return _septic(tau, values[:, :, None])
 
 
 POLY345 = Law(

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from robomech_ros._kernels.timing import constraint_rows as time_rows
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.trajectory.curves.bounded_spline import bounded_spline
 from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
@@ -18,7 +19,6 @@ from robomech_ros.trajectory.curves.motion_to_rest import (
     check_positions,
 )
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.curves.sums import summed
 from robomech_ros.trajectory.curves.time_scaling import fitted
 from robomech_ros.trajectory.limits import Limits, Rate
 from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS
@@ -228,4 +228,34 @@ def _exactly_through(
     missed = places - curve.sample(knots).position
     if np.abs(missed).max() <= _MISSED or not (np.diff(knots) > 0.0).all():
         return curve
-    return summed(curve, cubic_spline(knots, missed, "rest"))
+    return _summed(curve, cubic_spline(knots, missed, "rest"))
+
+
+def _summed(one: PiecewisePolynomial, other: PiecewisePolynomial) -> PiecewisePolynomial:
+    """Add two curves of the same joints over the same time.
+
+    Parameters
+    ----------
+    one, other : PiecewisePolynomial
+        From the same instant to the same.
+
+    Returns
+    -------
+    PiecewisePolynomial
+        With the breaks of both.
+    """
+    breaks = np.union1d(one.breaks, other.breaks)
+    parts = [_divided(curve, breaks) for curve in (one, other)]
+    size = max(len(part) for part in parts)
+    total = np.zeros((size, *parts[0].shape[1:]))
+    for part in parts:
+        total[: len(part)] += part
+    return PiecewisePolynomial(breaks, total)
+
+
+def _divided(curve: PiecewisePolynomial, breaks: Array) -> Array:
+    """Return the coefficients between breaks that include those of the curve."""
+    size, _, joints = curve.coefficients.shape
+    local = np.empty((len(breaks) - 1, joints, size))
+    time_rows.local_path(curve.breaks, curve.coefficients, breaks, local)
+    return local.transpose(2, 0, 1)
