@@ -171,8 +171,7 @@ def finger_rates(
     point = as_origin(np.zeros(3) if origin is None else origin, given)
     J = hand_jacobian(hand, q, given, fingers=fingers)
     wanted = grasp_matrix(given, point).T @ t
-    rates = _least_squares(J, wanted)
-    return rates, float(np.linalg.norm(J @ rates - wanted))
+    return _least_squares(J, wanted)
 
 
 def object_twist(
@@ -205,8 +204,7 @@ def object_twist(
     point = as_origin(np.zeros(3) if origin is None else origin, given)
     moved = hand_jacobian(hand, q, given, fingers=fingers) @ hand_posture(hand, rates, "rates")
     G = grasp_matrix(given, point)
-    twist = _least_squares(G.T, moved)
-    return twist, float(np.linalg.norm(G.T @ twist - moved))
+    return _least_squares(G.T, moved)
 
 
 def finger_accelerations(
@@ -269,9 +267,7 @@ def finger_accelerations(
             turning = contact.normal @ (td[:3] - bias[:3]) + normal_rate @ (w - turned)
             wanted.append(np.array([turning]))
     J = hand_jacobian(hand, q, given, fingers=fingers)
-    right = np.concatenate(wanted)
-    found = _least_squares(J, right)
-    return found, float(np.linalg.norm(J @ found - right))
+    return _least_squares(J, np.concatenate(wanted))
 
 
 def finger_torques(
@@ -314,6 +310,6 @@ def _six(what: str, value: ArrayLike) -> Array:
     return array
 
 
-def _least_squares(A: Array, b: Array) -> Array:
-    """Solve A x = b with the least error, and of these the least norm; A may lack rank."""
-    return np.asarray(np.linalg.lstsq(A, b, rcond=1e-10)[0], np.float64)
+def _least_squares(A: Array, b: Array) -> tuple[Array, float]:
+    x = np.asarray(np.linalg.lstsq(A, b, rcond=1e-10)[0], np.float64)
+    return x, float(np.linalg.norm(A @ x - b))

@@ -170,9 +170,8 @@ def newton_gauss(
     _check_callable("jacobian", jacobian)
     if real_number("tolerance", tolerance, _POSITIVE) <= 0.0 or not np.isfinite(tolerance):
         raise BadValueError("tolerance", tolerance, _POSITIVE)
-    if isinstance(iterations, bool) or not isinstance(iterations, int | np.integer):
-        raise BadValueError("iterations", iterations, "a positive integer")
-    if iterations < 1:
+    whole = isinstance(iterations, int | np.integer) and not isinstance(iterations, bool)
+    if not whole or iterations < 1:
         raise BadValueError("iterations", iterations, "a positive integer")
     residual, shortest, path = _residual(f, point), np.inf, [point]
     while len(path) <= iterations:

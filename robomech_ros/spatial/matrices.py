@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from robomech_ros._kernels.tolerances import ORTHOGONAL, ROTATION_ERROR
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.rows import row_name
 from robomech_ros.typing import Array
 
 
@@ -58,8 +59,7 @@ def as_rotation(
     error = rotation_error(m)
     bad = ~(error <= tolerance)
     if bad.any():
-        index = tuple(int(i) for i in np.argwhere(bad)[0])
-        where = f" in row {', '.join(map(str, index))}" if index else ""
+        index, where = row_name(int(np.argmax(bad)), bad.shape)
         worst = float(error[index])
         how = (
             "determinant not positive"

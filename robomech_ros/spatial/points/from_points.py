@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NoReturn
 
 import numpy as np
@@ -70,13 +71,8 @@ def angular_velocity_from_points(
     >>> np.round(angular_velocity_from_points(points, np.cross([0.0, 0.0, 2.0], points)), 6) + 0.0
     array([0., 0., 2.])
     """
-    robust = as_choice("method", method, _METHODS) == "robust"
-    (p, v), shape = as_motions(robust, ("points", points), ("velocities", velocities))
-    out = np.empty((len(p), 3))
-    status = _velocities(p, v, int(robust), out)
-    if status:
-        raise_collinear(p, shape, status, robust)
-    return finite_result("points and velocities", out, v).reshape(*shape, 3)
+    given = ("points", points), ("velocities", velocities)
+    return _of_points(_velocities, method, "points and velocities", *given)
 
 
 def angular_acceleration_from_points(
@@ -109,14 +105,20 @@ def angular_acceleration_from_points(
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 8.3 and 8.3.1.
     """
-    robust = as_choice("method", method, _METHODS) == "robust"
     given = ("points", points), ("velocities", velocities), ("accelerations", accelerations)
-    (p, v, a), shape = as_motions(robust, *given)
-    out = np.empty((len(p), 3))
-    status = _accelerations(p, v, a, int(robust), out)
+    return _of_points(_accelerations, method, "points, velocities and accelerations", *given)
+
+
+def _of_points(
+    kernel: Callable[..., int], method: str, what: str, *given: tuple[str, ArrayLike]
+) -> Array:
+    robust = as_choice("method", method, _METHODS) == "robust"
+    rows, shape = as_motions(robust, *given)
+    out = np.empty((len(rows[0]), 3))
+    status = kernel(*rows, int(robust), out)
     if status:
-        raise_collinear(p, shape, status, robust)
-    return finite_result("points, velocities and accelerations", out, a).reshape(*shape, 3)
+        raise_collinear(rows[0], shape, status, robust)
+    return finite_result(what, out, rows[-1]).reshape(*shape, 3)
 
 
 def as_motions(robust: bool, *given: tuple[str, ArrayLike]) -> tuple[list[Array], tuple[int, ...]]:

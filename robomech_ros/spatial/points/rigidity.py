@@ -145,8 +145,7 @@ def require_rigid(
     """
     found = rigidity(points, velocities, accelerations, tolerance=tolerance)
     if not found.rigid.all():
-        index = tuple(int(i) for i in np.argwhere(~found.rigid)[0])
-        _, where = row_name(int(np.argmin(found.rigid)), found.rigid.shape)
+        index, where = row_name(int(np.argmin(found.rigid)), found.rigid.shape)
         i, j = (int(k) for k in found.pair[index])
         slip, left = (
             float(np.linalg.norm(one[index], axis=-1).max())

@@ -229,11 +229,6 @@ def _division(size: int) -> Array:
     return matrix.reshape(-1, size)
 
 
-def _divided(pieces: Array) -> Array:
-    """Divide m pieces (d + 1, m): the first parts of all, then the second ones, and so on."""
-    return (_division(len(pieces)) @ pieces).reshape(len(pieces), -1)
-
-
 def _goes_above(pieces: Array, bounds: Array) -> BoolArray:
     """Which of the pieces (d + 1, m) go over their bounds (m,)."""
     above = np.zeros(len(bounds), dtype=bool)
@@ -243,5 +238,6 @@ def _goes_above(pieces: Array, bounds: Array) -> BoolArray:
         kept = ~above[owner] & (pieces.max(axis=0) > bounds[owner])
         if not kept.any():
             break
-        pieces, owner = _divided(pieces[:, kept]), np.concatenate([owner[kept]] * _PARTS)
+        pieces = (_division(len(pieces)) @ pieces[:, kept]).reshape(len(pieces), -1)
+        owner = np.concatenate([owner[kept]] * _PARTS)
     return above

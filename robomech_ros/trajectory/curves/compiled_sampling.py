@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import Sample, checked_times
+from robomech_ros.typing import Array
 
 
 def sample_many(curve: PiecewisePolynomial, t: npt.ArrayLike) -> Sample:
@@ -36,3 +37,40 @@ def sample_many(curve: PiecewisePolynomial, t: npt.ArrayLike) -> Sample:
     given = (np.ascontiguousarray(values) for values in (curve.breaks, curve.coefficients))
     sample_pieces(*given, np.ascontiguousarray(times), rates)
     return Sample(*rates)
+
+
+def divided(curve: PiecewisePolynomial, breaks: Array) -> PiecewisePolynomial:
+    """Write a curve over finer breaks (s + 1,)."""
+    from robomech_ros._kernels.timing import constraint_rows
+
+    size, _, joints = curve.coefficients.shape
+    local = np.empty((len(breaks) - 1, joints, size))
+    constraint_rows.local_path(curve.breaks, curve.coefficients, breaks, local)
+    return PiecewisePolynomial(breaks, np.ascontiguousarray(local.transpose(2, 0, 1)))
+
+
+class PiecewiseMotion:
+    """A motion along a piecewise polynomial, from t = 0 on."""
+
+    pieces: PiecewisePolynomial
+
+    @property
+    def duration(self) -> float:
+        """Time from start to end, in s."""
+        return self.pieces.duration
+
+    def sample(self, t: npt.ArrayLike) -> Sample:
+        """Sample positions and derivatives.
+
+        Parameters
+        ----------
+        t : array_like, shape () or (m,)
+            Instants in s; before 0 the joints rest at the start, after the end at the goal.
+            Where the acceleration steps, the later one counts.
+
+        Returns
+        -------
+        Sample
+            Arrays of shape (n,) or (m, n).
+        """
+        return sample_many(self.pieces, t)

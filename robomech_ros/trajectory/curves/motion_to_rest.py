@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.trajectory.curves.bounds import extremes
-from robomech_ros.trajectory.curves.compiled_sampling import sample_many
+from robomech_ros.trajectory.curves.compiled_sampling import PiecewiseMotion, sample_many
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits
 from robomech_ros.trajectory.sample import Sample
@@ -19,7 +19,7 @@ from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)
-class MotionToRest:
+class MotionToRest(PiecewiseMotion):
     """A curve that ends at rest exactly at its goal, with continuous acceleration unless told.
 
     Attributes
@@ -35,23 +35,10 @@ class MotionToRest:
 
     ACCELERATION_STEPS: ClassVar[bool] = False
 
-    @property
-    def duration(self) -> float:
-        """Time from start to end, in s."""
-        return self.pieces.duration
-
     def sample(self, t: npt.ArrayLike) -> Sample:
-        """Sample positions and derivatives.
+        """Sample positions and derivatives, (n,) or (m, n), at instants (s), () or (m,).
 
-        Parameters
-        ----------
-        t : array_like, shape () or (m,)
-            Instants in s; before 0 the joints rest at the start, from the end on at the goal.
-
-        Returns
-        -------
-        Sample
-            Arrays of shape (n,) or (m, n).
+        Before 0 the joints rest at the start, from the end on at the goal.
         """
         return settled(sample_many(self.pieces, t), t, self.pieces, self.goal)
 

@@ -73,6 +73,18 @@ class PiecewisePolynomial:
             values = _differentiated(values)
         return values
 
+    def of_joints(self, joints: Sequence[int]) -> PiecewisePolynomial:
+        """Return the curve of some of the joints, in this order."""
+        if list(joints) == list(range(self.joints)):
+            return self
+        kept = np.ascontiguousarray(self.coefficients[:, :, list(joints)])
+        return PiecewisePolynomial(self.breaks, kept)
+
+    def between(self, first: int, last: int) -> PiecewisePolynomial:
+        """Return the pieces from one break to another."""
+        kept = np.ascontiguousarray(self.coefficients[:, first:last])
+        return PiecewisePolynomial(self.breaks[first : last + 1], kept)
+
     def stretched(self, factor: float) -> PiecewisePolynomial:
         """Return the same curve over a time longer by a factor, from the same instant on."""
         powers = factor ** np.arange(len(self.coefficients))
@@ -80,18 +92,10 @@ class PiecewisePolynomial:
         return lasting_pieces(breaks, self.coefficients / powers[:, None, None])[0]
 
     def sample(self, t: npt.ArrayLike) -> Sample:
-        """Sample positions and derivatives.
+        """Sample positions and derivatives, (n,) or (m, n), at instants (s), () or (m,).
 
-        Parameters
-        ----------
-        t : array_like, shape () or (m,)
-            Instants in s, on the clock of `breaks`.  Outside the breaks the joints rest at the
-            position of the nearest end; at an inner break the later segment counts.
-
-        Returns
-        -------
-        Sample
-            Arrays of shape (n,) or (m, n).
+        On the clock of `breaks`.  Outside the breaks the joints rest at the position of the nearest
+        end; at an inner break the later segment counts.
         """
         times = checked_times(t)
         if not times.ndim:
@@ -140,6 +144,13 @@ def lasting_pieces(breaks: Array, coefficients: Array) -> tuple[PiecewisePolynom
         return PiecewisePolynomial(breaks, coefficients), lasting
     kept = np.append(breaks[:-1][lasting], breaks[-1])
     return PiecewisePolynomial(kept, coefficients[:, lasting]), lasting
+
+
+def chained(curves: Sequence[PiecewisePolynomial]) -> PiecewisePolynomial:
+    """Put curves together, each of which begins at the last break of the one before it."""
+    breaks = np.concatenate([*(curve.breaks[:-1] for curve in curves), curves[-1].breaks[-1:]])
+    coefficients = np.concatenate([curve.coefficients for curve in curves], axis=1)
+    return PiecewisePolynomial(breaks, coefficients)
 
 
 def joined(curves: Sequence[PiecewisePolynomial]) -> PiecewisePolynomial:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.paths.curve import PolynomialCurve, evaluated
+from robomech_ros.trajectory.paths.curve import PolynomialCurve
 from robomech_ros.trajectory.paths.curve_arguments import as_points, as_positive
 from robomech_ros.trajectory.tolerances import COINCIDENT, COLLINEAR, NEARLY_HALF_TURN
 from robomech_ros.typing import Array, BoolArray
@@ -25,7 +25,7 @@ _SPREAD = 0.375
 
 
 @dataclass(frozen=True, eq=False)
-class BlendedPolyline:
+class BlendedPolyline(PolynomialCurve):
     """Straight legs and blends, one after another; all of them are evaluated together.
 
     The parameter runs on from each to the next: on straight legs by their length (m), on arcs by
@@ -39,20 +39,10 @@ class BlendedPolyline:
         What an arc adds times the cosine and the sine of its angle (m), 0 on other pieces.
     """
 
-    pieces: PiecewisePolynomial
     radii: Array
 
-    @property
-    def breaks(self) -> Array:
-        """Parameters of the ends and of the ends of all legs and blends, shape (s + 1,)."""
-        return self.pieces.breaks
-
-    def derivatives(self, u: npt.ArrayLike) -> Array:
-        """Position (m) and four derivatives, shape (5, 3) or (5, m, 3), as for any `Curve`."""
-        return evaluated(self.breaks, u, self._rows)
-
     def _rows(self, u: Array) -> Array:
-        rows = PolynomialCurve(self.pieces).derivatives(u)
+        rows = super()._rows(u)
         last = len(self.breaks) - 2
         piece = np.minimum(np.searchsorted(self.breaks, u, side="right") - 1, last)
         angle = (u - self.breaks[piece])[:, None]
@@ -121,7 +111,8 @@ def blended_polyline(
     ends = np.concatenate([blends.corners - before, places[-1:]])
     ways = np.linalg.norm(ends - begins, axis=1)
     kept = ways > COLLINEAR * lengths[np.append(corners - 1, -1)]
-    straight = _straight(begins, ends, ways)
+    rates = (ends - begins) / np.where(ways > 0.0, ways, 1.0)[:, None]
+    straight = ways, np.stack([begins, rates])
     bent, radii = _arcs(blends) if blend == "circular" else _polynomials(blend, blends)
     return _alternating(straight, kept, bent, radii)
 
@@ -176,12 +167,6 @@ def _cuts(blend: Blend, half: Array, radius: float | None, deviation: float | No
     else:
         reach = 16.0 / (16.0 - 25.0 * _SPREAD) / sine
     return reach * (radius if radius is not None else deviation or 0.0)
-
-
-def _straight(begins: Array, ends: Array, ways: Array) -> _Pieces:
-    """Legs between points (k, 3), over their lengths (k,)."""
-    rates = (ends - begins) / np.where(ways > 0.0, ways, 1.0)[:, None]
-    return ways, np.stack([begins, rates])
 
 
 def _arcs(blends: _Blends) -> tuple[_Pieces, Array]:

@@ -67,11 +67,7 @@ class JointPath:
 
     def only(self, joints: Sequence[int]) -> JointPath:
         """Return the path of some joints, by their numbers."""
-        if list(joints) == list(range(self.joints)):
-            return self
-        pieces = self.pieces
-        kept = PiecewisePolynomial(pieces.breaks, pieces.coefficients[:, :, list(joints)])
-        return JointPath(kept, self.stops)
+        return JointPath(self.pieces.of_joints(joints), self.stops)
 
     def until(self, s: float) -> JointPath:
         """Return the part from the start up to a coordinate (m), above 0 and at most `length`."""

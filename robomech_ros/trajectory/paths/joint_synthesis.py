@@ -11,7 +11,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import shaped_array, whole_number
 from robomech_ros.spatial.screws.pose_conversions import pose_error
 from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
-from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, chained
 from robomech_ros.trajectory.curves.quintic_spline import Ends
 from robomech_ros.trajectory.paths.arms import Arm, as_arm
 from robomech_ros.trajectory.paths.curve_arguments import as_parameters
@@ -75,9 +75,7 @@ def joint_spline(
         number = max(round(count * (high - low) / joints.length), 5 if len(edges) > 2 else 2)
         knots = np.linspace(low, high, number)
         parts.append(_part(path, arm, joints, knots, kind))
-    breaks = np.concatenate([*(part.breaks[:-1] for part in parts), edges[-1:]])
-    coefficients = np.concatenate([part.coefficients for part in parts], axis=1)
-    return JointPath(PiecewisePolynomial(breaks, coefficients), joints.stops)
+    return JointPath(chained(parts), joints.stops)
 
 
 def tracking_error(path: PosePath, arm: Arm, joints: JointPath, s: npt.ArrayLike) -> Array:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import check_kind, shaped_array
 from robomech_ros.trajectory.curves.interpolation import interpolant
-from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.piecewise import chained
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.paths.arms import Tracked, as_near, as_tracked
 from robomech_ros.trajectory.paths.curve_arguments import as_positive
@@ -237,10 +237,8 @@ def _assembled(path: PosePath, parts: list[_Nodes]) -> JointPath | None:
     ]
     if not curves:
         return None
-    breaks = np.concatenate([*(c.breaks[:-1] for c in curves), curves[-1].breaks[-1:]])
-    coefficients = np.concatenate([c.coefficients for c in curves], axis=1)
-    stops = path.stops[path.stops < breaks[-1]]
-    return JointPath(PiecewisePolynomial(breaks, coefficients), stops)
+    pieces = chained(curves)
+    return JointPath(pieces, path.stops[path.stops < pieces.breaks[-1]])
 
 
 def _cut_short(

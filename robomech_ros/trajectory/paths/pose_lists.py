@@ -160,14 +160,11 @@ def arc_path(
 def _arc(k: int, poses: list[Array]) -> tuple[FunctionCurve, PiecewiseRotation]:
     """Arc number k through three poses, and the orientation along it."""
     first, middle, last = (pose[:3, 3] for pose in poses)
-    try:
-        curve = arc_through(first, middle, last)
-    except BadValueError as error:
-        raise BadValueError(f"arc {k}: {error.what}", error.value, error.expected) from None
-    x, y, _ = (middle - curve.pose[:3, 3]) @ curve.pose[:3, :3]
-    angle = math.atan2(float(y), float(x)) % math.tau
     rotations = np.stack([pose[:3, :3] for pose in poses])
     try:
+        curve = arc_through(first, middle, last)
+        x, y, _ = (middle - curve.pose[:3, 3]) @ curve.pose[:3, :3]
+        angle = math.atan2(float(y), float(x)) % math.tau
         turning = orientation_spline(rotations, [0.0, angle, float(curve.breaks[-1])])
     except BadValueError as error:
         raise BadValueError(f"arc {k}: {error.what}", error.value, error.expected) from None

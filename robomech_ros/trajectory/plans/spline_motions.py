@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, real_number, shaped_array
-from robomech_ros.trajectory.curves.compiled_sampling import sample_many
+from robomech_ros.trajectory.curves.compiled_sampling import PiecewiseMotion, sample_many
 from robomech_ros.trajectory.curves.cubic_spline import CubicEnds, cubic_spline
 from robomech_ros.trajectory.curves.knots import (
     SPACINGS,
@@ -34,7 +34,7 @@ _SEARCHES = {"balanced": balanced_knots, "optimal": optimal_knots}
 
 
 @dataclass(frozen=True, eq=False)
-class Spline:
+class Spline(PiecewiseMotion):
     """A spline through points.
 
     Attributes
@@ -54,23 +54,10 @@ class Spline:
     ends: CubicEnds
     pieces: PiecewisePolynomial
 
-    @property
-    def duration(self) -> float:
-        """Time from the first knot to the last, in s."""
-        return self.pieces.duration
-
     def sample(self, t: npt.ArrayLike) -> Sample:
-        """Sample positions and derivatives.
+        """Sample positions and derivatives, (n,) or (m, n), at instants (s), () or (m,).
 
-        Parameters
-        ----------
-        t : array_like, shape () or (m,)
-            Instants in s; outside the knots the joints rest.
-
-        Returns
-        -------
-        Sample
-            Arrays of shape (n,) or (m, n).
+        Outside the knots the joints rest.
         """
         sample = sample_many(self.pieces, t)
         return settled(sample, t, self.pieces, self.points[-1]) if self.ends == "rest" else sample

@@ -174,31 +174,22 @@ def _first(found: list[Violation]) -> Violation | None:
     return min(found, key=lambda violation: violation.time, default=None)
 
 
-def _curve_and_doubts(
-    trajectory: Waypoints | PiecewiseTrajectory | PiecewisePolynomial, limits: Limits
-) -> tuple[PiecewisePolynomial, Array]:
-    """Find the curve, and by how much its rates 0 to 3 may be rounded, (4, s, n)."""
-    curve, rounded = _curve_of(trajectory)
+def _curve_and_doubts(trajectory: Any, limits: Limits) -> tuple[PiecewisePolynomial, Array]:
+    """Return the curve that is checked, and by how much rounding may change it."""
+    if isinstance(trajectory, Waypoints):
+        curve = trajectory.curve
+    elif isinstance(trajectory, PiecewisePolynomial):
+        curve = checked_pieces(trajectory, "trajectory", _LARGEST_ORDER)
+    else:
+        curve = getattr(trajectory, "pieces", None)
+        if not isinstance(curve, PiecewisePolynomial):
+            expected = "Waypoints, a PiecewisePolynomial, or a trajectory with pieces"
+            raise BadValueError("trajectory", trajectory, expected)
     if curve.joints != len(limits.joint_names):
         raise WrongSizeError("joints of the trajectory", curve.joints, len(limits.joint_names))
-    if rounded:
+    if isinstance(trajectory, Waypoints | PiecewisePolynomial):
         return curve, _rounding(curve)
     return curve, np.zeros((4, *curve.coefficients.shape[1:]))
-
-
-def _curve_of(
-    trajectory: Waypoints | PiecewiseTrajectory | PiecewisePolynomial,
-) -> tuple[PiecewisePolynomial, bool]:
-    """Find the curve, and whether it comes from samples and so carries their rounding."""
-    if isinstance(trajectory, Waypoints):
-        return trajectory.curve, True
-    if isinstance(trajectory, PiecewisePolynomial):
-        return checked_pieces(trajectory, "trajectory", _LARGEST_ORDER), True
-    pieces = getattr(trajectory, "pieces", None)
-    if not isinstance(pieces, PiecewisePolynomial):
-        expected = "Waypoints, a PiecewisePolynomial, or a trajectory with pieces"
-        raise BadValueError("trajectory", trajectory, expected)
-    return pieces, False
 
 
 def _allowed_steps(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -38,16 +39,13 @@ _OPTIMISED = 20
 Through = Callable[[Array, Limits, Array | None, float | None], PiecewiseTrajectory]
 
 
-def _polynomial(profile: str) -> Through:
-    def through(
-        points: Array, limits: Limits, at: Array | None, duration: float | None
-    ) -> PiecewiseTrajectory:
-        if len(points) > MOST_VIAS + 2:
-            expected = f"at most {MOST_VIAS} for {profile}; cubic_spline passes more"
-            raise BadValueError("number of via points", len(points) - 2, expected)
-        return via_polynomial(points, limits=limits, profile=profile, at=at, duration=duration)
-
-    return through
+def _polynomial(
+    profile: str, points: Array, limits: Limits, at: Array | None, duration: float | None
+) -> PiecewiseTrajectory:
+    if len(points) > MOST_VIAS + 2:
+        expected = f"at most {MOST_VIAS} for {profile}; cubic_spline passes more"
+        raise BadValueError("number of via points", len(points) - 2, expected)
+    return via_polynomial(points, limits=limits, profile=profile, at=at, duration=duration)
 
 
 def _spline(
@@ -83,26 +81,22 @@ def _inside_limits(
 
 
 def _finding_instants(
-    profile: str, plan: Callable[[Array, Limits, float | None], PiecewiseTrajectory]
-) -> Through:
-    def through(
-        points: Array, limits: Limits, at: Array | None, duration: float | None
-    ) -> PiecewiseTrajectory:
-        if at is not None:
-            expected = f"none for {profile}, which finds the instants itself"
-            raise BadValueError("at", at.tolist(), expected)
-        return plan(points, limits, duration)
-
-    return through
+    profile: str, points: Array, limits: Limits, at: Array | None, duration: float | None
+) -> PiecewiseTrajectory:
+    if at is not None:
+        expected = f"none for {profile}, which finds the instants itself"
+        raise BadValueError("at", at.tolist(), expected)
+    plan = jerk_limited_through if profile == "ruckig" else time_optimal_through
+    return plan(points, limits, duration)
 
 
 # Profiles that can pass via points on their way.
 VIA_PROFILES: dict[str, Through] = {
-    "poly345": _polynomial("poly345"),
-    "poly4567": _polynomial("poly4567"),
+    "poly345": partial(_polynomial, "poly345"),
+    "poly4567": partial(_polynomial, "poly4567"),
     "cubic_spline": _spline,
-    "ruckig": _finding_instants("ruckig", jerk_limited_through),
-    "time_optimal": _finding_instants("time_optimal", time_optimal_through),
+    "ruckig": partial(_finding_instants, "ruckig"),
+    "time_optimal": partial(_finding_instants, "time_optimal"),
 }
 
 

@@ -62,12 +62,13 @@ def violations_between(
 ) -> list[Violation]:
     """List what is wrong between start and end, the first of each kind."""
     found = [
-        *_position_violations(curve, limits),
-        *_step_violations(curve, limits, _steps(curve, doubts), allowed),
+        *_bound_violations(curve, limits, 0, POSITION_SLACK),
+        *_step_violations(curve, limits, doubts, allowed),
     ]
     for order, rate in enumerate(RATES, 1):
         if rate in rates:
-            found += _rate_violations(curve, limits, order, rate, doubts[order])
+            slack = LIMIT_SLACK * limits.rates[order - 1] + doubts[order]
+            found += _bound_violations(curve, limits, order, slack)
     return found
 
 
@@ -116,24 +117,25 @@ def _worst(
         yield Violation(what, name, time, float(values[joint]), float(wanted[joint]), unit)
 
 
-def _position_violations(curve: PiecewisePolynomial, limits: Limits) -> Iterable[Violation]:
-    coefficients = hull(curve, 0)
-    for sign, bound in ((1.0, limits.upper), (-1.0, limits.lower)):
-        place = first_above(sign * coefficients, sign * bound + POSITION_SLACK)
+def _bound_violations(
+    curve: PiecewisePolynomial, limits: Limits, order: int, slack: Array | float
+) -> Iterable[Violation]:
+    """Yield where a derivative first goes over its upper and its lower bound."""
+    coefficients = hull(curve, order)
+    rates = limits.rates[order - 1]
+    bounds = (rates, -rates) if order else (limits.upper, limits.lower)
+    for sign, bound in zip((1.0, -1.0), bounds, strict=True):
+        place = first_above(sign * coefficients, sign * bound + slack)
         if place is not None:
-            yield _described(curve, 0, limits, place, sign, bound)
-
-
-def _steps(curve: PiecewisePolynomial, doubts: Array) -> Array:
-    """Find how far position, velocity and acceleration step for certain, shape (3, s - 1, n)."""
-    rounding = np.maximum(doubts[:3, 1:], doubts[:3, :-1])
-    return np.maximum(np.abs(steps(curve, (0, 1, 2))) - rounding, 0.0)
+            yield _described(curve, order, limits, place, sign, bound)
 
 
 def _step_violations(
-    curve: PiecewisePolynomial, limits: Limits, certain: Array, allowed: Array
+    curve: PiecewisePolynomial, limits: Limits, doubts: Array, allowed: Array
 ) -> Iterable[Violation]:
-    """Yield the first step of each derivative that is larger than allowed."""
+    """Yield the first step of each derivative that is larger than allowed for certain."""
+    rounding = np.maximum(doubts[:3, 1:], doubts[:3, :-1])
+    certain = np.maximum(np.abs(steps(curve, (0, 1, 2))) - rounding, 0.0)
     too_large = ~(certain <= allowed[:, None])
     for order in np.flatnonzero(too_large.any(axis=(1, 2))).tolist():
         places, joints = np.nonzero(too_large[order])
@@ -142,18 +144,6 @@ def _step_violations(
         what, time = f"step of {_QUANTITIES[order]}", float(curve.breaks[k + 1])
         name, unit = limits.joint_names[joint], limits.unit(joint, order)
         yield Violation(what, name, time, step, 0.0, unit)
-
-
-def _rate_violations(
-    curve: PiecewisePolynomial, limits: Limits, order: int, rate: Rate, doubt: Array
-) -> Iterable[Violation]:
-    bound = getattr(limits, rate)
-    allowed = bound * (1.0 + LIMIT_SLACK) + doubt
-    coefficients = hull(curve, order)
-    for sign in (1.0, -1.0):
-        place = first_above(sign * coefficients, allowed)
-        if place is not None:
-            yield _described(curve, order, limits, place, sign, sign * bound)
 
 
 def _described(

@@ -149,17 +149,9 @@ class JerkLimited:
         return curve_of(self.phases, self.start, self.goal, np.zeros(len(self.goal)))
 
     def sample(self, t: npt.ArrayLike) -> Sample:
-        """Sample positions and derivatives.
+        """Sample positions and derivatives, (n,) or (m, n), at instants (s), () or (m,).
 
-        Parameters
-        ----------
-        t : array_like, shape () or (m,)
-            Instants in s; before 0 the joints rest at the start, from the end on at the goal.
-
-        Returns
-        -------
-        Sample
-            Arrays of shape (n,) or (m, n).
+        Before 0 the joints rest at the start, from the end on at the goal.
         """
         return settled(sample_many(self.pieces, t), t, self.pieces, self.goal)
 

@@ -74,17 +74,9 @@ class RestToRest(StraightMotion):
         return cls(start, goal, duration)
 
     def sample(self, t: npt.ArrayLike) -> Sample:
-        """Sample positions and derivatives.
+        """Sample positions and derivatives, (n,) or (m, n), at instants (s), () or (m,).
 
-        Parameters
-        ----------
-        t : array_like, shape () or (m,)
-            Instants in s; before 0 the joints rest at the start, after T at the goal.
-
-        Returns
-        -------
-        Sample
-            Arrays of shape (n,) or (m, n).
+        Before 0 the joints rest at the start, after T at the goal.
         """
         times = checked_times(t)
         inside = np.minimum(np.maximum(times, 0.0), self.duration)

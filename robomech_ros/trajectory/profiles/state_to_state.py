@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import DurationTooShortError
-from robomech_ros.trajectory.curves.compiled_sampling import sample_many
+from robomech_ros.trajectory.curves.compiled_sampling import PiecewiseMotion, sample_many
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions, check_rates
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import checked_duration
@@ -26,7 +26,7 @@ from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)
-class StateToState:
+class StateToState(PiecewiseMotion):
     """Piecewise constant jerk, all joints arriving together, as fast at the end as was wanted.
 
     Attributes
@@ -42,23 +42,10 @@ class StateToState:
 
     ACCELERATION_STEPS: ClassVar[bool] = False
 
-    @property
-    def duration(self) -> float:
-        """Time from start to end, in s."""
-        return self.pieces.duration
-
     def sample(self, t: npt.ArrayLike) -> Sample:
-        """Sample positions and derivatives.
+        """Sample positions and derivatives, (n,) or (m, n), at instants (s), () or (m,).
 
-        Parameters
-        ----------
-        t : array_like, shape () or (m,)
-            Instants in s; before the start and after the end the joints are at rest there.
-
-        Returns
-        -------
-        Sample
-            Arrays of shape (n,) or (m, n).
+        Before the start and after the end the joints are at rest there.
         """
         sample = sample_many(self.pieces, t)
         instants = np.asarray(t, dtype=np.float64).ravel()

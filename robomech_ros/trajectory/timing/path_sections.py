@@ -47,13 +47,7 @@ def sections(curve: PiecewisePolynomial) -> list[PiecewisePolynomial]:
     moves = _moves(curve)
     corners = jump(curve, 1) | (moves[1:] != moves[:-1]) if len(moves) > 1 else np.empty(0, bool)
     ends = [0, *(np.flatnonzero(corners) + 1).tolist(), len(moves)]
-    return [
-        PiecewisePolynomial(
-            curve.breaks[first : last + 1], np.ascontiguousarray(curve.coefficients[:, first:last])
-        )
-        for first, last in pairwise(ends)
-        if moves[first]
-    ]
+    return [curve.between(first, last) for first, last in pairwise(ends) if moves[first]]
 
 
 def jump(curve: PiecewisePolynomial, order: int) -> np.ndarray:

@@ -24,15 +24,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_single
-from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, lasting_pieces
 from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.sample import Sample
 from robomech_ros.trajectory.timing.jerk_smoothing import smoothed
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits, checked_list
 from robomech_ros.trajectory.timing.path_sections import checked_path, sections
@@ -47,7 +44,7 @@ TIMING_ACCURACY = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
-class TimeOptimal:
+class TimeOptimal(Timed):
     """A motion along a path.
 
     Attributes
@@ -60,31 +57,6 @@ class TimeOptimal:
     speeds : ndarray, shape (p + 1,)
         Rates of the path coordinate there, in path coordinate over s.
     """
-
-    pieces: PiecewisePolynomial
-    coordinates: Array
-    speeds: Array
-
-    @property
-    def duration(self) -> float:
-        """Time from start to end, in s."""
-        return self.pieces.duration
-
-    def sample(self, t: npt.ArrayLike) -> Sample:
-        """Sample positions and derivatives.
-
-        Parameters
-        ----------
-        t : array_like, shape () or (m,)
-            Instants in s; before 0 the joints rest at the start, after the end at the goal.
-            Where the acceleration steps, the later one counts.
-
-        Returns
-        -------
-        Sample
-            Arrays of shape (n,) or (m, n).
-        """
-        return sample_many(self.pieces, t)
 
 
 def time_optimal(

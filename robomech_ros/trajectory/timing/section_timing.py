@@ -72,9 +72,7 @@ class PathSection:
         """Return the joints over the path coordinate in this section only."""
         whole = self.joints.pieces
         first, last = np.searchsorted(whole.breaks, [self.low, self.high])
-        return PiecewisePolynomial(
-            whole.breaks[first : last + 1], np.ascontiguousarray(whole.coefficients[:, first:last])
-        )
+        return whole.between(first, last)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from robomech_ros._kernels.timing import peaks as time_peaks, pieces as time_pieces
+from robomech_ros.trajectory.curves.compiled_sampling import PiecewiseMotion
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, lasting_pieces
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
 from robomech_ros.typing import Array, IntArray
@@ -118,7 +119,7 @@ class SpeedProfile:
 
 
 @dataclass(frozen=True, eq=False)
-class Timed:
+class Timed(PiecewiseMotion):
     """A motion along a path.
 
     Attributes
@@ -150,8 +151,6 @@ class Timed:
         """Take longer by a factor, everywhere."""
         if factor == 1.0:
             return self
-        breaks, kept = self.pieces.breaks * factor, np.ones(len(self.coordinates), bool)
-        powers = factor ** -np.arange(len(self.pieces.coefficients), dtype=float)
-        slower = self.pieces.coefficients * powers[:, None, None]
-        pieces, kept[:-1] = lasting_pieces(breaks, slower)
+        kept = np.append(np.diff(self.pieces.breaks * factor) > 0.0, True)
+        pieces = self.pieces.stretched(factor)
         return Timed(pieces, self.coordinates[kept], self.speeds[kept] / factor)

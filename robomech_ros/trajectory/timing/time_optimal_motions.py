@@ -7,9 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from robomech_ros._kernels.timing import constraint_rows as time_rows
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.trajectory.curves.bounded_spline import bounded_spline
+from robomech_ros.trajectory.curves.compiled_sampling import divided
 from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
 from robomech_ros.trajectory.curves.fewer_pieces import with_fewer_pieces
 from robomech_ros.trajectory.curves.knots import spaced_knots
@@ -245,17 +245,9 @@ def _summed(one: PiecewisePolynomial, other: PiecewisePolynomial) -> PiecewisePo
         With the breaks of both.
     """
     breaks = np.union1d(one.breaks, other.breaks)
-    parts = [_divided(curve, breaks) for curve in (one, other)]
+    parts = [divided(curve, breaks).coefficients for curve in (one, other)]
     size = max(len(part) for part in parts)
     total = np.zeros((size, *parts[0].shape[1:]))
     for part in parts:
         total[: len(part)] += part
     return PiecewisePolynomial(breaks, total)
-
-
-def _divided(curve: PiecewisePolynomial, breaks: Array) -> Array:
-    """Return the coefficients between breaks that include those of the curve."""
-    size, _, joints = curve.coefficients.shape
-    local = np.empty((len(breaks) - 1, joints, size))
-    time_rows.local_path(curve.breaks, curve.coefficients, breaks, local)
-    return local.transpose(2, 0, 1)

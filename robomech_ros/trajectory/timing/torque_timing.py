@@ -28,10 +28,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.timing import constraint_rows as time_rows
 from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.curves.bounds import hull
+from robomech_ros.trajectory.curves.compiled_sampling import divided
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import JointLimits, Limits
@@ -144,7 +144,8 @@ def torque_limited(
                 return model.of_drives(found)
         elif friction is None or (settled and excess > _SLOW * before):
             allowed /= 1.0 + excess
-        speed, lasted = _speed_of(found), found.duration
+        speed = _Speed(np.maximum.accumulate(found.coordinates), found.speeds**2)
+        lasted = found.duration
     if best is None:
         expected = f"torques that {_ROUNDS} rounds bring within their limits"
         raise BadValueError("largest torque in parts of its limit", 1.0 + excess, expected)
@@ -169,12 +170,12 @@ class _Model:
     @cached_property
     def timed(self) -> PiecewisePolynomial:
         """The path of the joints that are timed."""
-        return _columns(self.driven.path, self.joints)
+        return self.driven.path.of_joints(self.joints)
 
     def of_drives(self, motion: TimeOptimal) -> TimeOptimal:
         """Leave out other joints that were timed, too."""
         kept = [self.joints.index(k) for k in self.driven.drives]
-        return replace(motion, pieces=_columns(motion.pieces, kept))
+        return replace(motion, pieces=motion.pieces.of_joints(kept))
 
     def limits(self, speed: _Speed, part: float) -> TorqueLimits:
         """Limits with friction's tangent at a speed, and the part of the efforts to use."""
@@ -199,7 +200,7 @@ class _Model:
 
         A tangent at too high a speed would ask for torques that no slow motion takes.
         """
-        drives = _columns(self.driven.path, self.driven.drives)
+        drives = self.driven.path.of_joints(self.driven.drives)
         rates = np.abs(hull(drives, 1)).max(axis=0)
         slowest = (rates / velocity).max(axis=1)
         slowest = np.maximum(slowest, _SLOWEST * slowest.max()) if slowest.any() else slowest + 1.0
@@ -242,12 +243,6 @@ class _Model:
         return float((np.abs(taken) / self.effort).max())
 
 
-def _columns(curve: PiecewisePolynomial, joints: list[int]) -> PiecewisePolynomial:
-    if joints == list(range(curve.joints)):
-        return curve
-    return PiecewisePolynomial(curve.breaks, np.ascontiguousarray(curve.coefficients[:, :, joints]))
-
-
 def _coordinates(motion: TimeOptimal) -> Array:
     """Path coordinates at the places in each piece of a motion, shape (p, places)."""
     begin, end = motion.speeds[:-1, None], motion.speeds[1:, None]
@@ -271,10 +266,6 @@ class _Speed:
         return float(np.sqrt(self.squares.max()))
 
 
-def _speed_of(motion: TimeOptimal) -> _Speed:
-    return _Speed(np.maximum.accumulate(motion.coordinates), motion.speeds**2)
-
-
 def _at_reversals(curve: PiecewisePolynomial) -> PiecewisePolynomial:
     """Divide a path where a joint turns back, which is where its dry friction steps."""
     ends = hull(curve, 1)
@@ -292,10 +283,7 @@ def _at_reversals(curve: PiecewisePolynomial) -> PiecewisePolynomial:
     apart = np.diff(nodes) > 1e-7 * (nodes[-1] - nodes[0])
     kept = np.append(nodes[:-1][apart], nodes[-1])
     kept[0] = nodes[0]
-    size, _, joints = curve.coefficients.shape
-    local = np.empty((len(kept) - 1, joints, size))
-    time_rows.local_path(curve.breaks, curve.coefficients, kept, local)
-    return PiecewisePolynomial(kept, np.ascontiguousarray(local.transpose(2, 0, 1)))
+    return divided(curve, kept)
 
 
 def _efforts(
