@@ -45,16 +45,9 @@ def rotations_exclude_inverse(fit: Fit, consistent: Array) -> bool:
     """Return whether rotations alone exclude that the robot's poses are inverted.
 
     For inverted poses, the traces of R_Z^T R_A^T R_X R_S add up to at most three times the largest
-    singular value s of the linear map from R_X to R_Z, for all X and Z.  A trace is
-    ``1 + 2 cos(error)``, so the squared errors of m samples add up to at least ``3 (m - s)``.
-    This compares that bound with the squared errors of the poses as they are.
-
-    Parameters
-    ----------
-    fit : Fit
-        Of the poses as they are.
-    consistent : ndarray, shape (n,)
-        1 for samples that count, 0 for others.
+    singular value s of the linear map from R_X to R_Z, for all X and Z.  A trace is ``1 + 2
+    cos(error)``, so the squared errors of m samples add up to at least ``3 (m - s)``.  This compares
+    that bound with the squared errors of the poses as they are.
     """
     count = float(consistent.sum())
     products = rotation_products(fit.A[:, TRANSPOSED], fit.S, consistent)
@@ -74,8 +67,6 @@ def check_convention(fit: Fit, other: Fit, mount: str, robust: bool) -> None:
     fit, other : Fit
         Refined with the poses as they are; the initial guess with the robot's poses inverted,
         which is refined here if it may fit better.
-    mount : str
-    robust : bool
     """
     distance = rms_distance(fit.S)
     guessed = mean_log_residual(other.guess.residuals, distance)
@@ -107,12 +98,7 @@ def _least_residual(fit: Fit, distance: float) -> float:
 def check_units(fit: Fit, other: Fit | None, consistent: Array) -> None:
     """Refuse samples whose positions are in m in one list and in mm in the other.
 
-    Parameters
-    ----------
-    fit, other : Fit
-        Initial guesses with the poses as they are, and with the robot's poses inverted.
-    consistent : ndarray, shape (n,)
-        1 for samples to start from.
+    Fits are the initial guesses with the poses as they are, and with the robot's poses inverted.
     """
     turn, shift = medians(fit.guess.residuals)
     suspicious = max(turn, shift / (rms_distance(fit.S) ** 2 or 1.0)) > _SUSPICIOUS**2

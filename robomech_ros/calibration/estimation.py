@@ -75,10 +75,6 @@ def hand_eye(
         Known standard deviations of each coordinate: rotation (rad) and position (m) of the
         sensor, then of the robot.  By default they are estimated.
 
-    Returns
-    -------
-    HandEyeResult
-
     Raises
     ------
     BadValueError, WrongSizeError

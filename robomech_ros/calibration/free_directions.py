@@ -101,16 +101,8 @@ def find_free_directions(
 ) -> FreeDirections:
     """Find the free directions by the rotations that robot and sensor have in common.
 
-    Parameters
-    ----------
-    A, S : ndarray, shape (n, 12)
-        Poses of A X S = Z.
-    use : ndarray, shape (n,)
-        1 for samples that count, 0 for others.
-    at : ndarray, shape (24,)
-        X and Z.
-    variance : float
-        Of each coordinate of the rotations, robot and sensor together (rad^2).
+    Poses (n, 12) are those of A X S = Z; `variance` is that of each coordinate of the rotations,
+    robot and sensor together (rad^2).
     """
     common = np.empty((3, 3))
     _common_turns(A, S, use, at, common)

@@ -19,14 +19,7 @@ _AXIS_DEVIATION, _MOTION_BY_NOISE = 0.1, 12.0
 
 
 def check_rotations(fit: Fit, other: Fit | None, mount: str) -> None:
-    """Refuse motions without rotations that robot and sensor have in common, up to noise.
-
-    Parameters
-    ----------
-    fit, other : Fit
-        With the poses as they are, and with the robot's poses inverted.
-    mount : str
-    """
+    """Refuse motions without rotations that robot and sensor have in common, up to noise."""
     if any(len(one.free.directions) < 3 for one in (fit, other) if one is not None):
         return
     A = fit.A[fit.use > 0.0, :9]

@@ -80,15 +80,7 @@ def _angles(rows: Array) -> Array:
 def consistent_samples(A: Array, S: Array) -> Array:
     """Find samples whose relative rotations have the same angles for robot and sensor.
 
-    Parameters
-    ----------
-    A, S : ndarray, shape (n, 12)
-        As :func:`pack_poses` gives them.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        1 for samples that agree with at least half as many others as the best, 0 for others.
+    Returns 1 for those (n,) that agree with at least half as many others as the best, 0 for others.
     """
     n = len(A)
     if n < _MIN_TO_VOTE:
@@ -102,16 +94,7 @@ def consistent_samples(A: Array, S: Array) -> Array:
 
 
 def rotation_products(rotations: Array, S: Array, consistent: Array) -> Array:
-    """Return the matrix (9, 9) that maps the entries of R_X to those of the sum of R_A R_X R_S.
-
-    Parameters
-    ----------
-    rotations : ndarray, shape (n, 9)
-        Matrices R_A, row by row.
-    S : ndarray, shape (n, 12)
-    consistent : ndarray, shape (n,)
-        1 for samples that count, 0 for others.
-    """
+    """Return the matrix (9, 9) that maps the entries of R_X to those of the sum of R_A R_X R_S."""
     both = (rotations * consistent[:, None]).T @ S[:, :9]
     return both.reshape(3, 3, 3, 3).transpose(0, 3, 1, 2).reshape(9, 9)
 
@@ -119,19 +102,10 @@ def rotation_products(rotations: Array, S: Array, consistent: Array) -> Array:
 def closed_form_guess(A: Array, S: Array, consistent: Array, variance: float = 0.0) -> InitialGuess:
     """Solve for both rotations, then for both positions; return the best of several solutions.
 
-    The rotations maximise the sum of the traces of ``R_Z^T R_A R_X R_S``, which is bilinear in
-    them and does not depend on signs of vectors or half turns.  Half turns about axes at right
-    angles leave several rotations open.  The positions minimise the sum of distances, on which
-    outliers have little effect; if all axes are parallel they also give the rotation about them.
-
-    Parameters
-    ----------
-    A, S : ndarray, shape (n, 12)
-        As :func:`pack_poses` returns them.
-    consistent : ndarray, shape (n,)
-        1 for samples to use, 0 for others.
-    variance : float, optional
-        Of the rotations (rad^2), if it is known.
+    The rotations maximise the sum of the traces of ``R_Z^T R_A R_X R_S``, which is bilinear in them
+    and does not depend on signs of vectors or half turns.  Half turns about axes at right angles
+    leave several rotations open.  The positions minimise the sum of distances, on which outliers
+    have little effect; if all axes are parallel they also give the rotation about them.
     """
     products = rotation_products(A[:, :9], S, consistent)
     _, values, vectors = np.linalg.svd(products)

@@ -56,10 +56,6 @@ def next_best_pose(calibration: HandEyeResult, candidates: ArrayLike | None = No
         ``T_base_hand`` to choose from, such as those that the robot can reach.  Without them,
         views of the target from where it was seen, turned about the target by 20 and 40
         degrees: the robot may be unable to reach one.
-
-    Returns
-    -------
-    NextPose
     """
     check_kind("calibration", calibration, HandEyeResult, "a HandEyeResult")
     if candidates is None:

@@ -70,10 +70,6 @@ def motion_agreement(motions: ArrayLike, tolerance: ArrayLike | None = None) -> 
         their noise.  Default ten deviations of most differences, for which five motions or more
         are good.
 
-    Returns
-    -------
-    MotionAgreement
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.7.1.

@@ -18,19 +18,8 @@ _BY_ITSELF = (PathTrackingStatus.LOST, PathTrackingStatus.JUMP, PathTrackingStat
 def dead_end(tracking: PathTracking, robot: PathModel, limits: Limits) -> PathCut | None:
     """End a path that cannot go on beyond a singular posture before it is pointlessly slow.
 
-    Parameters
-    ----------
-    tracking : PathTracking
-        As far as the joints of the robot could follow the path.
-    robot : PathModel
-    limits : Limits
-        Of the joint velocities.
-
-    Returns
-    -------
-    PathCut or None
-        Where to end, with the part of the robot in words; None where the path is complete, does not
-        begin, or ends at a joint limit.
+    Returns where to end, with the part of the robot in words; None where the path is complete, does
+    not begin, or ends at a joint limit.
     """
     joints = tracking.path
     if joints is None or tracking.status not in _BY_ITSELF:

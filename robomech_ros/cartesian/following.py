@@ -122,10 +122,6 @@ def follow_path(
     limits : JointLimits, optional
         Whose position limits end the path; default those of the chain.
 
-    Returns
-    -------
-    PathFollowingResult
-
     Raises
     ------
     SeedOutsideLimitsError

@@ -52,8 +52,6 @@ class ChainPathModel:
 
     Parameters
     ----------
-    chain : SerialChain
-        Of n joints.
     task_mask : sequence of six bool, optional
         As for `follow_path`.
     """

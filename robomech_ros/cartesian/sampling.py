@@ -53,14 +53,7 @@ def in_steps(
 ) -> SampledPlan:
     """Sample a plan finer where its points are farther apart than `max_step`.
 
-    Parameters
-    ----------
-    tip_poses : callable
-        Gives poses (m, 4, 4) of the positions (m, n) of a plan.
-    plan : SampledPlan
-    sampling : Sampling
-    limits : Limits
-        Of the n joints.
+    `tip_poses` returns poses (m, 4, 4) of the positions (m, n) of a plan.
     """
     step, most = sampling.max_step, sampling.max_points
     if math.isinf(step):

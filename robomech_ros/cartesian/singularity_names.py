@@ -26,11 +26,8 @@ _EARLIER, _MUCH_FASTER = (0.25, 0.5, 0.75), 2.0
 def singular_part(chain: SerialChain, joints: JointPath) -> str:
     """Say which part of an arm is singular, or nearly, at the end of a joint path.
 
-    Returns
-    -------
-    str
-        Such as "the elbow is straight"; of an arm whose parts have no names, the joint that turns
-        or slides ever faster; empty where neither is so.
+    Such as "the elbow is straight"; of an arm whose parts have no names, the joint that turns or
+    slides ever faster; empty where neither is so.
     """
     q = joints.derivatives(joints.length)[0]
     factors = posture_report(chain, q, length=arm_size(chain)).factors

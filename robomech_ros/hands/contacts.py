@@ -198,22 +198,11 @@ def rows_of(contacts: Sequence[Contact]) -> Array:
 
 
 def cones_of(rows: Array, origin: Array, length: float) -> Array:
-    """Return the wrenches of a unit normal force and of its friction and torsion.
+    """Return the wrenches (k, 4, d) of a unit normal force and of its friction and torsion.
 
-    Parameters
-    ----------
-    rows : ndarray, shape (k, 15)
-        See :func:`rows_of`.
-    origin : ndarray, shape (3,), or (2,) of contacts in the plane
-        The point that moments are about (m).
-    length : float
-        Moments are in this unit (m).
-
-    Returns
-    -------
-    ndarray, shape (k, 4, d)
-        Moments in units of the length first; d is 6, or 3 in the plane.  What contact i exerts is
-        ``n cones[i, 0] + y @ cones[i, 1:]`` with ``|y| <= n``.
+    Rows (k, 15) are those of :func:`rows_of`.  Moments are about the origin, in units of the
+    length, and come first; d is 6, or 3 in the plane.  Contact i exerts ``n cones[i, 0] + y @
+    cones[i, 1:]`` with ``|y| <= n``.
     """
     planar = len(origin) == 2
     cones = np.empty((len(rows), 4, 3 if planar else 6))

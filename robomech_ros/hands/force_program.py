@@ -66,20 +66,9 @@ class ForceProgram:
     size: int
 
     def solve(self, W: Array, reach: Array, needed: Array) -> Any:
-        """Solve for the unknowns that exert a wrench.
+        """Solve for m unknowns whose wrenches W (d, m) exert a wrench (d,).
 
-        Parameters
-        ----------
-        W : ndarray, shape (d, m)
-            Wrenches of the m components that are used.
-        reach : ndarray, shape (k, 3)
-            How far the three components of each contact go for a unit of normal force.
-        needed : ndarray, shape (d,)
-
-        Returns
-        -------
-        object
-            The solution, as the solver gives it.
+        `reach` (k, 3) is how far the components of each contact go for a unit of normal force.
         """
         entries = self.entries.copy()
         entries[self.balance] = W.T.ravel()
@@ -94,22 +83,11 @@ class ForceProgram:
 
 
 def force_program(used: BoolArray, d: int, largest: bool) -> ForceProgram:
-    """Return the program of contacts with given components.
+    """Return the program of contacts with given components, for wrenches of size d.
 
-    Parameters
-    ----------
-    used : ndarray of bool, shape (k, 4)
-        Which of normal force, friction along both tangents and torsion each contact has.
-    d : int
-        The size of wrenches.
-    largest : bool
-        Whether the greatest force of a contact is minimized, by one more unknown that bounds the
-        force of each; otherwise the sum of the normal forces.
-
-    Raises
-    ------
-    ConicSolverUnavailableError
-        The extra ``hands`` is not installed.
+    `used` (k, 4) tells which of normal force, friction along both tangents and torsion each contact
+    has.  The greatest force of a contact is minimized if `largest`, by one more unknown that bounds
+    the force of each; otherwise the sum of the normal forces.
     """
     return _kept(conic_solver(), used.tobytes(), d, largest)
 
@@ -159,22 +137,10 @@ def _kept(library: ModuleType, flags: bytes, d: int, largest: bool) -> ForceProg
 
 
 def separating_program(cones: Array, used: BoolArray, needed: Array, apart: float) -> Array | None:
-    """Find the direction that is farthest along a wrench, of those that no contact is along.
+    """Find the direction (d,) that is farthest along a wrench, of those that no contact is along.
 
-    Parameters
-    ----------
-    cones : ndarray, shape (k, 4, d)
-    used : ndarray of bool, shape (k, 4)
-        As for :func:`force_program`.
-    needed : ndarray, shape (d,)
-        The wrench.
-    apart : float
-        Products of the direction with wrenches of unit normal forces are this far below 0.
-
-    Returns
-    -------
-    ndarray, shape (d,), or None
-        Of length 1 at most; None where the solver finds none.
+    Products of it with wrenches of unit normal forces are `apart` below 0.  Its length is 1 at
+    most; None where the solver finds none.
     """
     library = conic_solver()
     d = len(needed)

@@ -43,17 +43,9 @@ class ForceStatus(Enum):
 def search(
     rows: Array, cones: Array, needed: Array, smallest: str
 ) -> tuple[Array, ForceStatus, Array | None]:
-    """Search for the smallest forces that exert a wrench.
+    """Search for the smallest forces that exert a wrench (d,) of length 1.
 
-    Parameters
-    ----------
-    rows : ndarray, shape (k, 15)
-        See :func:`rows_of`.
-    cones : ndarray, shape (k, 4, d)
-        See :func:`cones_of`.
-    needed : ndarray, shape (d,)
-        Of length 1.
-    smallest : {"largest", "total"}
+    Rows (k, 15) are those of :func:`rows_of`, cones those of :func:`cones_of`.
 
     Returns
     -------
@@ -63,11 +55,6 @@ def search(
     direction : ndarray, shape (d,), or None
         Where it is not held: a unit vector with which no wrench has a positive product, but that
         which is needed.
-
-    Raises
-    ------
-    ConicSolverUnavailableError
-        The extra ``hands`` is not installed.
     """
     used = np.ones((len(rows), 4), np.bool_)
     used[:, 1:] = rows[:, 12:] > 0.0

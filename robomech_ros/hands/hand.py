@@ -148,10 +148,6 @@ def load_hand(name_or_path: str | os.PathLike[str]) -> Hand:
     name_or_path : str or path
         A name (see :func:`list_hands`), the path of a YAML file, or the text of one.
 
-    Returns
-    -------
-    Hand
-
     Raises
     ------
     UnknownRobotError

@@ -118,10 +118,6 @@ def grasp_mobility(
     hand, q, contacts, fingers
         As for :func:`hand_jacobian`.
 
-    Returns
-    -------
-    GraspMobility
-
     References
     ----------
     Prattichizzo and Trinkle, Grasping, in: Springer Handbook of Robotics, 2nd ed. 2016, section

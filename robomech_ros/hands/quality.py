@@ -83,10 +83,6 @@ def grasp_quality(
         Wrenches after which it ends with the bounds that it has; 200000 facets at one time end it,
         too.
 
-    Returns
-    -------
-    GraspQuality
-
     References
     ----------
     Ferrari and Canny, Planning Optimal Grasps, ICRA 1992, the criterion of the sum of the forces.

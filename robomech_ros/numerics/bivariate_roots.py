@@ -85,10 +85,6 @@ def bivariate(
     tolerance : float, optional
         What a root leaves of each equation, as part of what that equation is in the mean.
 
-    Returns
-    -------
-    Bivariate
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 9.4.

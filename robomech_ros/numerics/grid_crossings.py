@@ -38,20 +38,7 @@ _FEWEST, _MOST = 8, 4096
 
 
 def zero_curves(x: Array, y: Array, values: Array) -> tuple[Array, ...]:
-    """Follow the curves on which an equation vanishes, by its values on a grid.
-
-    Parameters
-    ----------
-    x, y : ndarray, shapes (n,) and (m,)
-        The grid's coordinates, increasing.
-    values : ndarray, shape (n, m)
-        The equation at (x_i, y_j).
-
-    Returns
-    -------
-    tuple of ndarray, shape (k, 2)
-        Points (x, y) of each piece.
-    """
+    """Follow the curves on which an equation vanishes, by its values (n, m) on a grid."""
     from contourpy import LineType, contour_generator
 
     lines = contour_generator(x, y, values.T, line_type=LineType.Separate).lines(0.0)
@@ -61,17 +48,8 @@ def zero_curves(x: Array, y: Array, values: Array) -> tuple[Array, ...]:
 def shared_cells(first: Array, second: Array, *, wrap: bool) -> BoolArray:
     """Tell which cells of a grid, or their neighbours, two curves may both run through.
 
-    Parameters
-    ----------
-    first, second : ndarray, shape (n, n)
-        Values of two equations at the grid's points.
-    wrap : bool
-        Whether the last row and column are followed by the first.
-
-    Returns
-    -------
-    ndarray of bool, shape (n, n)
-        Cell (i, j) lies between points i and i + 1, j and j + 1.
+    Cell (i, j) lies between points i and i + 1, j and j + 1; `wrap` tells whether the last row and
+    column are followed by the first.
     """
     shared = np.ones(first.shape, dtype=bool)
     for values in (first, second):

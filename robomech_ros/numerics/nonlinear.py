@@ -78,10 +78,6 @@ def newton_raphson(
     iterations : int, optional
         Steps at most.
 
-    Returns
-    -------
-    Iteration
-
     Raises
     ------
     WrongSizeError
@@ -139,10 +135,6 @@ def newton_gauss(
         Length of the last step.
     iterations : int, optional
         Steps at most.
-
-    Returns
-    -------
-    Iteration
 
     Raises
     ------

@@ -49,10 +49,6 @@ def isotropy(base: RollingBase) -> Isotropy:
     base : RollingBase
         On omnidirectional wheels, and casters.
 
-    Returns
-    -------
-    Isotropy
-
     Raises
     ------
     BadValueError

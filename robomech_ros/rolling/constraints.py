@@ -56,12 +56,7 @@ class Mobility:
 def direction_rows(positions: Array, angles: Array) -> Array:
     """Return rows (..., k, 3): a twist times a row is a velocity at a point in a direction (m/s).
 
-    Parameters
-    ----------
-    positions : ndarray, shape (k, 2)
-        Points of the base (m).
-    angles : ndarray, shape (..., k)
-        Directions, from x (rad).
+    Positions (k, 2) are in the base (m), angles (..., k) from x (rad).
     """
     c, s = np.cos(angles), np.sin(angles)
     about = positions[:, 0] * s - positions[:, 1] * c

@@ -72,10 +72,6 @@ def load_rolling(name_or_path: str | os.PathLike[str]) -> RollingBase:
     name_or_path : str or path
         A name (see :func:`list_rolling`), the path of a YAML file, or the text of one.
 
-    Returns
-    -------
-    RollingBase
-
     Raises
     ------
     UnknownRobotError
@@ -99,10 +95,6 @@ def rolling_robot(name_or_path: str | os.PathLike[str]) -> RollingRobot:
     ----------
     name_or_path : str or path
         As for :func:`load_rolling`.
-
-    Returns
-    -------
-    RollingRobot
 
     Raises
     ------

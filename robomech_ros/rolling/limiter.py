@@ -114,10 +114,6 @@ class CommandLimiter:
         steering : array_like, shape (s,), optional
             Angles of the steered wheels (rad).  Default 0.
 
-        Returns
-        -------
-        BaseMotion
-
         Raises
         ------
         LimitExceededError
@@ -180,10 +176,6 @@ class CommandLimiter:
             Where the base is; it stays as it is.
         command : array_like, shape (3,)
             ``[omega, v_x, v_y]`` (rad/s, m/s); zeros to brake.
-
-        Returns
-        -------
-        BaseMotion
         """
         return self.run(motion, one_vector("command", command, 3)[None])[2]
 
@@ -225,10 +217,6 @@ class CommandLimiter:
             ``[omega, v_x, v_y]`` (rad/s, m/s); not checked again.
         saturated : tuple of str
             What :meth:`allowed` says with it.
-
-        Returns
-        -------
-        BaseMotion
         """
         return self._stream(motion, target[None], saturated)[2]
 

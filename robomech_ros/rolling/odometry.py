@@ -110,10 +110,6 @@ def advance_odometry(
     noise : OdometryNoise, optional
         Default that of :class:`OdometryNoise`.
 
-    Returns
-    -------
-    Odometry
-
     References
     ----------
     Siegwart, Nourbakhsh and Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed.,

@@ -23,7 +23,6 @@ class SimulatedBase:
 
     Parameters
     ----------
-    robot : RollingRobot
     dynamic : bool
         Whether torques of its motors move it.
     wheel_position : float

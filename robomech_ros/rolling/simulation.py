@@ -82,10 +82,6 @@ def simulate_rolling(
     samples : int, optional
         How many moments are kept, evenly spaced, 2 or more.
 
-    Returns
-    -------
-    RollingSimulation
-
     Examples
     --------
     A base that nothing drives keeps its energy, wherever its caster turns:

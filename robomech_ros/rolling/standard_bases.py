@@ -235,10 +235,6 @@ def swerve(radius: float, positions: ArrayLike, **options: Any) -> RollingBase:
     **options
         Of all wheels, such as ``max_rate`` and ``max_steering_rate``.
 
-    Returns
-    -------
-    RollingBase
-
     Examples
     --------
     >>> from robomech_ros.rolling import swerve

@@ -20,24 +20,10 @@ _AT_LIMIT = 1e-9
 
 
 def steering_for(wheels: Sequence[Wheel], twists: Array, near: Array) -> Array:
-    """Find the steering angles at which steered wheels roll.
+    """Find the steering angles (..., s) at which s steered wheels roll with twists (..., 3).
 
     A wheel can roll both ways, so that angles differ by half turns: the nearest is taken that is
-    within limits.
-
-    Parameters
-    ----------
-    wheels : sequence of Wheel
-        Steered ones, s of them.
-    twists : ndarray, shape (..., 3)
-        ``[omega, v_x, v_y]`` (rad/s, m/s).
-    near : ndarray, shape (..., s)
-        Angles (rad) that are kept where a wheel does not move.
-
-    Returns
-    -------
-    ndarray, shape (..., s)
-        In rad.
+    within limits.  Where a wheel does not move it keeps `near` (..., s).
 
     Raises
     ------
@@ -129,19 +115,9 @@ def forward_row(axle: Array) -> Array:
 
 
 def curvature_range(wheels: Sequence[Wheel], axle: Array) -> tuple[float, float]:
-    """Find the turns per metre (rad/m) that steered wheels allow a base with one fixed axle.
+    """Find the turns per metre (rad/m) that steered wheels allow a base with one fixed axle (3,).
 
-    Parameters
-    ----------
-    wheels : sequence of Wheel
-        Steered ones.
-    axle : ndarray, shape (3,)
-        A point of the axle (m) and the direction from x in which its wheels roll (rad).
-
-    Returns
-    -------
-    least, most : float
-        Turn per way along the rolling direction; infinite where the base can turn on the spot.
+    Returns the least and the most, infinite where the base can turn on the spot.
     """
     least, most = -math.inf, math.inf
     c, s = math.cos(axle[2]), math.sin(axle[2])

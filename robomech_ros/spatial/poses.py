@@ -135,16 +135,7 @@ def inverse_pose(pose: ArrayLike) -> Array:
 
 
 def rigid_inverse(T: Array) -> Array:
-    """Invert one pose that is known to be one, as :func:`inverse_pose` without its checks.
-
-    Parameters
-    ----------
-    T : ndarray, shape (4, 4)
-
-    Returns
-    -------
-    ndarray, shape (4, 4)
-    """
+    """Invert a pose (4, 4) without the checks of :func:`inverse_pose`."""
     back = T[:3, :3].T
     return assembled(back, -back @ T[:3, 3])
 

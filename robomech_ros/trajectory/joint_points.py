@@ -17,21 +17,7 @@ from robomech_ros.typing import Array, BoolArray, IntArray
 def joint_points(
     points: npt.ArrayLike, joints: int | None = None, most: int | None = None
 ) -> Array:
-    """Return at least two points as an array of its own that cannot be written to.
-
-    Parameters
-    ----------
-    points : array_like, shape (m, n)
-        Joint values, rad or m.
-    joints : int, optional
-        n; without it any number above 0.
-    most : int, optional
-        The largest m there may be.
-
-    Returns
-    -------
-    ndarray, shape (m, n)
-    """
+    """Return at least two points (m, n), m up to `most`, as an array that cannot be written to."""
     places = real_array("points", points).copy()
     right = places.ndim == 2 and places.shape[1] > 0 and joints in (None, places.shape[1])
     if not right or not 2 <= len(places) <= (most or len(places)):

@@ -28,16 +28,7 @@ def suitable_cycle(robot: LeggedRobot, stride: Stride, limits: Array, part: floa
     """Find the shortest cycle (s) for the longest stride, whatever the direction.
 
     Joint rates are in proportion to the frequency of the cycle, so that a cycle of 1 s tells them.
-
-    Parameters
-    ----------
-    robot : LeggedRobot
-    stride : Stride
-        Its own cycle does not count.
-    limits : ndarray, shape (k, 3, 3)
-        Of the joints, as the kernel of walking reads them.
-    part : float
-        Part of the limits of speed that joints use.
+    Joints use a part of the limits of speed in `limits` (k, 3, 3).
     """
     most = max(_fastest_joint(robot, stride, limits, angle) for angle in _AROUND)
     return max(SHORTEST_SWING / float(1 - stride.gait.duty), most / part, sway_cycle(stride))

@@ -70,10 +70,6 @@ def load_legged(name_or_path: str | os.PathLike[str]) -> LeggedRobot:
     name_or_path : str or path
         A name (see :func:`list_legged`), the path of a YAML file, or the text of one.
 
-    Returns
-    -------
-    LeggedRobot
-
     Raises
     ------
     UnknownRobotError

@@ -269,7 +269,6 @@ class LeggedRobot:
         -------
         InverseKinematicsResult
             All branches, or the reason why there are none.
-
         """
         k = self.leg_number(leg)
         T = np.eye(4)

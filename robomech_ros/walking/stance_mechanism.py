@@ -32,19 +32,7 @@ def contact_rows(feet: Array) -> Array:
 def stance_mechanism(
     names: Sequence[str], legs: Sequence[SerialChain], q: Array, robot: str
 ) -> Mechanism:
-    """Make the mechanism of legs whose feet stand, from the ground to the trunk.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Of the legs.
-    legs : sequence of SerialChain
-        From the trunk to the feet.
-    q : ndarray, shape (k, 3)
-        Their joints (rad or m).
-    robot : str
-        What the robot is called.
-    """
+    """Make the mechanism of legs whose feet stand at joints q (k, 3), from ground to trunk."""
     poses = np.array([forward_kinematics(leg, one) for leg, one in zip(legs, q, strict=True)])
     drives = _holding(legs, q, poses[:, :3, 3])
     limbs = []

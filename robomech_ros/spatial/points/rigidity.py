@@ -67,10 +67,6 @@ def rigidity(
         Largest residual velocity (m/s) of a rigid body, and the same number of m/s^2; default
         1e-9 of the largest relative velocity or acceleration.
 
-    Returns
-    -------
-    Rigidity
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 8.2 and 8.3.
@@ -120,10 +116,6 @@ def require_rigid(
     ----------
     points, velocities, accelerations, tolerance
         As for :func:`rigidity`.
-
-    Returns
-    -------
-    Rigidity
 
     Raises
     ------

@@ -100,10 +100,6 @@ def motion_from_tracks(
         Largest change (root mean square, m) of the distance between two points of a rigid body;
         default ten times the deviation.
 
-    Returns
-    -------
-    TrackedMotion
-
     Raises
     ------
     BadValueError, WrongSizeError

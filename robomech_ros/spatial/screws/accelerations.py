@@ -189,10 +189,6 @@ def moving_axes_motion(
     origin_velocity, origin_acceleration : array_like, shape (..., 3), optional
         Of their origin (m/s, m/s^2).
 
-    Returns
-    -------
-    MovingAxesMotion
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.6.

@@ -65,10 +65,6 @@ def finite_screw(pose: ArrayLike) -> FiniteScrew:
     pose : array_like, shape (..., 4, 4)
         The body after the motion, in the frame that it has left.
 
-    Returns
-    -------
-    FiniteScrew
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.2.1.

@@ -53,10 +53,6 @@ def instant_screw(twist: ArrayLike, point: ArrayLike | None = None) -> InstantSc
     point : array_like, shape (..., 3), optional
         The point a of the body (m); default the origin.
 
-    Returns
-    -------
-    InstantScrew
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.4.1.
@@ -82,10 +78,6 @@ def wrench_axis(wrench: ArrayLike, point: ArrayLike | None = None) -> InstantScr
         Moment about the point (N m), then force (N).
     point : array_like, shape (..., 3), optional
         The point that the moment is about (m); default the origin.
-
-    Returns
-    -------
-    InstantScrew
 
     References
     ----------

@@ -227,10 +227,6 @@ def common_normal(first: ArrayLike, second: ArrayLike) -> CommonNormal:
     first, second : array_like, shape (..., 6)
         Pluecker coordinates.
 
-    Returns
-    -------
-    CommonNormal
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 3.2.2 and 4.2.

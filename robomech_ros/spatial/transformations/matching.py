@@ -19,15 +19,7 @@ _MOST = 3
 
 
 def top_vectors(values: Array, vectors: Array) -> Array:
-    """Return those rows (9,) of vectors as matrices (m, 3, 3) whose values are nearly the largest.
-
-    Parameters
-    ----------
-    values : ndarray, shape (9,)
-        Descending.
-    vectors : ndarray, shape (9, 9)
-        A row for each.
-    """
+    """Return those rows (9,) whose values are nearly the largest, as matrices (m, 3, 3)."""
     count = min(int((values > _NEARLY * values[0]).sum()), _MOST)
     return vectors[: max(count, 1)].reshape(-1, 3, 3)
 
@@ -35,16 +27,9 @@ def top_vectors(values: Array, vectors: Array) -> Array:
 def rotations_between(space: Array) -> Array:
     """Find the rotations in the span of matrices M X, for symmetric M that commute.
 
-    Parameters
-    ----------
-    space : ndarray, shape (m, 3, 3)
-        Of the best matches, up to noise: the best first, m at most 3.
-
-    Returns
-    -------
-    ndarray, shape (c, 3, 3)
-        The one nearest to the first matrix; of more matrices also X and the three D X, where D is
-        a half turn about a common principal axis of all M.  What matches is among them.
+    `space` (m, 3, 3) holds the best matches, the best first, m at most 3.  Returns the rotation
+    nearest to the first; of more matrices also X and the three D X, where D is a half turn about a
+    common principal axis of all M.  What matches is among them.
     """
     best = _rotation(space[0])
     if len(space) == 1:

@@ -64,10 +64,6 @@ def sensor_agreement(rotations: ArrayLike, tolerance: float = _SAME_ANGLE) -> Se
     tolerance : float, optional
         Largest difference of angles (rad) of sensors that agree: several times their noise.
 
-    Returns
-    -------
-    SensorAgreement
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.7.1.
@@ -127,24 +123,10 @@ def frame_between_sensors(first: ArrayLike, second: ArrayLike) -> Array:
 
 
 def frames_between(first: Array, second: Array) -> tuple[Array, Array]:
-    """Find the frames that match rotations best, by invariants: one, or several after half turns.
+    """Find the frames (c, 3, 3) that match checked rotations (k, 3, 3) best, by invariants.
 
-    Parameters
-    ----------
-    first, second : ndarray, shape (k, 3, 3)
-        Checked rotations, as :func:`frame_between_sensors` takes them.
-
-    Returns
-    -------
-    frames : ndarray, shape (c, 3, 3)
-    misfits : ndarray, shape (c,)
-        Sums of squared differences of the rotations of both sensors (rad^2).
-
-    Raises
-    ------
-    InconsistentDataError, UnderdeterminedError
-        Other angles for both, rotations that no frame matches, no rotations, or all about parallel
-        axes.
+    There is one, or several after half turns.  Returns also sums of squared differences (rad^2),
+    (c,).
     """
     a, b = (quaternion_from_matrix(one) for one in (first, second))
     r, s = a[:, :3], b[:, :3]
@@ -175,12 +157,7 @@ def frames_between(first: Array, second: Array) -> tuple[Array, Array]:
 def _check_axes(r: Array, s: Array, differences: Array) -> None:
     """Refuse rotations about parallel axes, as far as the angles of both sensors can tell.
 
-    Parameters
-    ----------
-    r, s : ndarray, shape (k, 3)
-        Euler-Rodrigues parameters by both.
-    differences : ndarray, shape (k,)
-        Of the angles by both (rad): these should be the same, so this is noise.
+    r and s (k, 3) are Euler-Rodrigues parameters; the differences (k,) of the angles are noise.
     """
     most = float(np.median(np.abs(differences)))
     if most > _CHAOS:
@@ -211,18 +188,7 @@ def _check_axes(r: Array, s: Array, differences: Array) -> None:
 def single_match(frames: Array, misfits: Array, freedom: int) -> int:
     """Return the number of the frame that fits best, if it does so clearly.
 
-    Parameters
-    ----------
-    frames : ndarray, shape (c, 3, 3)
-    misfits : ndarray, shape (c,)
-        Sums of squares, in any unit.
-    freedom : int
-        How many numbers are left over to tell by.
-
-    Raises
-    ------
-    UnderdeterminedError
-        Another one fits almost as well: all axes are those of half turns at right angles.
+    `freedom` is how many numbers are left over to tell by.
     """
     best = int(np.argmin(misfits))
     between = np.trace(frames @ frames[best].T, axis1=1, axis2=2)

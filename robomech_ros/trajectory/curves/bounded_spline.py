@@ -29,23 +29,10 @@ _INSTANTS, _ROUNDS = 8, 8
 def bounded_spline(
     knots: Array, points: Array, lower: Array, upper: Array, ends: CubicEnds = "rest"
 ) -> PiecewisePolynomial | None:
-    """Interpolate points at knots, inside bounds.
+    """Interpolate points (m, n) at increasing knots (m,), inside bounds (n,), infinite for none.
 
-    Parameters
-    ----------
-    knots : ndarray, shape (m,)
-        When each point is passed (s), increasing.
-    points : ndarray, shape (m, n)
-        Inside the bounds (rad or m).
-    lower, upper : ndarray, shape (n,)
-        Infinite for none.
-    ends : str
-        ``"rest"`` or ``"natural"``, as for `cubic_spline`.
-
-    Returns
-    -------
-    PiecewisePolynomial or None
-        None where no such spline was found.
+    Ends are ``"rest"`` or ``"natural"``, as for `cubic_spline`.  Returns None where no such spline
+    was found.
     """
     for added in _ADDED:
         parts = np.linspace(0.0, 1.0, added + 2)[:-1]

@@ -30,20 +30,11 @@ _DIVISIONS = 8
 
 
 def hull(curve: PiecewisePolynomial, order: int) -> Array:
-    """Bernstein coefficients of a derivative of a curve, segment by segment.
+    """Return Bernstein coefficients (d + 1, max(s, 1), n) of a derivative of s pieces of n joints.
 
-    Parameters
-    ----------
-    curve : PiecewisePolynomial
-        s segments, n joints.
-    order : int
-        0 position, 1 velocity, 2 acceleration, 3 jerk.
-
-    Returns
-    -------
-    ndarray, shape (d + 1, max(s, 1), n)
-        d is the degree of the derivative.  The first and last coefficients are the values at the
-        ends of the segment; all values in between lie between the smallest and the largest.
+    d is the degree of the derivative of this order, 0 to 3.  The first and last coefficients are
+    the values at the ends of the piece; all values in between lie between the smallest and the
+    largest.
     """
     powers = _on_unit_spans(curve)
     size, segments, joints = powers.shape
@@ -55,20 +46,7 @@ def hull(curve: PiecewisePolynomial, order: int) -> Array:
 
 
 def steps(curve: PiecewisePolynomial, orders: tuple[int, ...]) -> Array:
-    """Find by how much derivatives step from each segment to the next.
-
-    Parameters
-    ----------
-    curve : PiecewisePolynomial
-        s segments, n joints.
-    orders : tuple of int
-        k of them: 0 position, 1 velocity, 2 acceleration, 3 jerk.
-
-    Returns
-    -------
-    ndarray, shape (k, s - 1, n)
-        rad or m over s to the power of the order.
-    """
+    """Find by how much derivatives of k orders step from piece to piece, shape (k, s - 1, n)."""
     powers = _on_unit_spans(curve)
     size, segments, joints = powers.shape
     after = np.zeros((len(orders), max(segments - 1, 0), joints))
@@ -81,21 +59,10 @@ def steps(curve: PiecewisePolynomial, orders: tuple[int, ...]) -> Array:
 
 
 def extremes(curve: PiecewisePolynomial, slack: Array | None = None) -> tuple[Array, Array]:
-    """Find the smallest and the largest position, velocity, acceleration and jerk of each joint.
+    """Find the smallest and the largest position and first three rates of each joint, (4, n) each.
 
-    Parameters
-    ----------
-    curve : PiecewisePolynomial
-        s segments, n joints.
-    slack : ndarray, shape (4, max(s, 1), n), optional
-        By how much the values in each segment may be wrong; they count only as far as they are
-        certain.
-
-    Returns
-    -------
-    low, high : ndarray, shape (4, n)
-        Over the whole curve, rad or m over s to the power of the order, exact to a part in 1e11
-        of the largest coefficient of a segment.
+    They are exact to a part in 1e11 of the largest coefficient of a piece.  With `slack` (4, max(s,
+    1), n), by how much values may be wrong, they count only as far as they are certain.
     """
     low, high, _ = extremes_and_steps(curve, slack)
     return low, high
@@ -104,20 +71,7 @@ def extremes(curve: PiecewisePolynomial, slack: Array | None = None) -> tuple[Ar
 def extremes_and_steps(
     curve: PiecewisePolynomial, slack: Array | None = None
 ) -> tuple[Array, Array, Array]:
-    """Find extremes, and how far position and its rates step at most between segments.
-
-    Parameters
-    ----------
-    curve, slack
-        As for `extremes`.
-
-    Returns
-    -------
-    low, high : ndarray, shape (4, n)
-        As `extremes` gives them.
-    largest : ndarray, shape (4, n)
-        Magnitudes; see `steps`.
-    """
+    """Find `extremes`, and how far position and its rates step at most between pieces, (4, n)."""
     # Loaded here, since a controller looks at the bounds of what it is sent without compiled code.
     find = _piece_extremes()
     if slack is None:
@@ -137,19 +91,9 @@ def _piece_extremes() -> Callable[..., int]:
 
 
 def first_above(coefficients: Array, bound: npt.ArrayLike) -> tuple[int, int] | None:
-    """Find the first segment in which a joint goes over a bound.
+    """Find the first piece, and its first joint, that goes over a bound, broadcastable to (s, n).
 
-    Parameters
-    ----------
-    coefficients : ndarray, shape (d + 1, s, n)
-        Bernstein coefficients as `hull` gives them.
-    bound : array_like, broadcastable to (s, n)
-        What is allowed, by segment and joint.
-
-    Returns
-    -------
-    tuple of int or None
-        Segment and joint, of several joints the lowest; None if there is none.
+    The coefficients are those of `hull`.  Returns None where there is none.
     """
     bounds = np.broadcast_to(np.asarray(bound, dtype=np.float64), coefficients.shape[1:])
     suspect = coefficients.max(axis=0) > bounds

@@ -12,16 +12,7 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 def checked_pieces(
     pieces: PiecewisePolynomial, what: str, largest_order: int
 ) -> PiecewisePolynomial:
-    """Check the numbers of a curve, and give it with plain arrays.
-
-    Parameters
-    ----------
-    pieces : PiecewisePolynomial
-    what : str
-        Its name in messages.
-    largest_order : int
-        Of its polynomials.
-    """
+    """Check the numbers of a curve, and return it with plain arrays."""
     breaks = real_array(f"breaks of the {what}", pieces.breaks)
     coefficients = real_array(f"coefficients of the {what}", pieces.coefficients)
     if breaks.ndim != 1 or not len(breaks):

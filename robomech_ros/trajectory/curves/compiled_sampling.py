@@ -13,20 +13,7 @@ from robomech_ros.typing import Array
 
 
 def sample_many(curve: PiecewisePolynomial, t: npt.ArrayLike) -> Sample:
-    """Sample positions and derivatives.
-
-    Parameters
-    ----------
-    curve : PiecewisePolynomial
-        Of n joints.
-    t : array_like, shape () or (m,)
-        Instants in s, on the clock of its breaks, as for its own `sample`.
-
-    Returns
-    -------
-    Sample
-        Arrays of shape (n,) or (m, n).
-    """
+    """Sample positions and derivatives at instants (s), shape () or (m,)."""
     times = checked_times(t)
     if not times.ndim:
         return curve.sample(times)

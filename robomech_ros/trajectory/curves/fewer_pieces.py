@@ -18,21 +18,9 @@ _PASSES = 24
 def with_fewer_pieces(curve: PiecewisePolynomial, limits: Limits) -> PiecewisePolynomial:
     """Join neighbouring pieces of a motion where one quintic does for both.
 
-    Position, velocity and acceleration stay what they are at every break that is left.  Breaks at
-    which the jerk really steps are left, since the quintic over both sides would have more jerk
-    than either.
-
-    Parameters
-    ----------
-    curve : PiecewisePolynomial
-        Of n joints, with continuous acceleration.
-    limits : Limits
-        Of n joints, with acceleration and jerk limits.
-
-    Returns
-    -------
-    PiecewisePolynomial
-        Quintic.
+    The acceleration must be continuous.  Position, velocity and acceleration stay what they are at
+    every break that is left.  Breaks at which the jerk really steps are left, since the quintic
+    over both sides would have more jerk than either.
     """
     waste = 0
     for k in range(_PASSES):

@@ -33,22 +33,10 @@ Through = Callable[[Array], PiecewisePolynomial]
 
 
 def spaced_knots(points: Array, spacing: str, scale: Array | float = 1.0) -> Array:
-    """Space knots by the distances between points.
+    """Space knots from 0 to 1 by the distances between points (m, n), measured in `scale` (n,).
 
-    Parameters
-    ----------
-    points : ndarray, shape (m, n)
-        Joint values, rad or m.
-    spacing : str
-        ``"uniform"``, ``"chord"`` (proportional to the distance) or ``"centripetal"`` (to its
-        root).
-    scale : ndarray, shape (n,), or float
-        What makes joints comparable: distances are measured in it.
-
-    Returns
-    -------
-    ndarray, shape (m,)
-        From 0 to 1, strictly increasing; points that coincide are kept apart a little.
+    The spacing is ``"uniform"``, ``"chord"`` (proportional to the distance) or ``"centripetal"``
+    (to its root).  Knots of points that coincide are kept apart a little.
     """
     power = _POWERS[as_choice("spacing", spacing, tuple(_POWERS))]
     distances = np.linalg.norm(np.diff(points, axis=0) / scale, axis=1)
@@ -58,20 +46,7 @@ def spaced_knots(points: Array, spacing: str, scale: Array | float = 1.0) -> Arr
 
 
 def knots_at(at: npt.ArrayLike, count: int) -> Array:
-    """Check which part of the duration is over at each via point; put the ends to them.
-
-    Parameters
-    ----------
-    at : array_like, shape (count - 2,)
-        Increasing numbers between 0 and 1.
-    count : int
-        Number of points.
-
-    Returns
-    -------
-    ndarray, shape (count,)
-        From 0 to 1.
-    """
+    """Check which part of the duration is over at each via point; add the ends 0 and 1."""
     parts = real_array("at", at)
     if parts.shape != (count - 2,):
         raise WrongSizeError("at", parts.shape, (count - 2,))
@@ -85,21 +60,7 @@ def balanced_knots(knots: Array, through: Through, limits: Limits) -> Array:
     """Shorten again and again the segments that are far from the limits, against the others.
 
     The effort is proportional to the number of points: for those too many for `optimal_knots`,
-    whose duration it comes near to.
-
-    Parameters
-    ----------
-    knots : ndarray, shape (m,)
-        Where to start from, strictly increasing.
-    through : callable
-        Gives the cubic curve for knots.
-    limits : Limits
-        Those that are finite count.
-
-    Returns
-    -------
-    ndarray, shape (m,)
-        The best knots that were met, never worse than those given.
+    whose duration it comes near to.  Returns the best knots that were met.
     """
     spans, shortest, best = np.diff(knots), np.inf, knots
     for _ in range(_BALANCED):
@@ -121,22 +82,7 @@ def balanced_knots(knots: Array, through: Through, limits: Limits) -> Array:
 
 
 def optimal_knots(knots: Array, through: Through, limits: Limits) -> Array:
-    """Find the knots with the shortest duration within the limits.
-
-    Parameters
-    ----------
-    knots : ndarray, shape (m,)
-        Where to start from, strictly increasing.
-    through : callable
-        Gives the curve for knots.
-    limits : Limits
-        Those that are finite count.
-
-    Returns
-    -------
-    ndarray, shape (m,)
-        Knots of a local minimum of the duration, never longer than from those given.
-    """
+    """Find knots with a locally shortest duration, never longer than that of those given."""
     from scipy.optimize import minimize  # a second and 40 MB that few need
 
     curve = through(knots)

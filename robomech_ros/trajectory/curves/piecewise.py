@@ -125,19 +125,7 @@ class PiecewisePolynomial:
 def lasting_pieces(breaks: Array, coefficients: Array) -> tuple[PiecewisePolynomial, BoolArray]:
     """Leave out pieces that begin and end at the same instant, since rounding has joined these.
 
-    Parameters
-    ----------
-    breaks : ndarray, shape (s + 1,)
-        Instants in s, not decreasing; the last is later than the first.
-    coefficients : ndarray, shape (d + 1, s, n)
-        As those of `PiecewisePolynomial`.
-
-    Returns
-    -------
-    pieces : PiecewisePolynomial
-        With strictly increasing breaks.
-    lasting : ndarray of bool, shape (s,)
-        Which pieces are left.
+    Returns also which pieces are left, shape (s,).
     """
     lasting = breaks[1:] > breaks[:-1]
     if lasting.all():
@@ -154,17 +142,9 @@ def chained(curves: Sequence[PiecewisePolynomial]) -> PiecewisePolynomial:
 
 
 def joined(curves: Sequence[PiecewisePolynomial]) -> PiecewisePolynomial:
-    """Put curves of the same joints one behind the other.
+    """Put curves of the same joints one behind the other, each from t = 0 on.
 
-    Parameters
-    ----------
-    curves : sequence of PiecewisePolynomial
-        One at least; each begins at its own t = 0 where the one before it ends.
-
-    Returns
-    -------
-    PiecewisePolynomial
-        From t = 0 on, without pieces so short that their ends are the same instant.
+    Pieces so short that their ends are the same instant are left out.
     """
     starts = np.cumsum([0.0, *(curve.breaks[-1] for curve in curves)])
     breaks = [curve.breaks[:-1] + start for curve, start in zip(curves, starts, strict=False)]

@@ -17,23 +17,10 @@ Ends = Literal["natural", "clamped", "periodic"]
 def quintic_spline(
     knots: Array, values: Array, ends: Ends, rates: Array | None = None
 ) -> PiecewisePolynomial:
-    """Put a quintic C4 spline through values.
+    """Put a quintic C4 spline through values (n, d) at increasing knots (n,).
 
-    Parameters
-    ----------
-    knots : ndarray, shape (n,)
-        Strictly increasing.
-    values : ndarray, shape (n, d)
-        For periodic ends the last equals the first.
-    ends : str
-        ``natural``: third and fourth derivatives 0; ``clamped``: first and second derivatives
-        `rates`; ``periodic``.
-    rates : ndarray, shape (2, 2, d), optional
-        First and second derivatives at the start, and at the end, where clamped.
-
-    Returns
-    -------
-    PiecewisePolynomial
+    Ends are ``natural``, with third and fourth derivatives 0, ``clamped``, with the first and
+    second derivatives `rates` (2, 2, d) at the start and at the end, or ``periodic``.
     """
     h = np.diff(knots)
     rise = np.diff(values, axis=0) / h[:, None]
@@ -65,21 +52,10 @@ class Side(NamedTuple):
 
 
 def matched(start: Side, end: Side, ends: Ends, rates: Array | None) -> Array:
-    """Find the unknowns with which a derivative agrees on both sides of every knot.
+    """Find the unknowns (n, b, d) with which a derivative agrees on both sides of every knot.
 
-    Parameters
-    ----------
-    start, end : Side
-        The derivative at the start and at the end of every segment.
-    ends : str
-        ``natural``: it vanishes at both ends; ``clamped``: the unknowns there are `rates`;
-        ``periodic``: it agrees where the spline closes.
-    rates : ndarray, shape (2, b, d), optional
-        Of clamped ends.
-
-    Returns
-    -------
-    ndarray, shape (n, b, d)
+    Where ends are ``natural`` it vanishes there, where ``clamped`` the unknowns are `rates` (2, b,
+    d), and where ``periodic`` it agrees where the spline closes.
     """
     segments, b, d = start.constant.shape
     periodic = ends == "periodic"
@@ -113,15 +89,8 @@ def _blocks(rows: list[list[Array]]) -> Array:
 def solve_block_tridiagonal(lower: Array, diagonal: Array, upper: Array, right: Array) -> Array:
     """Solve ``lower[k] x[k-1] + diagonal[k] x[k] + upper[k] x[k+1] = right[k]`` for k = 0..n-1.
 
-    Parameters
-    ----------
-    lower, diagonal, upper : ndarray, shape (n, b, b)
-        The blocks of row k; ``lower[0]`` and ``upper[n - 1]`` do not count.
-    right : ndarray, shape (n, b, c)
-
-    Returns
-    -------
-    ndarray, shape (n, b, c)
+    Blocks have the shape (n, b, b), of which ``lower[0]`` and ``upper[n - 1]`` do not count; the
+    right side and the solution (n, b, c).
     """
     from scipy.linalg.lapack import dgbsv  # 20 MB that only who makes splines shall load
 

@@ -20,17 +20,8 @@ _ROUNDING = 1e-10
 def stretch_needed(curve: PiecewisePolynomial, limits: Limits) -> tuple[float, int, Rate]:
     """Find by which factor a curve must last longer (or may last shorter) to fill its limits.
 
-    Parameters
-    ----------
-    curve : PiecewisePolynomial
-        Of n joints.
-    limits : Limits
-        Of n joints; those that are finite count.
-
-    Returns
-    -------
-    tuple of float, int, str
-        The factor, 0 for a curve that stands still, the joint and the limit that bind.
+    Returns the factor, 0 for a curve that stands still, and the joint and the limit that bind; only
+    finite limits count.
     """
     low, high = extremes(curve)
     ratios = np.maximum(np.maximum(-low, high), 0.0)[1:] / limits.rates
@@ -46,8 +37,6 @@ def fitted(
 
     Parameters
     ----------
-    curve : PiecewisePolynomial
-        Of n joints, from t = 0 on.
     limits : Limits
         Of n joints; those that are finite count.
     duration : float, optional

@@ -185,20 +185,9 @@ def arc_length(curve: Curve) -> ArcLengthCurve:
 
 
 def measured(speed: Speed, breaks: Array, expected: str = _EXPECTED) -> ArcLength:
-    """Tabulate the integral of a speed, by Chebyshev polynomials on halved intervals.
+    """Tabulate the integral of a speed ds/du (m), by Chebyshev polynomials on halved intervals.
 
-    Parameters
-    ----------
-    speed : callable
-        ds/du (m per unit) at parameters, shape (m,); smooth between the breaks.
-    breaks : ndarray, shape (k + 1,)
-        Strictly increasing.
-    expected : str, optional
-        What the message says of a speed that vanishes.
-
-    Returns
-    -------
-    ArcLength
+    The speed is smooth between the breaks.  `expected` is what the message says where it vanishes.
     """
     low, high = breaks[:-1], breaks[1:]
     fitted = _fitted(speed, low, high)
@@ -225,17 +214,9 @@ def measured(speed: Speed, breaks: Array, expected: str = _EXPECTED) -> ArcLengt
 
 
 def by_unit_speed(r: Array) -> Array:
-    """Turn derivatives with respect to any parameter into those with respect to arc length.
+    """Turn derivatives (5, m, 3) by any parameter into those with respect to arc length.
 
-    Parameters
-    ----------
-    r : ndarray, shape (5, m, 3)
-        Position (m) and four derivatives; the first one not zero.
-
-    Returns
-    -------
-    ndarray, shape (5, m, 3)
-        By the chain rule with u' = 1/abs(r') and its derivatives.
+    This is the chain rule with u' = 1/abs(r') and its derivatives.
     """
     u1, u2, u3, u4 = (rate[:, None] for rate in _parameter_rates(r))
     return np.stack(

@@ -28,10 +28,6 @@ def line(start: npt.ArrayLike, end: npt.ArrayLike) -> FunctionCurve:
     start, end : array_like, shape (3,)
         Points (m).
 
-    Returns
-    -------
-    FunctionCurve
-
     Raises
     ------
     BadValueError, WrongSizeError
@@ -58,10 +54,6 @@ def arc_through(start: npt.ArrayLike, through: npt.ArrayLike, end: npt.ArrayLike
     ----------
     start, through, end : array_like, shape (3,)
         Points (m), passed in this order.
-
-    Returns
-    -------
-    FunctionCurve
 
     Raises
     ------
@@ -97,10 +89,6 @@ def arc_about(
         Where the arc begins (m).
     angle : float
         By how much the point turns (rad), against the axis if negative; several turns are allowed.
-
-    Returns
-    -------
-    FunctionCurve
 
     Raises
     ------

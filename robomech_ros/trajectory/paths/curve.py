@@ -167,10 +167,6 @@ def join_curves(curves: Sequence[Curve]) -> JoinedCurve:
     curves : sequence of Curve
         Each begins where the one before it ends; directions may differ there.
 
-    Returns
-    -------
-    JoinedCurve
-
     Raises
     ------
     BadValueError

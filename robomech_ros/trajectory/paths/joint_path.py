@@ -88,10 +88,6 @@ class JointPath:
             Of one joint: the path coordinate (m) over time, from 0 to its duration, never going
             back; at rest at the `stops`.
 
-        Returns
-        -------
-        JointMotion
-
         Raises
         ------
         BadValueError

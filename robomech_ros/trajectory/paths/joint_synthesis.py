@@ -49,10 +49,6 @@ def joint_spline(
         Of every part.  ``clamped``: with the exact first derivatives q' = J^-1 t';
         ``periodic``: for a closed path without stops; ``natural``: second derivatives 0.
 
-    Returns
-    -------
-    JointPath
-
     Raises
     ------
     BadValueError

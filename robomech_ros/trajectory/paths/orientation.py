@@ -147,10 +147,6 @@ def constant_orientation(rotation: npt.ArrayLike) -> ConstantOrientation:
     ----------
     rotation : array_like, shape (3, 3)
         ``R_base_tool``.
-
-    Returns
-    -------
-    ConstantOrientation
     """
     return ConstantOrientation(_one_rotation("rotation", rotation))
 
@@ -168,10 +164,6 @@ def geodesic_orientation(rotations: npt.ArrayLike, knots: npt.ArrayLike) -> Piec
         ``R_base_tool``, at least two.
     knots : array_like, shape (n,)
         Parameters at which they are reached; the angle grows in proportion between them.
-
-    Returns
-    -------
-    PiecewiseRotation
 
     Raises
     ------
@@ -195,10 +187,6 @@ def frenet_orientation(curve: Curve, offset: npt.ArrayLike | None = None) -> Fre
         Curved enough that its normal is continuous; straight parts keep the normal from before.
     offset : array_like, shape (3, 3), optional
         ``R_frenet_tool``, the tool in the frame [e_t e_n e_b]; that frame itself if not given.
-
-    Returns
-    -------
-    FrenetOrientation
 
     Raises
     ------

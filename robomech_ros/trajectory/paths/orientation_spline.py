@@ -60,10 +60,6 @@ def orientation_spline(
     end_rates : array_like, shape (2, 3), optional
         Of clamped ends: angular velocities in the base frame (rad per unit of the parameter).
 
-    Returns
-    -------
-    PiecewiseRotation
-
     Raises
     ------
     BadValueError, WrongSizeError

@@ -60,12 +60,7 @@ def partial_deviation(arm: SerialArm, q: Array, pose: Array) -> Array:
 def least_turn(target: Array, actual: Array, rows: IntArray) -> Array:
     """Return the least rotation vector (rad, base axes) that brings what is held of a rotation.
 
-    Parameters
-    ----------
-    target, actual : ndarray, shape (3, 3)
-        Where to, and from where.
-    rows : ndarray of int
-        The components that are held: rows 0, 1 and 2 of twists, about axes of the target.
+    `rows` are the components that are held: rows 0, 1 and 2 of twists, about axes of the target.
     """
     held = np.isin(np.arange(3), rows)
     if not held.any():

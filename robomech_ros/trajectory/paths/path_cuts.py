@@ -26,24 +26,10 @@ def last_valid_coordinate(
     count: int = PLACES,
     part: tuple[float, float] | None = None,
 ) -> float | None:
-    """Find the last place before something is wrong for the first time.
+    """Find the coordinate (m) of the last place before something is wrong for the first time.
 
-    Parameters
-    ----------
-    joints : JointPath
-        Of n joints.
-    wrong : callable
-        Says for joint values (m, n) which rows are wrong, shape (m,).
-    count : int
-        Number of intervals between the places looked at; from the first wrong one the search
-        goes on by halving.
-    part : tuple of float, optional
-        Coordinates (m) between which to look; default the whole path.
-
-    Returns
-    -------
-    float or None
-        Coordinate (m); None where nothing is wrong at any of the places.
+    `wrong` tells for joint values (m, n) which rows are wrong, (m,).  From the first wrong one of
+    `count` places, along the path or a part of it, the search goes on by halving; None without any.
     """
     places = np.linspace(*(part or (0.0, joints.length)), count + 1)
     bad = np.flatnonzero(wrong(joints.derivatives(places)[0]))
@@ -64,18 +50,6 @@ def limit_cut(joints: JointPath, limits: Limits) -> PathCut | None:
     """Find where a joint leaves its position limits, also for less than a step of the search.
 
     A start that is outside by no more than the slack of a start may stay where it is.
-
-    Parameters
-    ----------
-    joints : JointPath
-        Of n joints.
-    limits : Limits
-        Of the same joints.
-
-    Returns
-    -------
-    PathCut or None
-        None where all joints stay within.
     """
     first = joints.derivatives(0.0)[0]
     lower, upper = (

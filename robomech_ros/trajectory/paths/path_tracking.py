@@ -94,10 +94,6 @@ def track_path(
     condition_limit : float, optional
         Largest condition number of the Jacobian; above it the path ends as singular.
 
-    Returns
-    -------
-    PathTracking
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 11.5.

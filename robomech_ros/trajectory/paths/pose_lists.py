@@ -81,10 +81,6 @@ def spline_path(poses: npt.ArrayLike, *, radius: float = TURN_RADIUS) -> PosePat
         ``T_base_tool``, at least two (m).
     radius : float, optional
         What a turn counts in the path coordinate and in the distance of poses (m/rad), above 0.
-
-    Returns
-    -------
-    PosePath
     """
     given, knots, weight = _checked(poses, radius)
     curve = PolynomialCurve(cubic_spline(knots, given[:, :3, 3], "natural"))

@@ -104,10 +104,6 @@ class PosePath:
         ----------
         s : array_like, shape () or (m,)
             Path coordinates (m); at an inner break the part after it counts.
-
-        Returns
-        -------
-        PoseSample
         """
         inside = as_parameters("s", s, 0.0, self.length)
         u = self.measure.parameter(np.atleast_1d(inside))
@@ -139,10 +135,6 @@ def pose_path(curve: Curve, orientation: Orientation, *, radius: float = 0.0) ->
     radius : float, optional
         What a turn counts in the path coordinate (m/rad).  With the default 0 the coordinate is
         the arc length, and the tool's origin must not stop.
-
-    Returns
-    -------
-    PosePath
 
     Raises
     ------

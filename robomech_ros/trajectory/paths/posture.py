@@ -49,24 +49,12 @@ class Posture:
 
 
 def posture(arm: Tracked, q: Array, place: PoseSample) -> Posture:
-    """Find the derivatives of joint values that are on a path.
+    """Find the derivatives of joint values (n,) that are on a path.
 
     q' = J^-1 t' and q'' = J^-1 (t'' - J' q').  For an arm of fewer than six joints, on a path that
     it can follow, they are meant in the sense of least squares.  A redundant arm moves with the
     least joint rates, q' = J^T x with J J^T x = t'; the derivative of that adds the part of J'^T x
     that moves no tool to q''.
-
-    Parameters
-    ----------
-    arm : Arm or JoinedArms
-    q : ndarray, shape (n,)
-        Joint values at the pose.
-    place : PoseSample
-        Of one coordinate.
-
-    Returns
-    -------
-    Posture
 
     References
     ----------
@@ -98,22 +86,10 @@ def is_redundant(arm: Tracked, q: Array) -> bool:
 
 
 def corrected(arm: Tracked, q: Array, pose: Array) -> Array | None:
-    """Correct joint values to a pose by Newton steps.
+    """Correct joint values (n,) near a posture to a pose (4, 4) by Newton steps.
 
     The error of the orientation is the axial vector of the rotation that is left, e sin(phi).
-
-    Parameters
-    ----------
-    arm : Arm or JoinedArms
-    q : ndarray, shape (n,)
-        Near a posture for the pose (rad or m).
-    pose : ndarray, shape (4, 4)
-        ``T_base_tool`` (m).
-
-    Returns
-    -------
-    ndarray, shape (n,), or None
-        None where the steps do not converge, or do not end at the pose.
+    Returns None where the steps do not converge, or do not end at the pose.
 
     References
     ----------

@@ -57,10 +57,6 @@ def spline_curve(
         Of clamped ends: first derivatives with respect to the parameter at the first and the last
         point; of degree 5 first and second derivatives at the first and at the last point.
 
-    Returns
-    -------
-    PolynomialCurve
-
     Raises
     ------
     BadValueError, WrongSizeError

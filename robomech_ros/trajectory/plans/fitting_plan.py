@@ -71,20 +71,13 @@ def sampled_to_fit(
 ) -> SampledPlan:
     """Sample a motion as finely as it may be.
 
-    Parameters
-    ----------
-    sampled : callable
-        Gives the plan for a largest time between two points (s).
-    duration : callable
-        Gives the duration (s) of the motion.
-    wanted_period, usual_period, max_points, max_duration
-        As for `fitting_plan`.
+    `sampled` returns the plan for a largest time between two points (s), `duration` that of the
+    motion (s); the others are as for `fitting_plan`.
 
     Raises
     ------
-    RobomechError
-        As `sampled` does, and BadValueError for a motion that takes too long, or whose course
-        changes more often than it may have points.
+    BadValueError
+        A motion that takes too long, or whose course changes more often than it may have points.
     """
     usual = as_positive("sample_period", usual_period)
     try:

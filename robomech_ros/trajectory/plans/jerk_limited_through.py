@@ -45,24 +45,10 @@ class JerkLimitedThrough(MotionThrough):
 def jerk_limited_through(
     points: Array, limits: Limits, duration: float | None = None
 ) -> JerkLimitedThrough:
-    """Plan from rest to rest through via points.
+    """Plan from rest to rest through via points (m, n), within limits of all rates.
 
-    Parameters
-    ----------
-    points : ndarray, shape (m, n)
-        Start, via points and goal, rad or m.
-    limits : Limits
-        Velocity, acceleration and jerk limits of every joint.
-    duration : float, optional
-        Wanted duration in s; None for the shortest that is found, never longer than stopping at
-        every point.
-
-    Raises
-    ------
-    DurationTooShortError
-        If the motion cannot be that short.
-    LimitExceededError
-        If a point is outside the position limits.
+    Without a wanted duration (s) the motion is the shortest that is found, never longer than
+    stopping at every point.
     """
     # A point that repeats the one before is passed with it.
     distinct = np.append(True, np.any(np.diff(points, axis=0) != 0.0, axis=1))

@@ -195,10 +195,6 @@ def along_joint_path(
         The one that follows the path.  With a task mask `speeds` hold for its tip, which then turns
         or moves otherwise than the poses of the path.
 
-    Returns
-    -------
-    PathMotion
-
     Raises
     ------
     RobomechError

@@ -144,17 +144,7 @@ def first_violation(
     to_rest: bool = True,
     rates: Sequence[Rate] = RATES,
 ) -> Violation | None:
-    """Find what is wrong first with a trajectory, if anything is, without compiled code.
-
-    Parameters
-    ----------
-    trajectory, limits, start, start_tolerance, from_zero, to_rest, rates
-        As for `verify`.
-
-    Returns
-    -------
-    Violation or None
-    """
+    """Find what is wrong first with a trajectory, as `verify` does, but without compiled code."""
     known, rates = Limits.of(limits), _checked_rates(rates)
     curve, doubts = _curve_and_doubts(trajectory, known)
     found = list(end_violations(curve, known, start, start_tolerance, from_zero, to_rest))
@@ -181,10 +171,11 @@ def _curve_and_doubts(trajectory: Any, limits: Limits) -> tuple[PiecewisePolynom
     elif isinstance(trajectory, PiecewisePolynomial):
         curve = checked_pieces(trajectory, "trajectory", _LARGEST_ORDER)
     else:
-        curve = getattr(trajectory, "pieces", None)
-        if not isinstance(curve, PiecewisePolynomial):
+        pieces = getattr(trajectory, "pieces", None)
+        if not isinstance(pieces, PiecewisePolynomial):
             expected = "Waypoints, a PiecewisePolynomial, or a trajectory with pieces"
             raise BadValueError("trajectory", trajectory, expected)
+        curve = pieces
     if curve.joints != len(limits.joint_names):
         raise WrongSizeError("joints of the trajectory", curve.joints, len(limits.joint_names))
     if isinstance(trajectory, Waypoints | PiecewisePolynomial):

@@ -87,10 +87,6 @@ def via_polynomial(
     duration : float, optional
         Wanted duration in s; None for the shortest within the limits.
 
-    Returns
-    -------
-    ViaPolynomial
-
     Raises
     ------
     MissingLimitsError

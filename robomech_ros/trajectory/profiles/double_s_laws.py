@@ -10,31 +10,18 @@ from robomech_ros.typing import Array
 def unit_double_s(ramp: float, rounding: float) -> PiecewisePolynomial:
     """Return a double-S profile of one joint over a way of 1 in a time of 1.
 
-    Parameters
-    ----------
-    ramp : float
-        Part of the duration in which the speed rises, and in which it falls, up to 1/2.
-    rounding : float
-        Part of half a ramp in which the jerk acts at each of its ends, above 0 and up to 1.
+    `ramp` is the part of the duration in which the speed rises, and in which it falls, up to 1/2;
+    `rounding` the part of half a ramp in which the jerk acts at each of its ends, above 0 and up to
+    1.
     """
     step = 0.5 * ramp * rounding
     return along_line(np.zeros(1), np.ones(1), (step, ramp - 2.0 * step), 1.0)
 
 
 def unit_double_s_samples(ramps: Array, roundings: Array, inside: Array) -> Array:
-    """Sample many double-S profiles over a way of 1 in a time of 1.
+    """Sample k profiles of `unit_double_s`: way, velocity, acceleration and jerk, (4, k, 7 p).
 
-    Parameters
-    ----------
-    ramps, roundings : ndarray, shape (k,)
-        Of every profile, as for `unit_double_s`.
-    inside : ndarray, shape (p,)
-        Which parts of each of the seven phases are over.
-
-    Returns
-    -------
-    ndarray, shape (4, k, 7 p)
-        Way, velocity, acceleration, jerk.
+    `inside` (p,) is which parts of each of the seven phases are over.
     """
     lengths, jerks = _unit_phases(ramps, roundings)
     samples = np.empty((4, *lengths.shape, len(inside)))

@@ -204,22 +204,8 @@ def planned_between(
 ) -> tuple[Phases, PiecewisePolynomial]:
     """Plan from state to state, with room for what makes up for a goal that Ruckig misses.
 
-    Parameters
-    ----------
-    start, goal : ndarray, shape (n,)
-        Joint values in rad or m.
-    limits : Limits
-        Velocity, acceleration and jerk limits of every joint.
-    least : float
-        Least duration in s.
-    begin, end : tuple of ndarray, shape (n,)
-        Velocity and acceleration at both ends.
-
-    Returns
-    -------
-    phases : Phases
-    pieces : PiecewisePolynomial
-        Their curve, as `curve_of` gives it.
+    `least` is the least duration (s); `begin` and `end` are velocity and acceleration there, (n,)
+    each.
     """
     allowed = limits
     for _ in range(_ROUNDS):
@@ -266,23 +252,10 @@ def curve_of(
 
 
 def _resting_phases(rise: Array, limits: Limits, shortest: float) -> Phases:
-    """Compute the fastest motion from rest to rest that takes at least a given time.
+    """Compute the fastest motion from rest to rest by `rise` (n,) that takes at least a time (s).
 
     Every joint follows the double-S profile of its own way, slowed down to the duration of all.
-
-    Parameters
-    ----------
-    rise : ndarray, shape (n,)
-        Displacements, rad or m.
-    limits : Limits
-        Velocity, acceleration and jerk limits, all finite.
-    shortest : float
-        Least duration in s.
-
-    Returns
-    -------
-    Phases
-        Positions count from the start.
+    Positions count from the start.
     """
     moving = np.flatnonzero(rise)
     rates = 1.0 / (np.abs(rise[moving]) * limits.inverses[:, moving])

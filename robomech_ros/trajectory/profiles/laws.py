@@ -148,20 +148,7 @@ def _rates_cubic(tau: Array) -> Rates:
 
 
 def _septic(breaks: Array, values: Array) -> PiecewisePolynomial:
-    """Interpolate positions and three derivatives, segment by segment.
-
-    Parameters
-    ----------
-    breaks : ndarray, shape (m,)
-        Instants in s, strictly increasing.
-    values : ndarray, shape (4, m, n)
-        Position, velocity, acceleration and jerk there, rad or m over powers of s.
-
-    Returns
-    -------
-    PiecewisePolynomial
-        Of order 7, with continuous jerk.
-    """
+    """Interpolate positions and three derivatives (4, m, n) at increasing breaks (m,)."""
     spans = np.diff(breaks)[:, None]
     factorials = np.array([math.factorial(d) for d in range(4)])[:, None, None]
     powers = spans ** np.arange(4)[:, None, None]

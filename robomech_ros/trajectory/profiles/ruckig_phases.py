@@ -89,18 +89,9 @@ def rest_to_rest(rise: Array, limits: Limits, shortest: float) -> Any:
     """Compute the fastest motion from rest to rest that takes at least a given time.
 
     No joint goes beyond its start or its goal on the way.  The phases are left to
-    `phases_from_rest`: who compares durations does not need them.
-
-    Parameters
-    ----------
-    rise, limits, shortest
-        As for `jerk_phases`; `shortest` is the same in all calls with these limits.
-
-    Returns
-    -------
-    ruckig.Trajectory or None
-        None where Ruckig cannot do it, or not well enough, in units of s, rad and m, or where there
-        are no joints.
+    `phases_from_rest`: who compares durations does not need them.  Returns a ``ruckig.Trajectory``,
+    or None where Ruckig cannot do it, or not well enough, in SI units, or where there are no
+    joints. `shortest` is the same in all calls with these limits.
     """
     if not len(rise):
         return None
@@ -149,25 +140,10 @@ def jerk_phases(
     final_velocity: Array | None = None,
     final_acceleration: Array | None = None,
 ) -> Phases:
-    """Compute the fastest motion that takes at least a given time.
+    """Compute the fastest motion by `rise` (n,) that takes at least a given time (s).
 
-    Parameters
-    ----------
-    rise : ndarray, shape (n,)
-        Displacements, rad or m.
-    velocity, acceleration : ndarray, shape (n,)
-        Rates at the start.
-    limits : Limits
-        Velocity, acceleration and jerk limits, all finite.
-    shortest : float
-        Least duration in s.
-    final_velocity, final_acceleration : ndarray, shape (n,), optional
-        Rates at the end; zero where not given.
-
-    Returns
-    -------
-    Phases
-        Positions count from the start.
+    It has these rates (n,) at the start, and final ones, zero where not given, at the end.
+    Positions count from the start.
     """
     if not len(rise):
         # Ruckig itself reads memory that is not there.

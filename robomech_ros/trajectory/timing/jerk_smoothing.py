@@ -52,16 +52,9 @@ _IN_WINDOW, _IN_ALL, _MOST = 12, 300, 20_000
 
 
 def smoothed(path: PiecewisePolynomial, limits: PathLimits, jerk: Array) -> Timed:
-    """Pass a path from rest to rest in nearly the shortest time within limits of jerk as well.
+    """Pass a path from rest to rest in nearly the shortest time within limits of jerk (n,) as well.
 
-    Parameters
-    ----------
-    path : PiecewisePolynomial
-        Joints over the path coordinate, with continuous second derivative.
-    limits : PathLimits
-        Without torques.
-    jerk : ndarray, shape (n,)
-        Jerk limits of the joints, rad or m over s^3.
+    The path has a continuous second derivative; the limits are without torques.
     """
     _check_smoothness(path)
     if _is_straight(path) and not limits.speeds:

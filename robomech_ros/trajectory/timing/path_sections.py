@@ -32,18 +32,7 @@ def checked_path(path: PiecewisePolynomial) -> PiecewisePolynomial:
 
 
 def sections(curve: PiecewisePolynomial) -> list[PiecewisePolynomial]:
-    """Divide a path at its corners, and leave out the parts where no joint moves.
-
-    Parameters
-    ----------
-    curve : PiecewisePolynomial
-        s pieces, continuous.
-
-    Returns
-    -------
-    list of PiecewisePolynomial
-        Each with a continuous first derivative; none if no joint moves at all.
-    """
+    """Divide a path at its corners, and leave out the parts where no joint moves."""
     moves = _moves(curve)
     corners = jump(curve, 1) | (moves[1:] != moves[:-1]) if len(moves) > 1 else np.empty(0, bool)
     ends = [0, *(np.flatnonzero(corners) + 1).tolist(), len(moves)]

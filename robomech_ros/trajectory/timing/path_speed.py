@@ -37,21 +37,7 @@ _INSTANT = 1e-9
 def fastest(
     path: PiecewisePolynomial, limits: PathLimits, begin: float = 0.0, end: float = 0.0
 ) -> SpeedProfile:
-    """Find the largest speed along a path.
-
-    Parameters
-    ----------
-    path : PiecewisePolynomial
-        Joints over the path coordinate, with continuous first derivative.
-    limits : PathLimits
-        What must be kept, all along the path.
-    begin, end : float
-        Speeds at the beginning and the end of the path, in path coordinate over s.
-
-    Returns
-    -------
-    SpeedProfile
-    """
+    """Find the largest speed along a path with continuous first derivative and given end speeds."""
     nodes = _first_grid(path.breaks)
     bends = np.zeros(len(nodes) - 1)
     best: SpeedProfile | None = None

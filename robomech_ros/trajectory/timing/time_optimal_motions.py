@@ -43,12 +43,8 @@ _CORRECTIONS = 4
 def with_ramps(limits: Limits, *, everywhere: bool) -> Limits:
     """Give every joint a jerk limit, which lets its acceleration rise within 20 ms.
 
-    Parameters
-    ----------
-    limits : Limits
-        With acceleration limits of every joint.
-    everywhere : bool
-        Whether joints whose own jerk limits are higher get it as well, or only those without.
+    `everywhere` tells whether joints whose own jerk limits are higher get it, or only those
+    without.
     """
     ramps = limits.acceleration / _RAMP
     own = limits.jerk
@@ -146,12 +142,8 @@ def time_optimal_through(
 def _distinct(points: Array) -> tuple[list[int], list[int]]:
     """List start, goal, and the points between that are not where the one before is.
 
-    Returns
-    -------
-    kept : list of int
-        Which points these are.
-    owners : list of int
-        For every point the number of the one kept with which it is passed.
+    Returns which points these are, and for every point the number of the one that it is passed
+    with.
     """
     same = _SAME * (1.0 + float(np.abs(points).max()))
     last = len(points) - 1
@@ -232,18 +224,7 @@ def _exactly_through(
 
 
 def _summed(one: PiecewisePolynomial, other: PiecewisePolynomial) -> PiecewisePolynomial:
-    """Add two curves of the same joints over the same time.
-
-    Parameters
-    ----------
-    one, other : PiecewisePolynomial
-        From the same instant to the same.
-
-    Returns
-    -------
-    PiecewisePolynomial
-        With the breaks of both.
-    """
+    """Add two curves of the same joints over the same time, with the breaks of both."""
     breaks = np.union1d(one.breaks, other.breaks)
     parts = [divided(curve, breaks).coefficients for curve in (one, other)]
     size = max(len(part) for part in parts)
