@@ -46,8 +46,8 @@ def rotations_exclude_inverse(fit: Fit, consistent: Array) -> bool:
 
     For inverted poses, the traces of R_Z^T R_A^T R_X R_S add up to at most three times the largest
     singular value s of the linear map from R_X to R_Z, for all X and Z.  A trace is ``1 + 2
-    cos(error)``, so the squared errors of m samples add up to at least ``3 (m - s)``.  This compares
-    that bound with the squared errors of the poses as they are.
+    cos(error)``, so the squared errors of m samples add up to at least ``3 (m - s)``.  This
+    compares that bound with the squared errors of the poses as they are.
     """
     count = float(consistent.sum())
     products = rotation_products(fit.A[:, TRANSPOSED], fit.S, consistent)

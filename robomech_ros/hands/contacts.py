@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.hands.force_closure import wrench_cones
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import as_choice, as_finite, as_single, listed, real_number
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import as_choice, as_finite, as_single, finite_within, listed
 from robomech_ros.typing import Array
 
 MODELS = ("frictionless", "point", "soft")
@@ -142,12 +142,7 @@ class Contact:
 
 def _share(field: str, value: object) -> float:
     expected = f"a number from 0 to {_MOST_FRICTION:g}"
-    number = real_number(f"{field} of the contact", value, expected)
-    if not np.isfinite(number):
-        raise NonFiniteError(f"{field} of the contact", number)
-    if not 0.0 <= number <= _MOST_FRICTION:
-        raise BadValueError(f"{field} of the contact", number, expected)
-    return number
+    return finite_within(f"{field} of the contact", value, expected, 0.0, _MOST_FRICTION)
 
 
 def as_contacts(contacts: Sequence[Contact]) -> tuple[Contact, ...]:

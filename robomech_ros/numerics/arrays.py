@@ -61,6 +61,16 @@ def real_within(
     return number
 
 
+def finite_within(what: str, value: object, expected: str, least: float, most: float) -> float:
+    """Return one number from `least` to `most`; what is not finite has an error of its own."""
+    number = real_number(what, value, expected)
+    if not math.isfinite(number):
+        raise NonFiniteError(what, number)
+    if not least <= number <= most:
+        raise BadValueError(what, number, expected)
+    return number
+
+
 def positive_number(what: str, value: object, expected: str = "a positive number") -> float:
     """Return one real number above 0."""
     number = real_number(what, value, expected)

@@ -6,9 +6,6 @@ import numpy as np
 
 from robomech_ros.typing import Array
 
-# Below this turn (rad) series replace quotients: what they leave out is below rounding.
-_SMALL = 1e-2
-
 
 def moved(pose: Array, step: Array) -> Array:
     """Move poses (..., 3), x y heading, by steps (..., 3) of a constant twist times its time."""
@@ -30,10 +27,6 @@ def slope_by_pose(heading: float, step: Array) -> Array:
 
 
 def _shares(turn: Array) -> tuple[Array, Array]:
-    """sin(t) / t and (1 - cos(t)) / t."""
-    small = np.abs(turn) < _SMALL
-    t, t2 = np.where(small, 1.0, turn), np.square(turn)
-    a = np.where(small, 1.0 - t2 / 6.0 * (1.0 - t2 / 20.0 * (1.0 - t2 / 42.0)), np.sin(t) / t)
-    half = np.sin(0.5 * t)
-    near = 0.5 * turn * (1.0 - t2 / 12.0 * (1.0 - t2 / 30.0 * (1.0 - t2 / 56.0)))
-    return a, np.where(small, near, 2.0 * half * half / t)
+    """sin(t) / t and (1 - cos(t)) / t, which is sin(t / 2) sin(t / 2) / (t / 2)."""
+    half = 0.5 * turn
+    return np.sinc(turn / np.pi), np.sin(half) * np.sinc(half / np.pi)

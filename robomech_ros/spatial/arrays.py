@@ -13,6 +13,7 @@ from robomech_ros.numerics.arrays import (
     all_finite as all_finite,
     check_finite as check_finite,
     check_kind as check_kind,
+    finite_within as finite_within,
     positive_number as positive_number,
     real_array as real_array,
     real_number as real_number,

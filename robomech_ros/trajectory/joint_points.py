@@ -84,6 +84,16 @@ def joint_values(what: str, values: npt.ArrayLike, shape: tuple[int, ...]) -> Ar
     return array
 
 
+def check_increasing(what: str, values: Array, unit: str = "") -> None:
+    """Refuse numbers (m,) that do not increase strictly."""
+    late = np.flatnonzero(np.diff(values) <= 0.0)
+    if len(late):
+        k = int(late[0]) + 1
+        raise BadValueError(
+            f"{what}[{k}]", float(values[k]), f"more than {values[k - 1]:.9g}{unit}"
+        )
+
+
 def check_numbers(what: str, values: Array) -> None:
     """Refuse numbers (n,) that are not finite, or too large."""
     if not np.isfinite(values).all():

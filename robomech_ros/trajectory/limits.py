@@ -134,20 +134,14 @@ class Limits:
     def _array(self, name: str, missing: float) -> Array:
         given = getattr(self, name)
         n = len(self.joint_names)
-        values = self._numbers(name, given, missing)
+        if isinstance(given, list | tuple):
+            given = [missing if entry is None else entry for entry in given]
+        values = real_array(f"{name} limits", missing if given is None else given)
         if values.shape not in ((), (n,)):
             raise WrongSizeError(f"{name} limits", values.shape, (n,))
         values = np.where(np.isnan(values), missing, values) * np.ones(n)
         values.setflags(write=False)
         return values
-
-    def _numbers(self, name: str, given: Any, missing: float) -> Array:
-        """Return numbers as float64, None among them as ``missing``."""
-        if given is None:
-            return np.array(missing)
-        if isinstance(given, list | tuple):
-            given = [missing if entry is None else entry for entry in given]
-        return real_array(f"{name} limits", given)
 
     def _refuse(self, what: str, bad: BoolArray, values: Array, expected: str) -> None:
         if bad.any():

@@ -77,22 +77,17 @@ def _offsets(order: Sequence[int], duty: Fraction, first: Fraction) -> tuple[Fra
     return tuple(found)
 
 
-def _gaits() -> dict[str, Gait]:
-    half = Fraction(1, 2)
-    slow, wave, crawl = Fraction(2, 3), Fraction(5, 6), Fraction(7, 8)
-    # Legs in the order of offsets: from rear to front on one side, then on the other.
-    along = (2, 1, 0, 5, 4, 3)
-    ripple = (2, 4, 0, 5, 1, 3)
-    corners = (2, 0, 3, 1)
-    zero = Fraction(0)
-    return {
-        "wave": Gait("wave", wave, {6: _offsets(along, wave, zero)}),
-        "ripple": Gait("ripple", slow, {6: _offsets(ripple, slow, zero)}),
-        "tripod": Gait("tripod", half, {6: (zero, half, zero, half, zero, half)}),
-        "crawl": Gait("crawl", crawl, {4: _offsets(corners, crawl, Fraction(1, 8))}, sways=True),
-        "trot": Gait("trot", half, {4: (zero, half, half, zero)}, static=False),
-    }
-
-
+_ZERO, _HALF = Fraction(0), Fraction(1, 2)
+_SLOW, _WAVE, _CRAWL = Fraction(2, 3), Fraction(5, 6), Fraction(7, 8)
+# Legs in the order of offsets: from rear to front on one side, then on the other.
+_ALONG, _RIPPLE, _CORNERS = (2, 1, 0, 5, 4, 3), (2, 4, 0, 5, 1, 3), (2, 0, 3, 1)
 # The gaits by name.
-GAITS: Mapping[str, Gait] = MappingProxyType(_gaits())
+GAITS: Mapping[str, Gait] = MappingProxyType(
+    {
+        "wave": Gait("wave", _WAVE, {6: _offsets(_ALONG, _WAVE, _ZERO)}),
+        "ripple": Gait("ripple", _SLOW, {6: _offsets(_RIPPLE, _SLOW, _ZERO)}),
+        "tripod": Gait("tripod", _HALF, {6: (_ZERO, _HALF) * 3}),
+        "crawl": Gait("crawl", _CRAWL, {4: _offsets(_CORNERS, _CRAWL, Fraction(1, 8))}, sways=True),
+        "trot": Gait("trot", _HALF, {4: (_ZERO, _HALF, _HALF, _ZERO)}, static=False),
+    }
+)

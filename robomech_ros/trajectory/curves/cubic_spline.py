@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.quintic_spline import solve_cyclic_block_tridiagonal
 from robomech_ros.typing import Array
 
 CubicEnds = Literal["natural", "clamped", "parabolic", "rest", "periodic"]
@@ -88,22 +89,8 @@ def _periodic(x: Array, s: Array) -> PiecewisePolynomial:
     before = np.roll(spans, 1)
     diagonal = 2.0 * (before + spans)
     right = 6.0 * (slope - np.roll(slope, 1, axis=0))
-    count, corner = len(spans), spans[-1]
-    if count == 2:
-        matrix = np.array([[diagonal[0], before.sum()], [before.sum(), diagonal[1]]])
-        second = np.linalg.solve(matrix, right)
-    else:
-        # Cyclic: a tridiagonal matrix and a product of two vectors (Sherman and Morrison).
-        gamma = -diagonal[0]
-        diagonal[0] -= gamma
-        diagonal[-1] -= corner**2 / gamma
-        vector = np.zeros((count, 1))
-        vector[0], vector[-1] = gamma, corner
-        both = np.concatenate([right, vector], axis=1)
-        solved = _solved(spans[:-1].copy(), diagonal, spans[:-1].copy(), both)
-        y, z = solved[:, :-1], solved[:, -1:]
-        factor = (y[0] + corner / gamma * y[-1]) / (1.0 + z[0] + corner / gamma * z[-1])
-        second = y - z * factor
+    lower, middle, upper = (row[:, None, None] for row in (before, diagonal, spans))
+    second = solve_cyclic_block_tridiagonal(lower, middle, upper, right[:, None])[:, 0]
     return _pieces(x, s, np.concatenate([second, second[:1]]))
 
 

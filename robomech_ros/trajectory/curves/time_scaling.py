@@ -1,11 +1,9 @@
 """Curves made slower or faster as a whole, to fill the limits or to last a given time."""
 
-import math
-
 import numpy as np
 
-from robomech_ros.errors import BadValueError, DurationTooShortError, NonFiniteError
-from robomech_ros.spatial.arrays import real_number
+from robomech_ros.errors import DurationTooShortError
+from robomech_ros.spatial.arrays import finite_within
 from robomech_ros.trajectory.curves.bounds import extremes
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
@@ -66,9 +64,4 @@ def checked_duration(duration: float | None) -> float | None:
     if duration is None:
         return None
     expected = f"more than 0 and at most {LONGEST_DURATION:g} s, or 0 for the shortest possible"
-    seconds = real_number("duration", duration, expected)
-    if not math.isfinite(seconds):
-        raise NonFiniteError("duration", seconds)
-    if not 0.0 <= seconds <= LONGEST_DURATION:
-        raise BadValueError("duration", seconds, expected)
-    return seconds or None
+    return finite_within("duration", duration, expected, 0.0, LONGEST_DURATION) or None

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import check_finite, real_array, real_number, shaped_array
+from robomech_ros.trajectory.joint_points import check_increasing
 from robomech_ros.trajectory.tolerances import COINCIDENT, PARAMETER_SLACK
 from robomech_ros.typing import Array
 
@@ -18,10 +19,7 @@ def as_breaks(what: str, value: npt.ArrayLike) -> Array:
     if breaks.ndim != 1 or len(breaks) < 2:
         raise WrongSizeError(what, breaks.shape, "(k,) with at least two numbers")
     check_finite(what, breaks)
-    late = np.flatnonzero(np.diff(breaks) <= 0.0)
-    if len(late):
-        k = int(late[0]) + 1
-        raise BadValueError(f"{what}[{k}]", float(breaks[k]), f"more than {breaks[k - 1]:.9g}")
+    check_increasing(what, breaks)
     return breaks
 
 

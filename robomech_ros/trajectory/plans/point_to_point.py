@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any, ClassVar, Protocol
 
 import numpy.typing as npt
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.timing import straight as time_straight
-from robomech_ros.errors import BadValueError, NonFiniteError
-from robomech_ros.spatial.arrays import real_number
+from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import finite_within
 from robomech_ros.trajectory.curves.time_scaling import checked_duration
 from robomech_ros.trajectory.joint_points import check_numbers, joint_values
 from robomech_ros.trajectory.limits import RATES, JointLimits, Limits, Rate
@@ -184,21 +183,13 @@ def scaled_limits(
     if type(a) is type(b) is type(c) is float and a == b == c == 1.0:  # the usual case, at once
         limits.require(*method.REQUIRED)
         return limits
+    expected = f"at least {SMALLEST_SCALE:g} and at most 1"
     for rate, given in zip(RATES, (velocity_scale, acceleration_scale, jerk_scale), strict=True):
-        _check_scale(f"{rate}_scale", given)
+        finite_within(f"{rate}_scale", given, expected, SMALLEST_SCALE, 1.0)
     limits.require(*method.REQUIRED)
     if jerk_scale != 1.0:
         limits.require("jerk")  # else the scale would mean nothing, silently
     return limits.scaled(velocity=velocity_scale, acceleration=acceleration_scale, jerk=jerk_scale)
-
-
-def _check_scale(what: str, given: object) -> None:
-    expected = f"at least {SMALLEST_SCALE:g} and at most 1"
-    scale = real_number(what, given, expected)
-    if not math.isfinite(scale):
-        raise NonFiniteError(what, scale)
-    if not SMALLEST_SCALE <= scale <= 1.0:
-        raise BadValueError(what, scale, expected)
 
 
 def _rates_at_start(

@@ -23,7 +23,7 @@ from robomech_ros.trajectory.curves.motion_to_rest import check_positions, settl
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.quintic_spline import Ends, quintic_spline
 from robomech_ros.trajectory.curves.time_scaling import checked_duration, fitted
-from robomech_ros.trajectory.joint_points import joint_points
+from robomech_ros.trajectory.joint_points import check_increasing, joint_points
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.sample import Sample
 from robomech_ros.typing import Array
@@ -207,10 +207,7 @@ def _slopes(slopes: npt.ArrayLike | None, ends: str, n: int, timed: bool) -> Arr
 
 def _knots(times: npt.ArrayLike, count: int) -> Array:
     knots = shaped_array("times", times, (count,)).copy()
-    late = np.flatnonzero(np.diff(knots) <= 0.0)
-    if len(late):
-        k = int(late[0]) + 1
-        raise BadValueError(f"times[{k}]", float(knots[k]), f"more than {knots[k - 1]:.9g} s")
+    check_increasing("times", knots, " s")
     return knots
 
 

@@ -164,20 +164,22 @@ class JerkLimited:
         slack = DURATION_ROUNDING * (1.0 + wanted)
         if self.duration <= max(wanted, SHORTEST_TRAJECTORY) + slack:
             return
-        joint = int(np.argmax(alone))
-        names = binding_rates(self.pieces, limits, joint)
-        raise DurationTooShortError(wanted, self.duration, limits.joint_names[joint], names)
+        raise too_short(wanted, self.pieces, alone, limits)
 
 
-def binding_rates(pieces: PiecewisePolynomial, limits: Limits, joint: int) -> str:
-    """Name the limits that a joint reaches on a curve."""
+def too_short(
+    wanted: float, pieces: PiecewisePolynomial, alone: Array, limits: Limits
+) -> DurationTooShortError:
+    """Make the error that names the slowest joint, and the limits that it reaches on a curve."""
+    joint = int(np.argmax(alone))
     low, high = extremes(pieces)
     binding = []
     for order, rate in enumerate(RATES, start=1):
         peak = max(-low[order, joint], high[order, joint])
         if peak > (1.0 - LIMIT_SLACK) * getattr(limits, rate)[joint]:
             binding.append(rate)
-    return " and ".join(binding) or "jerk"
+    names = " and ".join(binding) or "jerk"
+    return DurationTooShortError(wanted, pieces.duration, limits.joint_names[joint], names)
 
 
 def check_state(end: str, limits: Limits, velocity: Array, acceleration: Array) -> None:

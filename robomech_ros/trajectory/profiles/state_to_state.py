@@ -8,18 +8,13 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import DurationTooShortError
 from robomech_ros.trajectory.curves.compiled_sampling import PiecewiseMotion, sample_many
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions, check_rates
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import checked_duration
 from robomech_ros.trajectory.joint_points import check_numbers, joint_values
 from robomech_ros.trajectory.limits import RATES, JointLimits, Limits
-from robomech_ros.trajectory.profiles.jerk_limited import (
-    binding_rates,
-    check_state,
-    planned_between,
-)
+from robomech_ros.trajectory.profiles.jerk_limited import check_state, planned_between, too_short
 from robomech_ros.trajectory.sample import Sample
 from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, SHORTEST_TRAJECTORY
 from robomech_ros.typing import Array
@@ -135,9 +130,7 @@ def state_to_state(
     least = max(wanted or 0.0, SHORTEST_TRAJECTORY)
     phases, pieces = planned_between(start, goal, allowed, least, begin, end)
     if wanted is not None and pieces.duration > least + DURATION_ROUNDING * (1 + least):
-        joint = int(np.argmax(phases.alone))
-        names = binding_rates(pieces, allowed, joint)
-        raise DurationTooShortError(wanted, pieces.duration, allowed.joint_names[joint], names)
+        raise too_short(wanted, pieces, phases.alone, allowed)
     check_rates(pieces, allowed)
     check_positions(pieces, start, allowed)
     return StateToState(Sample(goal, *end, np.zeros(n)), pieces)
