@@ -4,6 +4,8 @@ Planners do so; a controller, which samples one instant at a time, does without 
 has :meth:`PiecewisePolynomial.sample`.
 """
 
+from __future__ import annotations
+
 import numpy as np
 import numpy.typing as npt
 

@@ -172,24 +172,20 @@ def point_to_point(
 
 
 def scaled_limits(
-    limits: Limits,
-    method: type[Profile],
-    velocity_scale: float = 1.0,
-    acceleration_scale: float = 1.0,
-    jerk_scale: float = 1.0,
+    limits: Limits, method: type[Profile], velocity: float, acceleration: float, jerk: float
 ) -> Limits:
     """Scale the limits as a request wants them; refuse where one that is needed is missing."""
-    a, b, c = velocity_scale, acceleration_scale, jerk_scale
+    a, b, c = velocity, acceleration, jerk
     if type(a) is type(b) is type(c) is float and a == b == c == 1.0:  # the usual case, at once
         limits.require(*method.REQUIRED)
         return limits
     expected = f"at least {SMALLEST_SCALE:g} and at most 1"
-    for rate, given in zip(RATES, (velocity_scale, acceleration_scale, jerk_scale), strict=True):
+    for rate, given in zip(RATES, (a, b, c), strict=True):
         finite_within(f"{rate}_scale", given, expected, SMALLEST_SCALE, 1.0)
     limits.require(*method.REQUIRED)
-    if jerk_scale != 1.0:
+    if jerk != 1.0:
         limits.require("jerk")  # else the scale would mean nothing, silently
-    return limits.scaled(velocity=velocity_scale, acceleration=acceleration_scale, jerk=jerk_scale)
+    return limits.scaled(velocity=velocity, acceleration=acceleration, jerk=jerk)
 
 
 def _rates_at_start(

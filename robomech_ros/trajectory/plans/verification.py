@@ -139,7 +139,6 @@ def first_violation(
     limits: JointLimits | Any,
     *,
     start: npt.ArrayLike | None = None,
-    start_tolerance: float = POSITION_SLACK,
     from_zero: bool = True,
     to_rest: bool = True,
     rates: Sequence[Rate] = RATES,
@@ -147,7 +146,7 @@ def first_violation(
     """Find what is wrong first with a trajectory, as `verify` does, but without compiled code."""
     known, rates = Limits.of(limits), _checked_rates(rates)
     curve, doubts = _curve_and_doubts(trajectory, known)
-    found = list(end_violations(curve, known, start, start_tolerance, from_zero, to_rest))
+    found = list(end_violations(curve, known, start, POSITION_SLACK, from_zero, to_rest))
     allowed = _allowed_steps(trajectory, curve, known, rates)
     return _first(found + violations_between(curve, known, doubts, allowed, rates))
 

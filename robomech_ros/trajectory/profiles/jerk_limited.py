@@ -17,6 +17,7 @@ from robomech_ros.trajectory.curves.motion_to_rest import check_positions, check
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.profiles.ruckig_phases import (
+    EndRates,
     JointPhases,
     Phases,
     common_phases,
@@ -184,9 +185,8 @@ def too_short(
 
 def check_state(end: str, limits: Limits, velocity: Array, acceleration: Array) -> None:
     """Raise `LimitExceededError` where the rates (n,) at an end of a motion are over a limit."""
-    for order, (rate, values) in enumerate(
-        (("velocity", velocity), ("acceleration", acceleration)), start=1
-    ):
+    rates = (("velocity", velocity), ("acceleration", acceleration))
+    for order, (rate, values) in enumerate(rates, start=1):
         bound = getattr(limits, rate)
         over = np.flatnonzero(np.abs(values) > bound * (1.0 + LIMIT_SLACK))
         if len(over):
@@ -197,22 +197,13 @@ def check_state(end: str, limits: Limits, velocity: Array, acceleration: Array) 
 
 
 def planned_between(
-    start: Array,
-    goal: Array,
-    limits: Limits,
-    least: float,
-    begin: tuple[Array, Array],
-    end: tuple[Array, Array],
+    start: Array, goal: Array, limits: Limits, least: float, begin: EndRates, end: EndRates
 ) -> tuple[Phases, PiecewisePolynomial]:
-    """Plan from state to state, with room for what makes up for a goal that Ruckig misses.
-
-    `least` is the least duration (s); `begin` and `end` are velocity and acceleration there, (n,)
-    each.
-    """
+    """Plan from state to state in a least time (s), with room for a goal that Ruckig misses."""
     allowed = limits
     for _ in range(_ROUNDS):
         try:
-            phases = jerk_phases(goal - start, *begin, allowed, least, *end)
+            phases = jerk_phases(goal - start, begin, end, allowed, least)
         except BadValueError:
             if any(rates.any() for rates in (*begin, *end)):
                 raise

@@ -39,6 +39,8 @@ _SAME_LIMIT = 1e-12
 
 # Phases of one joint: when each begins (p,), and [q, v, a, jerk] there (p, 4).
 JointPhases = tuple[Array, Array]
+# Velocity and acceleration (n,) at an end of a motion.
+EndRates = tuple[Array, Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,44 +122,35 @@ def rest_to_rest(rise: Array, limits: Limits, shortest: float) -> Any:
 def phases_from_rest(motion: Any, rise: Array, limits: Limits) -> Phases:
     """Return the phases of what `rest_to_rest` found; positions count from the start."""
     still = np.zeros_like(rise)
-    return _phases_of(motion, _request(rise, still, still, limits, 1.0, 1.0), 1.0)
+    return _phases_of(motion, _request(rise, (still, still), limits), 1.0)
 
 
 def _solver(limits: Limits, shortest: float) -> _Solver:
     still = np.zeros(len(limits.joint_names))
-    request = _request(still, still, still, limits, 1.0, 1.0)
+    request = _request(still, (still, still), limits)
     request.minimum_duration = shortest
     bearable = _LARGEST_MISS * float(limits.jerk.min(initial=np.inf)) / _MISS_JERK
     return _Solver(ruckig.Ruckig(len(still)), request, bearable)
 
 
 def jerk_phases(
-    rise: Array,
-    velocity: Array,
-    acceleration: Array,
-    limits: Limits,
-    shortest: float,
-    final_velocity: Array | None = None,
-    final_acceleration: Array | None = None,
+    rise: Array, begin: EndRates, end: EndRates, limits: Limits, shortest: float
 ) -> Phases:
     """Compute the fastest motion by `rise` (n,) that takes at least a given time (s).
 
-    It has these rates (n,) at the start, and final ones, zero where not given, at the end.
     Positions count from the start.
     """
     if not len(rise):
         # Ruckig itself reads memory that is not there.
         return Phases(np.array([0.0, shortest]), np.zeros((4, 1, 0)), np.zeros(0))
-    final = np.zeros_like(rise) if final_velocity is None else final_velocity
-    way = np.abs(rise) + (np.abs(velocity) + np.abs(final)) * _starting_time(limits)
+    way = np.abs(rise) + (np.abs(begin[0]) + np.abs(end[0])) * _starting_time(limits)
     least = max(shortest, _rough_duration(way, limits))
     rough: Phases | None = None
     reason = ""
     for time, length in _units(way, least, limits):
-        request = _request(rise, velocity, acceleration, limits, time, length)
-        request.target_velocity = (final * (time / length)).tolist()
-        if final_acceleration is not None:
-            request.target_acceleration = (final_acceleration * (time**2 / length)).tolist()
+        request = _request(rise, begin, limits, time, length)
+        request.target_velocity = (end[0] * (time / length)).tolist()
+        request.target_acceleration = (end[1] * (time**2 / length)).tolist()
         request.minimum_duration = shortest / time
         motion = ruckig.Trajectory(len(rise))
         refused = failure(ruckig.Ruckig(len(rise)), request, motion)
@@ -201,18 +194,13 @@ def _units(way: Array, duration: float, limits: Limits) -> Iterator[tuple[float,
 
 
 def _request(
-    rise: Array,
-    velocity: Array,
-    acceleration: Array,
-    limits: Limits,
-    time: float,
-    length: Array | float,
+    rise: Array, begin: EndRates, limits: Limits, time: float = 1.0, length: Array | float = 1.0
 ) -> Any:
     request = ruckig.InputParameter(len(rise))
     request.synchronization = ruckig.Synchronization.Phase
     request.target_position = (rise / length).tolist()
-    request.current_velocity = (velocity * (time / length)).tolist()
-    request.current_acceleration = (acceleration * (time**2 / length)).tolist()
+    request.current_velocity = (begin[0] * (time / length)).tolist()
+    request.current_acceleration = (begin[1] * (time**2 / length)).tolist()
     request.max_velocity = (limits.velocity * (time / length)).tolist()
     request.max_acceleration = (limits.acceleration * (time**2 / length)).tolist()
     request.max_jerk = (limits.jerk * (time**3 / length)).tolist()

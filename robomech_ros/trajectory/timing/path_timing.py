@@ -27,6 +27,7 @@ import numpy as np
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_single
+from robomech_ros.trajectory.curves.compiled_sampling import PiecewiseMotion
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, lasting_pieces
 from robomech_ros.trajectory.limits import JointLimits, Limits
@@ -44,7 +45,7 @@ TIMING_ACCURACY = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
-class TimeOptimal(Timed):
+class TimeOptimal(PiecewiseMotion):
     """A motion along a path.
 
     Attributes
@@ -57,6 +58,10 @@ class TimeOptimal(Timed):
     speeds : ndarray, shape (p + 1,)
         Rates of the path coordinate there, in path coordinate over s.
     """
+
+    pieces: PiecewisePolynomial
+    coordinates: Array
+    speeds: Array
 
 
 def time_optimal(

@@ -1,5 +1,7 @@
 """Limits of the speed along a path, speeds cell by cell, and the resulting motions."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -7,7 +9,6 @@ from functools import cached_property
 import numpy as np
 
 from robomech_ros._kernels.timing import peaks as time_peaks, pieces as time_pieces
-from robomech_ros.trajectory.curves.compiled_sampling import PiecewiseMotion
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, lasting_pieces
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
 from robomech_ros.typing import Array, IntArray
@@ -92,7 +93,7 @@ class SpeedProfile:
         """Duration in s."""
         return float(time_pieces.total_time(self.spans, self.bends, self.squares))
 
-    def timed(self, scales: Array, accuracy: float) -> "Timed":
+    def timed(self, scales: Array, accuracy: float) -> Timed:
         """Turn the profile into a motion whose accelerations are right within `accuracy`.
 
         It counts in parts of one over `scales` (n,); where that is 0 in those of the joint's peak.
@@ -106,7 +107,7 @@ class SpeedProfile:
         time_pieces.piece_counts(*given, scales, accuracy, counts)
         return self._in_pieces(counts)
 
-    def _in_pieces(self, counts: IntArray) -> "Timed":
+    def _in_pieces(self, counts: IntArray) -> Timed:
         """Divide each cell into a number of pieces, shape (m,)."""
         total = int(counts.sum())
         times, coordinates, speeds = np.empty((3, total + 1))
@@ -119,7 +120,7 @@ class SpeedProfile:
 
 
 @dataclass(frozen=True, eq=False)
-class Timed(PiecewiseMotion):
+class Timed:
     """A motion along a path.
 
     Attributes
@@ -134,7 +135,7 @@ class Timed(PiecewiseMotion):
     coordinates: Array
     speeds: Array
 
-    def within(self, *limits: Array) -> "Timed":
+    def within(self, *limits: Array) -> Timed:
         """Stretch the time until velocity, acceleration (and jerk) keep to limits (n,) each.
 
         All peaks are found between the samples as well.
@@ -147,7 +148,7 @@ class Timed(PiecewiseMotion):
                 slower = max(slower, (peak + _ROUNDING) ** (1.0 / order))
         return self.stretched(slower)
 
-    def stretched(self, factor: float) -> "Timed":
+    def stretched(self, factor: float) -> Timed:
         """Take longer by a factor, everywhere."""
         if factor == 1.0:
             return self
