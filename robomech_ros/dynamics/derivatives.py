@@ -34,20 +34,17 @@ class InverseDerivatives:
     @property
     def by_q(self) -> Array:
         """By joint values, shape (n, n) or (..., n, n)."""
-        by_q: Array = self.matrices[0]
-        return by_q
+        return self.matrices[0]
 
     @property
     def by_qd(self) -> Array:
         """By joint rates, shape (n, n) or (..., n, n)."""
-        by_qd: Array = self.matrices[1]
-        return by_qd
+        return self.matrices[1]
 
     @property
     def by_qdd(self) -> Array:
         """By accelerations, which is the mass matrix, shape (n, n) or (..., n, n)."""
-        by_qdd: Array = self.matrices[2]
-        return by_qdd
+        return self.matrices[2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,15 +82,6 @@ def inverse_dynamics_derivatives(
     ----------
     chain, q, qd, qdd, gravity, tip_wrench, base_twist, base_twist_rate
         As for :func:`inverse_dynamics`; the wrench keeps its direction and goes with the tip.
-
-    Returns
-    -------
-    InverseDerivatives
-
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`inverse_dynamics`.
 
     References
     ----------
@@ -134,15 +122,6 @@ def forward_dynamics_derivatives(
     ----------
     chain, q, qd, tau, gravity, tip_wrench, base_twist, base_twist_rate
         As for :func:`forward_dynamics`; the wrench keeps its direction and goes with the tip.
-
-    Returns
-    -------
-    ForwardDerivatives
-
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`forward_dynamics`.
 
     References
     ----------

@@ -42,16 +42,9 @@ def kinetic_energy(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     ndarray, shape () or (...,)
         In J.
 
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`inverse_dynamics`.
-
     See Also
     --------
-    potential_energy
     mass_matrix : the same as a matrix.
-    power_balance : their rates.
 
     References
     ----------
@@ -88,16 +81,6 @@ def momentum(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
         Angular momentum about the origin of the base (kg m^2/s), then linear (kg m/s), in the axes
         of the base; the rotors' own spin is not in it.
 
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`inverse_dynamics`.
-
-    See Also
-    --------
-    kinetic_energy
-    center_of_mass
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.
@@ -117,15 +100,9 @@ def center_of_mass(chain: SerialChain, q: ArrayLike) -> Array:
     -------
     ndarray, shape (3,) or (..., 3)
         In the base (m).
-
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`inverse_dynamics`.
     """
     totals = _totals(chain, q, np.zeros(as_joint_values(chain, q).shape))
-    center: Array = totals[..., 1:4] / totals[..., :1]
-    return center
+    return totals[..., 1:4] / totals[..., :1]
 
 
 def potential_energy(chain: SerialChain, q: ArrayLike, *, gravity: ArrayLike = GRAVITY) -> Array:
@@ -145,14 +122,8 @@ def potential_energy(chain: SerialChain, q: ArrayLike, *, gravity: ArrayLike = G
     ndarray, shape () or (...,)
         In J.
 
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`inverse_dynamics`.
-
     See Also
     --------
-    kinetic_energy
     gravity_torque : its derivative.
 
     References
@@ -227,20 +198,9 @@ def power_balance(
     gravity, tip_wrench
         As for :func:`inverse_dynamics`.
 
-    Returns
-    -------
-    PowerBalance
-
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`forward_dynamics`.
-
     See Also
     --------
     simulate : where it is the check.
-    kinetic_energy
-    potential_energy
     """
     q, qd, tau = as_states(chain, ("q", "qd", "tau"), q, qd, tau)
     heat = friction_torque(chain, qd)

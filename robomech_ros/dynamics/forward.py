@@ -63,10 +63,8 @@ def forward_dynamics(
 
     See Also
     --------
-    inverse_dynamics : the inverse.
     forward_dynamics_by_cholesky : from the factors of the generalised inertia.
     forward_dynamics_by_reflections : without forming it.
-    forward_dynamics_by_kane, forward_dynamics_by_lagrange
     simulate : the motion over time.
 
     References

@@ -60,11 +60,6 @@ def friction_torque(chain: SerialChain, qd: ArrayLike) -> Array:
     ndarray, of the same shape
         To be added to :func:`inverse_dynamics` (N m or N); of the sign of the rate.
 
-    See Also
-    --------
-    inverse_dynamics : what it is added to.
-    dissipation : the function whose derivative it is.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.8; Armstrong-Helouvry,
@@ -79,8 +74,7 @@ def friction_of_rates(rows: Array, qd: Array) -> Array:
     """Compute the friction of joints, for the rows of :func:`friction_model`."""
     viscous, coulomb, excess, decay = rows
     dry = coulomb + excess * np.exp(-(np.minimum(np.abs(qd) * decay, 30.0) ** 2))
-    torque: Array = viscous * qd + dry * np.sign(qd)
-    return torque
+    return viscous * qd + dry * np.sign(qd)
 
 
 def dissipation(chain: SerialChain, qd: ArrayLike) -> Array:
@@ -100,15 +94,6 @@ def dissipation(chain: SerialChain, qd: ArrayLike) -> Array:
     -------
     ndarray, shape () or (...,)
         In W.  Of a viscous joint half the power that is lost, of a dry one all of it.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`friction_torque`.
-
-    See Also
-    --------
-    friction_torque : its derivative, with the names.
 
     References
     ----------
@@ -137,11 +122,6 @@ def dissipated_power(chain: SerialChain, qd: ArrayLike) -> Array:
     -------
     ndarray, shape () or (...,)
         In W, never negative.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`friction_torque`.
     """
     qd = _rates(chain, qd)
     with np.errstate(over="ignore"):

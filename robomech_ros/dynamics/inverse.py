@@ -92,8 +92,6 @@ def inverse_dynamics(
     inverse_dynamics_by_lagrange : from the energies.
     inverse_dynamics_by_kane : by partial velocities.
     inverse_dynamics_by_orthogonal_complement : by constraints and what they leave free.
-    forward_dynamics : the inverse.
-    friction_torque : what is added for the drives' friction.
 
     References
     ----------
@@ -148,16 +146,6 @@ def bias_torque(
     ndarray, shape (n,) or (..., n)
         Coriolis and centrifugal terms, gravity and the wrench on the tip (N m or N).
 
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`inverse_dynamics`.
-
-    See Also
-    --------
-    inverse_dynamics : with accelerations.
-    gravity_torque : at rest.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.4.
@@ -204,14 +192,8 @@ def gravity_torque(
     ndarray, shape (n,) or (..., n)
         Torques or forces that the drives exert (N m or N).
 
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`inverse_dynamics`.
-
     See Also
     --------
-    bias_torque : in motion.
     potential_energy : whose derivative this is.
 
     References

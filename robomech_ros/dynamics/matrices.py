@@ -33,14 +33,8 @@ def mass_matrix(chain: SerialChain, q: ArrayLike) -> Array:
         Symmetric (kg m^2, kg m or kg), with the rotors' inertia reflected to the joints on the
         diagonal.
 
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`inverse_dynamics`.
-
     See Also
     --------
-    coriolis_matrix : the matrix that goes with it.
     kinetic_energy : the sum itself.
     natural_orthogonal_complement : M as the product ``T^T M T``.
 
@@ -99,14 +93,8 @@ def coriolis_matrix(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     -------
     ndarray, shape (n, n) or (..., n, n)
 
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`inverse_dynamics`.
-
     See Also
     --------
-    mass_matrix : what it is made of.
     christoffel_symbols : the coefficients.
 
     References

@@ -43,8 +43,6 @@ def dynamic_model(chain: SerialChain) -> Array:
     ------
     MissingInertiaError
         Of some joints nothing is known that moves with them; their links are named.
-    BadValueError
-        No body can have the numbers of one.
     """
     check_chain(chain)
     model = np.zeros((len(chain.packed), MODEL_WIDTH + chain.packed.shape[1] - MASS))
@@ -70,23 +68,13 @@ def body_parameters(chain: SerialChain) -> Array:
     ndarray, shape (n, 10), or (m, 10) with followers
         Mass (kg), first moment (kg m), and the moments xx, xy, xz, yy, yz, zz about the origin
         (kg m^2) of the frame that moves with the joint, z its axis.
-
-    Raises
-    ------
-    MissingInertiaError, BadValueError
-        As for :func:`dynamic_model`.
     """
     check_chain(chain)
     return body_rows(chain.packed_bodies)
 
 
 def body_rows(packed: Array) -> Array:
-    """Return moments about the origins of bodies packed as in a chain, (n, 10).
-
-    See Also
-    --------
-    body_parameters : what the numbers are.
-    """
+    """Return moments about the origins of bodies packed as in a chain, (n, 10)."""
     rows = packed.copy()
     mass, com = rows[:, 0], rows[:, 1:4].copy()
     rows[:, 1:4] *= mass[:, None]
@@ -174,13 +162,6 @@ def raise_outcome(chain: SerialChain, status: int, **arrays: Array) -> NoReturn:
         What the kernel returned.
     **arrays : ndarray, shape (..., n)
         What it was given for each joint.
-
-    Raises
-    ------
-    NonFiniteError
-        An entry is not finite; its joint is named.
-    BadValueError
-        All are, but the result is not; or nothing resists some motion of the chain.
     """
     for name, array in arrays.items():
         bad = np.argwhere(~np.isfinite(array))

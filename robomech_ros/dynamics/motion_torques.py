@@ -91,10 +91,6 @@ def torque_summary(
         Rates and accelerations of the drives, which all joints of a chain have.
     gravity, tip_wrench
         As for :func:`inverse_dynamics`.
-
-    Raises
-    ------
-    MissingInertiaError
     """
     system = dynamic_system(chain)
     drives = len(system.drive_names)
@@ -133,5 +129,4 @@ def torque_summary(
 
 def _integral(rows: Array, times: Array) -> Array:
     """Integrate columns over time by trapezia."""
-    integral: Array = 0.5 * np.diff(times) @ (rows[1:] + rows[:-1])
-    return integral
+    return 0.5 * np.diff(times) @ (rows[1:] + rows[:-1])

@@ -21,10 +21,6 @@ def with_payload(chain: SerialChain, payload: Body) -> SerialChain:
     payload : Body
         Seen in the frame of the tip.
 
-    Returns
-    -------
-    SerialChain
-
     Raises
     ------
     BadValueError

@@ -74,13 +74,7 @@ def link_transforms(chain: SerialChain, q: Array) -> Array:
 
 
 def body_moments(chain: SerialChain) -> tuple[Array, Array, Array]:
-    """Return masses (m,), mass centres (m, 3) and inertias about them (m, 3, 3) in link frames.
-
-    Raises
-    ------
-    MissingInertiaError, BadValueError
-        As :attr:`SerialChain.packed_bodies`.
-    """
+    """Return masses (m,), mass centres (m, 3) and inertias about them (m, 3, 3) in link frames."""
     rows = chain.packed_bodies
     inertias = rows[:, [4, 5, 6, 5, 7, 8, 6, 8, 9]].reshape(-1, 3, 3)
     return rows[:, 0], rows[:, 1:4], inertias
@@ -100,11 +94,6 @@ def posed_bodies(chain: SerialChain, q: Array) -> PosedBodies:
         Of m joints moved by n drives, with the inertia of all its bodies.
     q : ndarray, shape (..., n)
         Joint values (rad or m).
-
-    Raises
-    ------
-    MissingInertiaError, BadValueError
-        As :attr:`SerialChain.packed_bodies`.
     """
     masses, centres, inertias = body_moments(chain)
     T = link_transforms(chain, q)

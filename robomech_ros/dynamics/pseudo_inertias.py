@@ -37,11 +37,6 @@ def pseudo_inertia(parameters: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 4, 4)
         Symmetric.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Not ten finite real numbers a body.
     """
     p = _bounded("parameters", parameters, (10,), _LARGEST)
     moments = np.empty((*p.shape[:-1], 3, 3))
@@ -68,17 +63,10 @@ def parameters_from_pseudo_inertia(J: ArrayLike) -> Array:
 
 
 def is_physically_consistent(parameters: ArrayLike) -> BoolArray:
-    """Say which parameters (..., 10) a body of positive volume can have: shape (...).
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`pseudo_inertia`.
-    """
+    """Say which parameters (..., 10) a body of positive volume can have: shape (...)."""
     J = pseudo_inertia(parameters)
     least = np.linalg.eigvalsh(J)[..., 0]
-    answer: BoolArray = np.asarray(least > 0.0)
-    return answer
+    return np.asarray(least > 0.0)
 
 
 def nearest_consistent(parameters: ArrayLike, *, least: float = 1e-6) -> Array:

@@ -164,16 +164,9 @@ class DynamicSystem(Protocol):
 
 
 def dynamic_system(robot: Any) -> DynamicSystem:
-    """Return what was given, with a chain as a system.
-
-    Raises
-    ------
-    BadValueError
-        Neither a chain nor a system.
-    """
+    """Return what was given, with a chain as a system."""
     if isinstance(robot, SerialChain):
         return ChainDynamics(robot)
     if not isinstance(robot, type) and hasattr(robot, "compiled_forward"):
-        system: DynamicSystem = robot
-        return system
+        return robot
     raise BadValueError("chain", robot, "a SerialChain, or a system such as ParallelDynamics")

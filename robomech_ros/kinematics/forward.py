@@ -41,9 +41,7 @@ def forward_kinematics(chain: SerialChain, q: ArrayLike) -> Array:
 
     See Also
     --------
-    link_poses : those of other links.
     tip_poses : the same without compiled code, for many postures.
-    inverse_kinematics : the inverse.
 
     References
     ----------
@@ -95,14 +93,6 @@ def link_poses(chain: SerialChain, q: ArrayLike, links: Sequence[str] | None = N
     ------
     UnknownLinkError
         A link that the chain has not.
-    BadValueError
-        The links are no list of names.
-    BadValueError, WrongSizeError
-        As for :func:`forward_kinematics`.
-
-    See Also
-    --------
-    forward_kinematics : that of the tip.
 
     Examples
     --------

@@ -28,10 +28,6 @@ def tip_poses(chain: SerialChain, q: ArrayLike) -> Array:
     -------
     ndarray, shape (m, 4, 4)
         ``T_base_tip``, lengths in m.
-
-    See Also
-    --------
-    forward_kinematics : the same in a compiled loop.
     """
     values = as_joint_values(chain, q)
     if values.ndim != 2:

@@ -32,8 +32,7 @@ class Jump:
 def shortest_moves(chain: SerialChain, difference: Array) -> Array:
     """Take the difference of angles modulo a turn, in [-pi, pi)."""
     turned = np.remainder(difference + np.pi, 2.0 * np.pi) - np.pi
-    moves: Array = np.where(chain.turns, turned, difference)
-    return moves
+    return np.where(chain.turns, turned, difference)
 
 
 def find_jumps(

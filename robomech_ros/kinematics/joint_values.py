@@ -27,11 +27,6 @@ def as_joint_values(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
         Joint values (rad or m).
     what : str
         Name of the quantity in messages.
-
-    Raises
-    ------
-    WrongSizeError
-        The last axis has not n entries.
     """
     check_chain(chain)
     if type(q) is not _ARRAY or q.dtype is not _FLOAT or not q.flags.c_contiguous:
@@ -51,11 +46,6 @@ def as_posture(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
     ----------
     chain, q, what
         As for :func:`as_joint_values`.
-
-    Raises
-    ------
-    BadValueError
-        A joint is beyond 1e5 rad or 1e6 m or or it is not an array of real numbers.
     """
     q = as_joint_values(chain, q, what)
     if q.ndim != 1:
@@ -80,11 +70,6 @@ def as_states(chain: SerialChain, names: Sequence[str], *values: Any) -> tuple[A
         Of the quantities in messages.
     *values : array_like, shape (n,) or (..., n)
         Joint values, rates, accelerations or torques.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Not arrays of real numbers or or of different shapes.
     """
     if isinstance(chain, SerialChain):
         vector = chain.types.shape

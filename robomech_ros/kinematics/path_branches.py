@@ -85,14 +85,8 @@ def branch_path(
     revolute_jump, prismatic_jump : float, optional
         Largest move of a joint (rad, m) between two poses that is no jump; default 0.5 and 0.1.
 
-    Returns
-    -------
-    BranchPath
-
     Raises
     ------
-    BadValueError, WrongSizeError
-        Invalid poses, start or thresholds.
     SeedOutsideLimitsError
         A joint of the start is outside its limits.
     """

@@ -72,8 +72,7 @@ def spread_values(types: IntArray, lower: Array, upper: Array, count: int) -> Ar
     least = np.where(whole, -np.pi, np.where(np.isfinite(lower), lower, open_below))
     most = np.where(whole, np.pi, np.where(np.isfinite(upper), upper, least + 2.0))
     share = (0.5 + np.arange(count)[:, None] * low_discrepancy_strides(len(types))) % 1.0
-    q: Array = least + share * (most - least)
-    return q
+    return least + share * (most - least)
 
 
 def reach_bound(chain: SerialChain) -> float:

@@ -50,11 +50,6 @@ def jacobian_rate(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     ndarray, shape (6, n) or (..., 6, n)
         Angular rows first, at the tip's origin, in the axes of the base (1/s and m/s).
 
-    See Also
-    --------
-    jacobian : what is differentiated.
-    bias_acceleration : this matrix times the joint rates.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.5.
@@ -116,11 +111,6 @@ def bias_acceleration(
     BadValueError, WrongSizeError
         As for :func:`jacobian_rate`, or the point is not three finite numbers, or the rates are too
         large for a number.
-
-    See Also
-    --------
-    jacobian_rate : the matrix.
-    joint_accelerations : the inverse problem.
     """
     rate, arm = jacobian_rate(chain, q, qd), as_point(point)
     qd = np.asarray(qd, dtype=np.float64)
@@ -170,16 +160,6 @@ def joint_accelerations(
     -------
     ndarray, shape (n,) or (..., n)
         In rad/s^2 or m/s^2.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`bias_acceleration` and :func:`joint_rates`.
-
-    See Also
-    --------
-    joint_rates : one derivative less.
-    bias_acceleration : what is subtracted.
 
     References
     ----------

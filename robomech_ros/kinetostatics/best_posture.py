@@ -54,16 +54,6 @@ def best_conditioned_posture(chain: SerialChain, *, length: float | None = None)
     length : float, optional
         What the linear rows of the Jacobian are divided by (m); default the characteristic length.
 
-    Returns
-    -------
-    BestPosture
-
-    Raises
-    ------
-    BadValueError
-        Not a chain, one that is singular in every posture, or a length that is not from 1e-9 to
-        1e9 m.
-
     See Also
     --------
     characteristic_length : its posture is the best one whether inside the limits or not.

@@ -105,16 +105,6 @@ def characteristic_length(chain: SerialChain, *, norm: str = "2") -> Characteris
     CharacteristicLength
         A float (m) with the attributes ``condition_number``, ``conditioning_index`` and ``q``.
 
-    Raises
-    ------
-    BadValueError
-        Not a chain, an unknown norm, or a chain that is singular in every posture.
-
-    See Also
-    --------
-    condition_number : of a posture, with a length.
-    conditioning_index : 100 over the least condition number.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 5.8.3 and 5.8.4.
@@ -166,11 +156,6 @@ def conditioning_index(
     ------
     BadValueError
         As for :func:`characteristic_length`, or an unknown part.
-
-    See Also
-    --------
-    characteristic_length : the length that goes with it.
-    condition_number : of one posture.
 
     References
     ----------
@@ -271,8 +256,7 @@ def _second_derivatives(x: Array, chain: SerialChain, task: TaskPart, power: flo
         for sign in (1.0, -1.0)
     )
     H = (ahead - behind) * (power / (2.0 * _STEP))
-    symmetric: Array = 0.5 * (H + H.T)
-    return symmetric
+    return 0.5 * (H + H.T)
 
 
 def _descent(chain: SerialChain, task: TaskPart, start: Array) -> Array:
@@ -280,8 +264,7 @@ def _descent(chain: SerialChain, task: TaskPart, start: Array) -> Array:
     from scipy.optimize import minimize  # a second and 40 MB that few need
 
     given = (chain, task, 2.0)
-    end: Array = minimize(_logarithm, start, given, "BFGS", True, options=_OPTIONS).x
-    return end
+    return minimize(_logarithm, start, given, "BFGS", True, options=_OPTIONS).x
 
 
 def _followed(chain: SerialChain, task: TaskPart, x: Array, powers: Sequence[float]) -> Array:

@@ -91,10 +91,6 @@ def decoupled_jacobian(chain: SerialChain, q: ArrayLike) -> DecoupledJacobian:
     BadValueError, WrongSizeError
         As for :func:`jacobian`, or the chain has no spherical wrist after three joints.
 
-    See Also
-    --------
-    jacobian : of any arm.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.3.

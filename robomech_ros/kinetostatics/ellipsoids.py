@@ -49,10 +49,6 @@ def manipulability_ellipsoid(rows: ArrayLike) -> ManipulabilityEllipsoid:
     rows : array_like, shape (3, n)
         B, the angular or the linear rows of a Jacobian.
 
-    Returns
-    -------
-    ManipulabilityEllipsoid
-
     See Also
     --------
     jacobian : the first three of its rows are angular, the last three linear.

@@ -55,24 +55,13 @@ def manipulability(
     part : {"pose", "position", "orientation"}, optional
         Which rows of the Jacobian count.
     length : float, optional
-        What the linear rows are divided by (m), such as the characteristic length; default 1 m.
+        What the linear rows are divided by (m, from 1e-9 to 1e9), such as the characteristic
+        length; default 1 m.
 
     Returns
     -------
     float or ndarray, shape (...)
         0 where the posture is singular.
-
-    Raises
-    ------
-    BadValueError
-        q is not an array of n finite real numbers or of rows of them, an unknown part, or a length
-        that is not from 1e-9 to 1e9 m.
-
-    See Also
-    --------
-    condition_number : how evenly the tip moves.
-    min_singular_value : the worst direction alone.
-    manipulability_gradient : the derivatives.
 
     References
     ----------
@@ -135,8 +124,6 @@ def condition_number(
     --------
     characteristic_length : the length to give.
     conditioning_index : its best value over all postures.
-    manipulability : the product of the singular values.
-    condition_number_gradient : the derivatives.
 
     References
     ----------
@@ -168,16 +155,6 @@ def min_singular_value(
     Returns
     -------
     float or ndarray, shape (...)
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`manipulability`.
-
-    See Also
-    --------
-    manipulability : the product of all.
-    least_singular_value_gradient : the derivatives.
     """
     return _value(chain, q, part, length, kernels.LEAST)
 
@@ -196,11 +173,6 @@ def manipulability_gradient(
     -------
     ndarray, shape (n,) or (..., n)
         Per rad or m; NaN where the posture is singular.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`manipulability`.
     """
     return _gradient(chain, q, part, length, kernels.MANIPULABILITY)
 
@@ -225,11 +197,6 @@ def condition_number_gradient(
     ndarray, shape (n,) or (..., n)
         Per rad or m; NaN where the posture is singular.  With norm "2" a subgradient where the
         largest or the least singular value is a double one.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`condition_number`.
     """
     return _gradient(chain, q, part, length, _norm(norm))
 
@@ -249,11 +216,6 @@ def least_singular_value_gradient(
     ndarray, shape (n,) or (..., n)
         Per rad or m; NaN where the posture is singular, a subgradient where the least singular
         value is a double one.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`manipulability`.
     """
     return _gradient(chain, q, part, length, kernels.LEAST)
 

@@ -57,10 +57,6 @@ def point_jacobian(
     UnknownLinkError
         The chain has no link with the name of the axes.
 
-    See Also
-    --------
-    jacobian : at the tip's origin, in the axes of the base.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 3.4.2 and 5.3.

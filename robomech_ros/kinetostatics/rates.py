@@ -63,9 +63,9 @@ def joint_rates(
         rotation ``R_base_axes``; default the base.
     length : float, optional
         What linear velocities are divided by where errors and singular values are measured (m),
-        such as the characteristic length; default 1 m.
+        from 1e-9 to 1e9, such as the characteristic length; default 1 m.
     damping : float, optional
-        The singular value below which motions are weakened; 0 = none is.
+        The singular value below which motions are weakened, up to 1e9; 0 = none is.
     secondary : array_like, of the shape of q, optional
         Rates that are wished for as far as the tip does not feel them (rad/s or m/s), of use to
         arms with more joints than six.
@@ -77,15 +77,11 @@ def joint_rates(
 
     Raises
     ------
-    BadValueError, WrongSizeError
-        An argument is not as described, the length is not from 1e-9 to 1e9 m, the damping not from
-        0 to 1e9, or the rates are too large for a number.
     UnknownLinkError
         The chain has no link with the name of the axes.
 
     See Also
     --------
-    jacobian : the matrix.
     decoupled_jacobian : the blocks of an arm with a spherical wrist.
     joint_accelerations : one derivative further.
 

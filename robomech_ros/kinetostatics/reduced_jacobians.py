@@ -61,8 +61,7 @@ def task_jacobian(
     rows = held_rows("mask", mask)
     if not len(rows):
         raise BadValueError("mask", tuple(mask), "at least one True")
-    part: Array = point_jacobian(chain, q, point, axes)[..., rows, :]
-    return part
+    return point_jacobian(chain, q, point, axes)[..., rows, :]
 
 
 def planar_jacobian(chain: SerialChain, q: ArrayLike, *, point: ArrayLike = TIP) -> Array:
@@ -96,11 +95,6 @@ def planar_jacobian(chain: SerialChain, q: ArrayLike, *, point: ArrayLike = TIP)
     BadValueError, WrongSizeError
         As for :func:`point_jacobian`, or a chain that is not planar.
 
-    See Also
-    --------
-    jacobian : of any arm.
-    planar_rows : what is multiplied.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.7.2.
@@ -117,8 +111,7 @@ def planar_jacobian(chain: SerialChain, q: ArrayLike, *, point: ArrayLike = TIP)
            [ 0.5,  0. ,  0. ]])
     """
     rows = planar_rows(chain)
-    J: Array = rows @ point_jacobian(chain, q, point)
-    return J
+    return rows @ point_jacobian(chain, q, point)
 
 
 def planar_rows(chain: SerialChain) -> Array:
@@ -179,12 +172,10 @@ def _normal(chain: SerialChain, directions: Array, slides: BoolArray) -> Array:
     """Return the axis of the first joint that turns, else what is across two slides."""
     turning = np.flatnonzero(~slides)
     if len(turning):
-        first: Array = directions[turning[0]]
-        return first
+        return directions[turning[0]]
     normals = np.cross(directions[:1], directions)
     lengths = np.linalg.norm(normals, axis=1)
     if not (lengths > ARM_RANK).any():
         raise BadValueError("chain", chain.name, "a planar one: its joints leave the plane open")
     k = int(np.argmax(lengths))
-    across: Array = normals[k] / lengths[k]
-    return across
+    return normals[k] / lengths[k]

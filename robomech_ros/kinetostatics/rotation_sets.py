@@ -61,11 +61,6 @@ def uniform_turns(count: int, axis: ArrayLike, first: ArrayLike | None = None) -
     Returns
     -------
     ndarray, shape (count, 3, 3)
-
-    Raises
-    ------
-    BadValueError
-        Not such a number or not an axis.
     """
     angles = 2.0 * math.pi / _as_count(count) * np.arange(count)
     along = as_finite("axis", axis, (3,))
@@ -74,18 +69,11 @@ def uniform_turns(count: int, axis: ArrayLike, first: ArrayLike | None = None) -
     start = as_rotation(np.eye(3) if first is None else first, what="first")
     if start.ndim != 2:
         raise WrongSizeError("first", start.shape, (3, 3))
-    turned: Array = matrix_from_axis_angle(along, angles) @ start
-    return turned
+    return matrix_from_axis_angle(along, angles) @ start
 
 
 def as_orientations(orientations: ArrayLike) -> Array:
-    """Check orientations (k, 3, 3), or spread this many evenly where a number is given.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Neither, none or too many.
-    """
+    """Check orientations (k, 3, 3), or spread this many evenly where a number is given."""
     if isinstance(orientations, int | np.integer) and not isinstance(orientations, bool):
         return uniform_rotations(int(orientations))
     rotations = as_rotation(orientations, what="orientations")

@@ -60,12 +60,6 @@ def joint_torques(
         As for :func:`point_jacobian`, and for a wrench that is not six finite numbers or rows of
         them as q has, or too large for finite torques.
 
-    See Also
-    --------
-    wrench_from_torques : the inverse.
-    gravity_torque : for the weight of the links and, with the other sign, for a ``tip_wrench``.
-    jacobian : the matrix.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.6.
@@ -128,10 +122,6 @@ def wrench_from_torques(
     ------
     UnknownLinkError, BadValueError, WrongSizeError
         As for :func:`joint_torques`, or a chain of fewer than six joints.
-
-    See Also
-    --------
-    joint_torques : the inverse.
 
     References
     ----------

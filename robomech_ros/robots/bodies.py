@@ -47,11 +47,6 @@ class Body:
     as_measured : bool, optional
         The moments are those of a measurement, kept although the greatest principal moment is
         above the sum of the others.
-
-    Raises
-    ------
-    WrongSizeError, BadValueError
-        An entry is no number, or the inertia is not symmetric.
     """
 
     mass: float
@@ -113,11 +108,6 @@ def combine_bodies(bodies: Iterable[Body]) -> Body | None:
     -------
     Body or None
         None where there are none.
-
-    Raises
-    ------
-    BadValueError
-        Something else than a list of bodies.
     """
     parts = listed("bodies", bodies, "a list of bodies")
     for part in parts:
@@ -191,8 +181,6 @@ def pack_bodies(
     ------
     MissingInertiaError
         Of some joints nothing is known that moves with them.
-    BadValueError
-        No body can have the numbers of one.
     """
     missing = [i for i, body in enumerate(bodies) if body is None or body.mass == 0.0]
     if missing:

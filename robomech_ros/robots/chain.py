@@ -215,17 +215,13 @@ class SerialChain(Printed):
         """Return the values (..., m) of all joints (rad or m) from those (..., n) of the drives."""
         if self.coupling is None:
             return q
-        values: Array = (
-            self.coupling.gain * np.take(q, self.coupling.drive, -1) + self.coupling.offset
-        )
-        return values
+        return self.coupling.gain * np.take(q, self.coupling.drive, -1) + self.coupling.offset
 
     def joint_rates(self, qd: Array) -> Array:
         """Return the rates (..., m) of all joints from those (..., n) of the drives."""
         if self.coupling is None:
             return qd
-        rates: Array = self.coupling.gain * np.take(qd, self.coupling.drive, -1)
-        return rates
+        return self.coupling.gain * np.take(qd, self.coupling.drive, -1)
 
     def drive_efforts(self, efforts: Array) -> Array:
         """Return the drive efforts (..., n) for efforts (..., m) at all joints (N m or N)."""
@@ -240,8 +236,7 @@ class SerialChain(Printed):
         if self.coupling is None:
             return matrix
         A = self.coupling.matrix
-        turned: Array = A.T @ matrix @ A
-        return turned
+        return A.T @ matrix @ A
 
     def driven_joint(self, drive: int) -> tuple[int, float]:
         """Find the joint that a drive moves most, and its rate over that of the drive."""
@@ -253,13 +248,7 @@ class SerialChain(Printed):
 
     @property
     def transforms(self) -> Array:
-        """The constant transforms C_0 .. C_n (m), shape (n + 1, 4, 4), a copy.
-
-        Raises
-        ------
-        BadValueError
-            Joints follow others, so that products with the values q would be wrong.
-        """
+        """The constant transforms C_0 .. C_n (m), shape (n + 1, 4, 4), a copy."""
         self.require_uncoupled()
         return unpack_chain(self.packed)
 
@@ -276,11 +265,6 @@ class SerialChain(Printed):
             The subject of the message.
         instead : str, optional
             Advice that ends the message.
-
-        Raises
-        ------
-        BadValueError
-            It names the joints that follow others.
         """
         if self.coupling is not None:
             followers = [name for name in self.all_joint_names if name not in self.joint_names]
@@ -426,8 +410,6 @@ class SerialChain(Printed):
         ------
         MissingInertiaError
             Of some joints nothing is known that moves with them; their links are named.
-        BadValueError
-            No body can have the numbers of one.
         """
         links = [self._links_moved_by(i) for i in range(len(self.bodies))]
         return pack_bodies(self.bodies, links, self.all_joint_names)
@@ -445,8 +427,7 @@ class SerialChain(Printed):
         """
         if self.home_given is None:
             return self._regular.copy()
-        inside: Array = np.clip(self.home_given, self.lower, self.upper)
-        return inside
+        return np.clip(self.home_given, self.lower, self.upper)
 
     @cached_property
     def _regular(self) -> Array:
@@ -457,8 +438,7 @@ class SerialChain(Printed):
 
         Where a joint has no limit or only one, it is 0, moved inside that one limit.
         """
-        middle: Array = self._midrange.copy()
-        return middle
+        return self._midrange.copy()
 
     @cached_property
     def _midrange(self) -> Array:

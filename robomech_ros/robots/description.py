@@ -100,8 +100,6 @@ class RobotDescription(Printed):
         ------
         UnknownJointError
             No joint of this name moves; the error lists those that do.
-        BadValueError
-            A position is no finite number, or leads to none of a joint that follows.
         """
         moving = {joint.name: joint for joint in self.joints if joint.moves}
         given = _checked_positions({} if positions is None else positions, moving)
@@ -125,15 +123,6 @@ class RobotDescription(Printed):
         -------
         dict
             ``T_root_link`` of every link, shape (4, 4) (m), parents first.
-
-        Raises
-        ------
-        UnknownJointError
-            As for :meth:`joint_positions`.
-
-        See Also
-        --------
-        robomech_ros.kinematics.link_poses : of the links along a chain, compiled, and in batches.
 
         Examples
         --------
@@ -199,16 +188,10 @@ class RobotDescription(Printed):
             where there are several, the one link named ``tool0``, else ``flange`` (or with that
             ending, as in ``left_tool0``).
 
-        Returns
-        -------
-        SerialChain
-
         Raises
         ------
         UnknownLinkError
             No such link.
-        BadValueError
-            Base or tip is no text.
         RobotDescriptionError
             The tip is not below the base, no joint moves between them, several links could be
             the tip, or a joint between them is of a kind that a chain cannot have (planar,

@@ -78,7 +78,6 @@ def chain_from_dh(
 
     See Also
     --------
-    dh_from_chain : the inverse.
     DHTable : the formula.
     load_robot : from a file.
 
@@ -160,15 +159,6 @@ def dh_from_chain(chain: SerialChain) -> DHTable:
     DHTable
         Its pose equals the chain's for every q.  Axes at an angle below
         ``tolerances.PARALLEL_SINE`` count as parallel.
-
-    Raises
-    ------
-    BadValueError
-        No chain, or one without joints.
-
-    See Also
-    --------
-    chain_from_dh : the inverse.
 
     References
     ----------

@@ -42,7 +42,6 @@ def dh_from_axes(points: ArrayLike, directions: ArrayLike) -> DHTable:
     --------
     chain_from_dh : a chain, with ``table.a``, ``table.b``, ``table.alpha``, ``table.theta`` and
         ``base=table.base``.
-    dh_from_chain : the table of a chain.
 
     References
     ----------

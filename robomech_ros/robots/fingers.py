@@ -166,13 +166,7 @@ class FingerOpening:
         return self._distance(position) - min(self._distances)
 
     def position(self, width: float) -> float:
-        """Return the position of the joints (rad or m) at a width (m).
-
-        Raises
-        ------
-        BadValueError
-            The gripper is never so wide.
-        """
+        """Return the position of the joints (rad or m) at a width (m)."""
         if not 0.0 <= width <= self.greatest + _ROUNDING:
             raise BadValueError("width", width, f"from 0 to {self.greatest:.6g} m")
         closed, opened = self._range[:: -int(self.closing)]

@@ -44,13 +44,7 @@ class GripperModel:
         return low, high if math.isfinite(high) else max(math.pi, low)
 
     def position(self, value: float) -> float:
-        """Return the position of the joints (rad or m) at a value.
-
-        Raises
-        ------
-        BadValueError
-            The value is outside the range.
-        """
+        """Return the position of the joints (rad or m) at a value."""
         low, high = self.ends
         if not low <= value <= high:
             what = "width" if self.opening is not None else f"joint '{self.joints[0].name}'"

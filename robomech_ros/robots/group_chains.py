@@ -153,15 +153,6 @@ def load_semantics(
     groups : iterable of str, optional
         More groups, as for :func:`groups_by_links`.
 
-    Returns
-    -------
-    SemanticDescription
-
-    Raises
-    ------
-    RobomechError
-        As from :func:`load_srdf` and :func:`groups_by_links`.
-
     Examples
     --------
     >>> from robomech_ros.robots import load_description, main_chain, load_semantics

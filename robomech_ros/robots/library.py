@@ -41,10 +41,6 @@ def load_robot(
         Links; by default the root, and the one leaf, or ``tool0`` or ``flange`` where there are
         several; see :meth:`RobotDescription.chain`.
 
-    Returns
-    -------
-    SerialChain
-
     Raises
     ------
     UnknownRobotError
@@ -56,8 +52,6 @@ def load_robot(
 
     See Also
     --------
-    list_robots : the names that can be given.
-    load_description : all links and joints of a robot.
     chain_from_dh : from numbers.
 
     Examples
@@ -76,11 +70,6 @@ def load_description(name_or_path_or_urdf: str | os.PathLike[str]) -> RobotDescr
     Parameters
     ----------
     name_or_path_or_urdf : str or path
-        As for :func:`load_robot`.
-
-    Raises
-    ------
-    UnknownRobotError, RobotDescriptionError
         As for :func:`load_robot`.
 
     Notes
@@ -126,10 +115,6 @@ def _is_path(name: str) -> bool:
 
 def list_robots() -> tuple[str, ...]:
     """List the names of the robots in all folders, sorted.
-
-    See Also
-    --------
-    load_robot : what takes such a name.
 
     Examples
     --------

@@ -38,11 +38,6 @@ def limit_arrays(limits: Mapping[str, ArrayLike] | ArrayLike | None, n: int) -> 
     -------
     dict
         An array of shape (n,) for each key; where there is no limit infinite positions, NaN else.
-
-    Raises
-    ------
-    BadValueError
-        Another form, an unknown key, or values that are no limits.
     """
     if limits is None:
         limits = {}
@@ -113,12 +108,6 @@ def check_limits(joint_names: tuple[str, ...], limits: Mapping[str, Array]) -> N
         n joints.
     limits : mapping
         Of the six kinds to arrays of shape (n,).
-
-    Raises
-    ------
-    BadValueError
-        A position limit is NaN, the lower above the upper one, or both beyond all positions; or
-        another limit is not positive.
     """
     for key in ("lower", "upper"):
         if np.isnan(limits[key]).any():

@@ -139,13 +139,7 @@ class LinkTree:
                 waiting.append(joint.child)
 
     def default_tip(self, base: str) -> str:
-        """Find the one leaf below a link that joints move, or the one link where tools go.
-
-        Raises
-        ------
-        RobotDescriptionError
-            No joint moves there, or several links could be the tip: they are named.
-        """
+        """Find the one leaf below a link that joints move, or the one link where tools go."""
         moved: list[str] = []
         waiting = [(base, False)]
         while waiting:

@@ -87,13 +87,7 @@ class Coupling:
 
 
 def drive_limits(leader: Joint, joints: Sequence[tuple[Joint, MimicJoint]]) -> Mapping[str, float]:
-    """Return the six limits of a drive, narrowed by its followers.
-
-    Raises
-    ------
-    RobotDescriptionError
-        No position of the leader keeps all followers inside their limits.
-    """
+    """Return the six limits of a drive, narrowed by its followers."""
     limits = {key: float(getattr(leader, key)) for key in KEYS}
     for joint, follower in joints:
         gain = follower.multiplier

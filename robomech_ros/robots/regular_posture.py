@@ -68,10 +68,8 @@ def regular_posture(
     ratios = _conditioning(packed, types, q) * _standing(packed[:, :_WIDTH], joint_values(q))
     score = ratios * (1.0 - _FAR * np.abs(away).mean(axis=1))
     if score[0] >= _GOOD * score.max():
-        regular: Array = q[0]
-        return regular
-    inside: Array = np.clip(np.round(q[int(np.argmax(score))], 2), lower, upper)
-    return inside
+        return q[0]
+    return np.clip(np.round(q[int(np.argmax(score))], 2), lower, upper)
 
 
 def _windows(slides: BoolArray, lower: Array, upper: Array) -> tuple[Array, Array]:
@@ -123,5 +121,4 @@ def _conditioning(packed: Array, types: IntArray, q: Array) -> Array:
     J[:, 3:] /= length
     values = np.linalg.svd(J, compute_uv=False)
     rank = max(int((values > _LOST * values.max()).sum(axis=1).max()), 1)
-    ratio: Array = values[:, rank - 1] / np.maximum(values[:, 0], np.finfo(float).tiny)
-    return ratio
+    return values[:, rank - 1] / np.maximum(values[:, 0], np.finfo(float).tiny)

@@ -107,11 +107,6 @@ def checked_document(
         What it is called in messages.
     needed, optional : iterable of str
         Its other keys; ``notes`` are always allowed.
-
-    Raises
-    ------
-    RobotDescriptionError
-        It is none of this kind: the message says where and why.
     """
     head = ("kind", "name", "source")
     document = check_keys(parse_yaml(text, where), where, (*head, *needed), ("notes", *optional))
@@ -155,11 +150,6 @@ def yaml_source(robot: object) -> tuple[str | bytes, str] | None:
     """Return the text of a YAML document, and what it is called; None for what else is given.
 
     The name of an arm comes before the same name of another kind, and is none of a document here.
-
-    Raises
-    ------
-    RobotDescriptionError
-        The file cannot be read.
     """
     if isinstance(robot, os.PathLike):
         path = Path(robot)

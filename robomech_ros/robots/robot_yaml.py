@@ -199,11 +199,6 @@ def with_yaml_limits(
         The YAML document.
     where : str
         What it is called in messages.
-
-    Raises
-    ------
-    RobotDescriptionError
-        Keys or joints are unknown, or a limit is not a positive number.
     """
     optional = ("source", "name", "notes", "joints", "home")
     document = check_keys(parse_yaml(text, where), where, (), optional)

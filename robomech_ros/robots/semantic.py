@@ -115,15 +115,7 @@ class SemanticDescription(Printed):
     virtual_joints: tuple[VirtualJoint, ...] = ()
 
     def group(self, name: str) -> Group:
-        """Find a group.
-
-        Raises
-        ------
-        BadValueError
-            There is none of this name; the error lists those there are.
-        RobotDescriptionError
-            The robot lacks the members of this group; the error says which.
-        """
+        """Find a group."""
         if name in self.left_out:
             raise RobotDescriptionError(f"group '{name}'", self.left_out[name])
         if name not in self.groups:
@@ -131,15 +123,7 @@ class SemanticDescription(Printed):
         return self.groups[name]
 
     def state(self, group: str, name: str) -> dict[str, float]:
-        """Find a named posture of a group: positions (rad or m) by joint.
-
-        Raises
-        ------
-        BadValueError
-            There is no such group, or no such posture of it; the error lists those there are.
-        RobotDescriptionError
-            The robot cannot go there.
-        """
+        """Find a named posture of a group: positions (rad or m) by joint."""
         states = self.states.get(self.group(group).name, {})
         if name not in states:
             raise BadValueError(f"state of group '{group}'", name, _one_of(states))
@@ -164,14 +148,6 @@ class SemanticDescription(Printed):
         -------
         ndarray, shape (n,)
             rad or m, within the limits of the joints.
-
-        Raises
-        ------
-        BadValueError
-            There is none of this name, or it gives no position of some joint of the chain; the
-            error lists those there are, or the joints.
-        RobotDescriptionError
-            The robot cannot go there.
         """
         group = next((one for one in self._groups_of(chain) if name in self.states[one]), None)
         if group is None:
@@ -185,8 +161,7 @@ class SemanticDescription(Printed):
             expected = f"positions of {', '.join(missing)}, too"
             raise BadValueError(what, state, expected)
         q = np.array([state[joint] for joint in chain.joint_names])
-        inside: Array = np.clip(q, chain.lower, chain.upper)
-        return inside
+        return np.clip(q, chain.lower, chain.upper)
 
     def gives(self, chain: SerialChain, name: str) -> bool:
         """Whether a state of a group with all joints of a chain has a name."""

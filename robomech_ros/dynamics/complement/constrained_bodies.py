@@ -78,11 +78,6 @@ class ConstrainedBodies:
         Wrenches on the bodies for units of the efforts that drives exert, ``T^T A = 1``: only
         :meth:`constraint_wrenches` needs it.
 
-    Raises
-    ------
-    BadValueError
-        A mass or a rotor below 0.
-
     See Also
     --------
     constraint_reactions : multipliers of the constraints.
@@ -307,11 +302,6 @@ class ConstrainedBodies:
         ndarray, shape (..., 6 r)
             ``[n_i; f_i]`` at the mass centres; ``T^T w = 0``.  They are unique, also where the
             multipliers of the constraints are not (:func:`constraint_reactions`).
-
-        Raises
-        ------
-        BadValueError, WrongSizeError
-            Not finite real numbers of these shapes, or A is not known.
 
         References
         ----------

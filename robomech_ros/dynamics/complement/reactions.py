@@ -52,10 +52,6 @@ def constraint_reactions(K: ArrayLike, wrenches: ArrayLike) -> ConstraintReactio
     wrenches : array_like, shape (6 r,)
         Of :meth:`ConstrainedBodies.constraint_wrenches` (N m and N).
 
-    Returns
-    -------
-    ConstraintReactions
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.5 and 12.3.

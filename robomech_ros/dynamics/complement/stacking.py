@@ -46,8 +46,7 @@ def transposed(matrix: Array) -> Array:
 
 def times(matrix: Array, vector: Array) -> Array:
     """Multiply matrices (..., m, n) and vectors (..., n)."""
-    product: Array = (matrix @ vector[..., None])[..., 0]
-    return product
+    return (matrix @ vector[..., None])[..., 0]
 
 
 def solve(matrix: Array, vector: Array) -> Array:

@@ -108,15 +108,6 @@ def operation_counts(algorithm: str, n: int) -> Operations:
         One of :data:`ALGORITHMS`.
     n : int
         1 to 50.
-
-    Returns
-    -------
-    Operations
-
-    Raises
-    ------
-    BadValueError
-        Another algorithm or number.
     """
     chosen = as_choice("algorithm", algorithm, ALGORITHMS)
     if isinstance(n, bool) or not isinstance(n, int) or not 1 <= n <= _MOST:

@@ -49,14 +49,8 @@ def inverse_dynamics_by_orthogonal_complement(
     ndarray, shape (n,) or (..., n)
         Torques or forces that the drives exert on the joints (N m or N).
 
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`inverse_dynamics`.
-
     See Also
     --------
-    inverse_dynamics : Newton-Euler, the compiled one.
     inverse_dynamics_by_lagrange : from the energies.
     inverse_dynamics_by_kane : by partial velocities.
     natural_orthogonal_complement : the matrices and the formulas.
@@ -112,17 +106,6 @@ def forward_dynamics_by_cholesky(
     ndarray, shape (n,) or (..., n)
         Accelerations (rad/s^2 or m/s^2).
 
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`forward_dynamics`.
-
-    See Also
-    --------
-    forward_dynamics : the compiled one.
-    forward_dynamics_by_reflections : better conditioned.
-    natural_orthogonal_complement : the matrices.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.6.
@@ -163,17 +146,6 @@ def forward_dynamics_by_reflections(
     -------
     ndarray, shape (n,) or (..., n)
         Accelerations (rad/s^2 or m/s^2).
-
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`forward_dynamics`.
-
-    See Also
-    --------
-    forward_dynamics : the compiled one.
-    forward_dynamics_by_cholesky : from the generalised inertia itself.
-    natural_orthogonal_complement : the matrices.
 
     References
     ----------

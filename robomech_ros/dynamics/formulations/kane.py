@@ -93,17 +93,10 @@ def inverse_dynamics_by_kane(
     ndarray, shape (n,) or (..., n)
         Torques or forces that the drives exert on the joints (N m or N).
 
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`inverse_dynamics`.
-
     See Also
     --------
-    inverse_dynamics : Newton-Euler, the compiled one.
     inverse_dynamics_by_lagrange : from the energies.
     inverse_dynamics_by_orthogonal_complement : by constraints and what they leave free.
-    partial_velocities : the derivatives.
 
     References
     ----------
@@ -152,16 +145,6 @@ def forward_dynamics_by_kane(
     -------
     ndarray, shape (n,) or (..., n)
         Accelerations (rad/s^2 or m/s^2).
-
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`forward_dynamics`.
-
-    See Also
-    --------
-    forward_dynamics : the compiled one.
-    inverse_dynamics_by_kane : the inverse.
     """
     q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     steps = _steps(chain, q)
@@ -250,8 +233,7 @@ def _inertia_forces(
     moments = np.einsum("iab,...ib->...ia", inertias, alpha) + np.cross(omega, spin)
     turning = np.einsum("...ija,...ia->...j", partial.angular, moments)
     moving = np.einsum("...ija,i,...ia->...j", partial.linear, masses, a)
-    total: Array = -(turning + moving)
-    return total
+    return -(turning + moving)
 
 
 def _active_forces(
@@ -268,9 +250,8 @@ def _active_forces(
     wrench = as_screw("tip_wrench", tip_wrench)
     moment, force = seen[..., -1, :, :] @ wrench[:3], seen[..., -1, :, :] @ wrench[3:]
     moment = moment + np.cross(steps.tip - centres[-1], force)
-    total: Array = (
+    return (
         np.einsum("...ija,...ia->...j", partial.linear, weights)
         + np.einsum("...ja,...a->...j", partial.angular[..., -1, :, :], moment)
         + np.einsum("...ja,...a->...j", partial.linear[..., -1, :, :], force)
     )
-    return total

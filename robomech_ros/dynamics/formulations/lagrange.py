@@ -75,16 +75,6 @@ def christoffel_symbols(chain: SerialChain, q: ArrayLike) -> Array:
     -------
     ndarray, shape (..., n, n, n)
 
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`mass_matrix_gradient`.
-
-    See Also
-    --------
-    coriolis_matrix : the compiled one.
-    mass_matrix_gradient : what it is made of.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.3.2.
@@ -124,14 +114,8 @@ def inverse_dynamics_by_lagrange(
     ndarray, shape (n,) or (..., n)
         Torques or forces that the drives exert on the joints (N m or N).
 
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`inverse_dynamics`.
-
     See Also
     --------
-    inverse_dynamics : Newton-Euler, the compiled one.
     inverse_dynamics_by_kane : by partial velocities.
     inverse_dynamics_by_orthogonal_complement : by constraints and what they leave free.
 
@@ -179,16 +163,6 @@ def forward_dynamics_by_lagrange(
     -------
     ndarray, shape (n,) or (..., n)
         Accelerations (rad/s^2 or m/s^2).
-
-    Raises
-    ------
-    MissingInertiaError
-        As for :func:`forward_dynamics`.
-
-    See Also
-    --------
-    forward_dynamics : the compiled one.
-    inverse_dynamics_by_lagrange : the inverse.
     """
     q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     derivatives = _derivatives(chain, q)
@@ -242,8 +216,7 @@ def _derivatives(chain: SerialChain, q: Array) -> _Derivatives:
 def _mass_matrix(chain: SerialChain, derivatives: _Derivatives) -> Array:
     once, J = derivatives.once, derivatives.pseudo
     matrix = np.einsum("...ijab,ibc,...ikac->...jk", once, J, once, optimize=True)
-    inertia: Array = matrix + np.diag(reflected_inertias(chain))
-    return inertia
+    return matrix + np.diag(reflected_inertias(chain))
 
 
 def _gradient(derivatives: _Derivatives) -> Array:
@@ -254,15 +227,13 @@ def _gradient(derivatives: _Derivatives) -> Array:
         derivatives.once,
         optimize=True,
     )
-    gradient: Array = half + np.swapaxes(half, -3, -2)
-    return gradient
+    return half + np.swapaxes(half, -3, -2)
 
 
 def _symbols(gradient: Array) -> Array:
     """Return c_ijk from D_ijk = dI_ij/dq_k: (D_ijk + D_ikj - D_jki) / 2."""
     swapped = np.swapaxes(gradient, -1, -2)
-    symbols: Array = 0.5 * (gradient + swapped - np.moveaxis(gradient, -1, -3))
-    return symbols
+    return 0.5 * (gradient + swapped - np.moveaxis(gradient, -1, -3))
 
 
 def _bias(
@@ -285,5 +256,4 @@ def _bias(
     velocity = np.einsum("...jab,...b->...ja", S[..., :3, :3], point) + S[..., :3, 3]
     turn = np.stack((S[..., 2, 1], S[..., 0, 2], S[..., 1, 0]), axis=-1)
     given = turn @ wrench[:3] + velocity @ wrench[3:]
-    bias: Array = coriolis + weight - given
-    return bias
+    return coriolis + weight - given

@@ -74,10 +74,6 @@ def newton_euler(
     base_twist, base_twist_rate : array_like, shape (6,), optional
         Of a base that moves, as for `inverse_dynamics`.
 
-    Returns
-    -------
-    NewtonEuler
-
     Raises
     ------
     MissingInertiaError
@@ -85,7 +81,6 @@ def newton_euler(
 
     See Also
     --------
-    inverse_dynamics : the torques, for batches in compiled loops.
     OrthogonalComplement.constraint_wrenches : what keeps the constraints, at the mass centres.
 
     References

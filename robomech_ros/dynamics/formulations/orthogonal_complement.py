@@ -118,9 +118,7 @@ def natural_orthogonal_complement(
 
     See Also
     --------
-    OrthogonalComplement : the names of the matrices.
     inverse_dynamics_by_orthogonal_complement : the torques.
-    forward_dynamics_by_cholesky, forward_dynamics_by_reflections
     planar_orthogonal_complement : of planar arms.
 
     References

@@ -49,14 +49,12 @@ class PlanarComplement:
     @cached_property
     def generalised_inertia(self) -> Array:
         """``I = T^T M T`` and the rotors' inertias, shape (..., n, n) (kg m^2, kg m, kg)."""
-        inertia: Array = transposed(self.T) @ self.M @ self.T + np.diag(self.rotors)
-        return inertia
+        return transposed(self.T) @ self.M @ self.T + np.diag(self.rotors)
 
     @cached_property
     def coupling(self) -> Array:
         """``C = T^T M T_dot``, shape (..., n, n); dI/dt - 2 C is skew-symmetric."""
-        coupling: Array = transposed(self.T) @ self.M @ self.T_dot
-        return coupling
+        return transposed(self.T) @ self.M @ self.T_dot
 
 
 def planar_orthogonal_complement(
@@ -72,20 +70,12 @@ def planar_orthogonal_complement(
     q, qd : array_like, shape (n,) or (..., n)
         Joint values and rates (rad or m; per s).
 
-    Returns
-    -------
-    PlanarComplement
-
     Raises
     ------
     BadValueError, WrongSizeError
         The arm is not planar, or arguments are no finite numbers of these shapes.
     MissingInertiaError
         Of some joints nothing is known that moves with them.
-
-    See Also
-    --------
-    natural_orthogonal_complement : of any arm.
 
     References
     ----------

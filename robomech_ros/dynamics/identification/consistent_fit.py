@@ -57,15 +57,6 @@ def consistent_fit(found: Identification) -> ConsistentFit:
     ----------
     found : Identification
 
-    Returns
-    -------
-    ConsistentFit
-
-    Raises
-    ------
-    BadValueError
-        Not an identification.
-
     References
     ----------
     Lee, Wensing, Park, "Geometric robot dynamic identification: a convex programming approach",

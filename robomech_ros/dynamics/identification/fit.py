@@ -131,10 +131,6 @@ def identify(
         Standard deviations of the measured torques (N m or N), by which the joints are weighted.
         Default those that a first solution without weights leaves.
 
-    Returns
-    -------
-    Identification
-
     Raises
     ------
     BadValueError, WrongSizeError
@@ -173,8 +169,7 @@ def _first_deviations(A: Array, b: Array) -> Array:
     """Estimate the standard deviations (n,) of the torques from a solution without weights."""
     left = _left(A, b, _solved(A.reshape(-1, A.shape[2]), b.ravel()))
     # Torques without noise leave rounding only, which weighs nothing.
-    deviations: Array = np.maximum(left, 1e-9 * np.abs(b).max(initial=1.0))
-    return deviations
+    return np.maximum(left, 1e-9 * np.abs(b).max(initial=1.0))
 
 
 def excitation(
@@ -198,11 +193,6 @@ def excitation(
     float
         Condition number of the regressor of base parameters and friction, with columns of unit
         length: the less, the less noise is amplified; infinite where a parameter is not shown.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`identify`.
     """
     q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
     if q.ndim != 2:

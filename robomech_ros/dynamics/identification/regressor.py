@@ -49,11 +49,6 @@ def torque_regressor(
     ndarray, shape (n, 10 n) or (..., n, 10 n)
         (n, 10 m) where n drives move m joints.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`inverse_dynamics`.
-
     References
     ----------
     Atkeson, An, Hollerbach, Int. J. Robotics Research 5, 1986.
@@ -106,15 +101,6 @@ def base_parameters(chain: SerialChain, *, gravity: ArrayLike = GRAVITY) -> Base
         Of n joints.
     gravity : array_like, shape (3,), optional
         In the axes of the base (m/s^2).
-
-    Returns
-    -------
-    BaseParameters
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`torque_regressor`.
 
     References
     ----------

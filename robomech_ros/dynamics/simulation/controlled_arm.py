@@ -199,15 +199,6 @@ class ControlledArm:
         observed : ndarray of float64, shape (m,), optional
             Torques (N m or N) that the observer has learned before; overwritten by those at the
             end.  Default none.
-
-        Returns
-        -------
-        ControlledMotion
-
-        Raises
-        ------
-        BadValueError
-            The arrays are not what they have to be.
         """
         plant = self._systems[1]
         m = len(plant.drive_names)

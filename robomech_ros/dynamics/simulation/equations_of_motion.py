@@ -91,8 +91,7 @@ class EquationsOfMotion:
         N = self.system.complement(q)
         qd = N @ rates
         dry = coulomb + excess * np.exp(-(np.minimum(np.abs(qd) * decay, 26.0) ** 2))
-        torque: Array = N.T @ (viscous * qd + dry * np.tanh(qd / self.rest_rate))
-        return torque
+        return N.T @ (viscous * qd + dry * np.tanh(qd / self.rest_rate))
 
     def requested_torque(self, t: float, q: Array, rates: Array) -> Array:
         """Return the torques (m,) that are asked of the drives, finite or not."""

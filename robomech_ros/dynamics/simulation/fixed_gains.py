@@ -49,11 +49,6 @@ def effective_inertias(system: DynamicSystem, turn: float, damping: float) -> tu
     -------
     stiff, damped : ndarray, shape (m,)
         In kg m^2 or kg.
-
-    Raises
-    ------
-    BadValueError
-        There is a motion that nothing resists.
     """
     m = len(system.drive_names)
     count = min(_POSTURES, _MOST_ENTRIES // m**2)

@@ -99,13 +99,7 @@ class Integration:
         self.seen: list[tuple[float, int]] = []
 
     def run(self, state: Array, duration: float) -> str:
-        """Step from a state (2 m + 2,) for a duration (s); returns why it ended.
-
-        Raises
-        ------
-        BadValueError
-            The start is outside the position limits, or an event is no finite number.
-        """
+        """Step from a state (2 m + 2,) for a duration (s); returns why it ended."""
         start, n = self._motion.all_joints(state), len(self._motion.start)
         self._record.add(0.0, start, None)
         if any(crossing(start) < 0.0 for crossing in self._bounds):

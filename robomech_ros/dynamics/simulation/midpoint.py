@@ -13,8 +13,7 @@ _ARRIVED = 1e-14
 
 def _solved(M: Array, p: Array) -> Array:
     """Return the rates that have momenta p."""
-    rates: Array = np.linalg.solve(M, p).astype(np.float64)
-    return rates
+    return np.linalg.solve(M, p).astype(np.float64)
 
 
 class MidpointSolver:

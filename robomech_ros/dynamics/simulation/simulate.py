@@ -129,10 +129,6 @@ def simulate(
     times : array_like, shape (m,), optional
         When the state is recorded (s), increasing; default after each step.
 
-    Returns
-    -------
-    Simulation
-
     Raises
     ------
     MissingInertiaError, BadValueError, WrongSizeError
@@ -141,7 +137,6 @@ def simulate(
 
     See Also
     --------
-    forward_dynamics : the accelerations.
     power_balance : where the power goes.
 
     References

@@ -141,16 +141,13 @@ class SymbolicModel:
 
         Raises
         ------
-        BadValueError
-            No such expression.
         MissingInertiaError
             It needs masses that are not known.
         """
         name = as_choice("expression", what, EXPRESSIONS)
         if name not in _WITHOUT_BODIES:
             _ = self.chain.packed_bodies  # raises where masses are missing
-        found: sympy.Matrix = getattr(self, name)
-        return found
+        return getattr(self, name)
 
     def compiled(self, what: str) -> Callable[..., Array]:
         """Make a function of one of :data:`EXPRESSIONS`, with common terms computed once.
@@ -160,11 +157,6 @@ class SymbolicModel:
         callable
             ``f(q, qd=0, qdd=0)`` for the chain's own joint values, each (n,) or (..., n); the
             result has the batch axes first.
-
-        Raises
-        ------
-        BadValueError, MissingInertiaError
-            As for :meth:`expression`.
         """
         matrix, parameters = self.expression(what), self.parameters
         symbols, values = tuple(parameters.values), tuple(parameters.values.values())

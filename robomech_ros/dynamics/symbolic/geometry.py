@@ -237,10 +237,6 @@ def symbolic_closure(chain: SerialChain, *, parameters: str = "names") -> Symbol
     parameters : {"names", "numbers"}, optional
         As for `symbolic_decoupled`.
 
-    Returns
-    -------
-    SymbolicClosure
-
     Raises
     ------
     BadValueError

@@ -135,11 +135,6 @@ def symbolic_parameters(
     gravity : sequence of float
         In the base (m/s^2).
     by_name : bool
-
-    Raises
-    ------
-    BadValueError
-        A chain without joints, or one on which joints follow others.
     """
     chain.require_uncoupled()
     table = chain.dh

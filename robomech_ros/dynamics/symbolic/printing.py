@@ -53,11 +53,6 @@ def expression_text(model: SymbolicModel, what: str) -> str:
     model : SymbolicModel
     what : str
         One of ``EXPRESSIONS``.
-
-    Raises
-    ------
-    BadValueError, MissingInertiaError
-        As :meth:`SymbolicModel.expression`.
     """
     expression = model.expression(what)
     matrix, legend = abbreviated(expression)
@@ -80,11 +75,6 @@ def expression_latex(model: SymbolicModel, what: str) -> str:
     ----------
     model, what
         As for :func:`expression_text`.
-
-    Raises
-    ------
-    BadValueError, MissingInertiaError
-        As :meth:`SymbolicModel.expression`.
     """
     matrix, legend = abbreviated(model.expression(what))
     names = {short: _latex_name(short) for short in legend}

@@ -95,8 +95,7 @@ class ClosureEquations:
         one, two, three, four, five = (circle(x) for x in angles[self.joints][:5])
         left = np.einsum("eijk,i,j,k->e", self.left, three, four, five)
         right = self.right @ np.outer(one, two).ravel()
-        difference: Numbers = left - right
-        return difference
+        return left - right
 
     def six_by_nine(self, q3: ArrayLike) -> Numbers:
         """Return the 6 x 9 matrix of the equations in joints 4 and 5.
@@ -112,8 +111,7 @@ class ClosureEquations:
             E with ``E m = 0`` for the products m of (cos, sin, 1) of joint 4 and of joint 5.
         """
         E = np.einsum("eijk,i...->...ejk", self.free, circle(as_angles("q3", q3)))
-        matrix: Numbers = E.reshape(*E.shape[:-3], 6, 9)
-        return matrix
+        return E.reshape(*E.shape[:-3], 6, 9)
 
     def three_columns(self, q4: ArrayLike, q5: ArrayLike) -> Numbers:
         """Return the matrix G of the bivariate approach (section 9.4).
@@ -135,8 +133,7 @@ class ClosureEquations:
             raise WrongSizeError(
                 "q4 and q5", (four.shape, five.shape), "shapes that fit together"
             ) from None
-        matrix: Numbers = np.einsum("eijk,j...,k...->...ei", self.free, circle(four), circle(five))
-        return matrix
+        return np.einsum("eijk,j...,k...->...ei", self.free, circle(four), circle(five))
 
 
 def closure_equations(chain: SerialChain, T: ArrayLike, *, first: int = 1) -> ClosureEquations:
@@ -152,15 +149,6 @@ def closure_equations(chain: SerialChain, T: ArrayLike, *, first: int = 1) -> Cl
         Target pose of the tip in the base (m).
     first : int, optional
         The joint that the equations call 1: the loop of arm and target can be cut at any.
-
-    Returns
-    -------
-    ClosureEquations
-
-    Raises
-    ------
-    BadValueError
-        No arm of six revolute joints, no pose, or no such joint.
 
     References
     ----------
@@ -228,8 +216,7 @@ def as_angles(what: str, value: ArrayLike) -> Numbers:
 def circle(angle: ArrayLike) -> Numbers:
     """Return (cos, sin, 1) of angles (...) in rad, real or complex, shape (3, ...)."""
     angle = np.asarray(angle)
-    rows: Numbers = np.array([np.cos(angle), np.sin(angle), np.ones_like(np.cos(angle))])
-    return rows
+    return np.array([np.cos(angle), np.sin(angle), np.ones_like(np.cos(angle))])
 
 
 def turn_about_z(angle: ArrayLike) -> Numbers:
@@ -263,5 +250,4 @@ def _quantities(pose: Numbers) -> Numbers:
     l, p = pose[..., :3, 2], pose[..., :3, 3]  # noqa: E741
     square, along = (np.sum(p * x, axis=-1, keepdims=True) for x in (p, l))
     parts = (p, l, np.cross(p, l), square * l - 2.0 * along * p, square, along)
-    quantities: Numbers = np.concatenate(parts, axis=-1)
-    return quantities
+    return np.concatenate(parts, axis=-1)

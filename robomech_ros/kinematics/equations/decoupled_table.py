@@ -14,13 +14,7 @@ _MEETING = 1e-9
 
 
 def decoupled_table(chain: SerialChain) -> DHTable:
-    """Return the table of six revolute joints, the last three with axes through one point.
-
-    Raises
-    ------
-    BadValueError
-        Another arm.
-    """
+    """Return the table of six revolute joints, the last three with axes through one point."""
     check_chain(chain)
     table = chain.dh
     expected = "an arm of six revolute joints, the last three with axes through one point"

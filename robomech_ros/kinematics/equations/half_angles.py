@@ -42,8 +42,7 @@ def sampled_determinants(matrix: Array, count: int) -> tuple[Array, Array]:
 
 def waves_of_samples(samples: Array) -> ComplexArray:
     """Return d_k, k = -m .. m, with ``f = sum d_k exp(i k theta)``, from 2 m + 1 even samples."""
-    waves: ComplexArray = np.fft.fftshift(np.fft.fft(samples)) / len(samples)
-    return waves
+    return np.fft.fftshift(np.fft.fft(samples)) / len(samples)
 
 
 def half_angle_polynomial(waves: ComplexArray) -> Array:
@@ -152,8 +151,7 @@ def angles_of_roots(waves: ComplexArray) -> ComplexArray:
     shift = float(fronts[np.argmax(np.abs(values))]) - np.pi
     tangents = np.roots(half_angle_polynomial(waves * np.exp(1j * k * shift))).astype(complex)
     angles = angles_of_tangents(tangents, np.ones(2 * m, complex)) + shift
-    turned: ComplexArray = (angles.real + np.pi) % (2.0 * np.pi) - np.pi + 1j * angles.imag
-    return turned
+    return (angles.real + np.pi) % (2.0 * np.pi) - np.pi + 1j * angles.imag
 
 
 def angles_of_line(C: complex, D: complex, E: complex) -> ComplexArray:

@@ -69,15 +69,6 @@ def orientation_equation(chain: SerialChain, R: ArrayLike) -> OrientationEquatio
     R : array_like, shape (3, 3)
         The rotation Q_4 Q_5 Q_6 that the wrist has to give; complex behind complex arm angles.
 
-    Returns
-    -------
-    OrientationEquation
-
-    Raises
-    ------
-    BadValueError
-        Another arm.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.4.2.
@@ -147,11 +138,6 @@ def decoupled_postures(chain: SerialChain, T: ArrayLike) -> ComplexArray:
         The chain's joint angles (rad), real parts from -pi to pi; eight where none is free.  Real
         postures have imaginary parts of rounding, or of its root where two have merged.
 
-    Raises
-    ------
-    BadValueError
-        Another arm.
-
     See Also
     --------
     robomech_ros.kinematics.inverse_kinematics : fast, and right in singular postures.
@@ -183,8 +169,7 @@ def decoupled_postures(chain: SerialChain, T: ArrayLike) -> ComplexArray:
                 Q = Q @ turn_about_z(theta)[:3, :3] @ link
             rows += [[*arm, *wrist] for wrist in wrist_angles(chain, _inverse(Q) @ pose[:3, :3])]
     q = np.array(rows, complex).reshape(-1, 6) - table.theta
-    turned: ComplexArray = (q.real + np.pi) % (2.0 * np.pi) - np.pi + 1j * q.imag
-    return turned
+    return (q.real + np.pi) % (2.0 * np.pi) - np.pi + 1j * q.imag
 
 
 def _unturned(table: DHTable) -> Array:
@@ -194,8 +179,7 @@ def _unturned(table: DHTable) -> Array:
 
 def _inverse(Q: Numbers) -> Numbers:
     """Transpose: of complex rotations, too, without conjugates."""
-    inverse: Numbers = Q.T
-    return inverse
+    return Q.T
 
 
 def _rotation(R: ArrayLike) -> Numbers:

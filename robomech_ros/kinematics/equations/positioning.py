@@ -88,11 +88,6 @@ def wrist_centre(chain: SerialChain, T: ArrayLike) -> Array:
     ndarray, shape (3,)
         In the first frame of the Denavit-Hartenberg table (m).
 
-    Raises
-    ------
-    BadValueError
-        Another arm.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.4.1.
@@ -111,8 +106,7 @@ def wrist_centre(chain: SerialChain, T: ArrayLike) -> Array:
     table = decoupled_table(chain)
     pose = np.linalg.inv(table.base) @ as_targets(T)[0] @ np.linalg.inv(table.tool)
     a, b, alpha = table.a[5], table.b[5], table.alpha[5]
-    centre: Array = pose[:3, 3] - pose[:3, :3] @ [a, b * np.sin(alpha), b * np.cos(alpha)]
-    return centre
+    return pose[:3, 3] - pose[:3, :3] @ [a, b * np.sin(alpha), b * np.cos(alpha)]
 
 
 def positioning_equations(chain: SerialChain, centre: ArrayLike) -> PositioningEquations:
@@ -125,18 +119,10 @@ def positioning_equations(chain: SerialChain, centre: ArrayLike) -> PositioningE
     centre : array_like, shape (3,)
         Wrist centre in the first frame (m), as from `wrist_centre`.
 
-    Returns
-    -------
-    PositioningEquations
-
     Raises
     ------
     BadValueError
         Another arm or one whose first two axes are one line.
-
-    See Also
-    --------
-    arm_angles : the other two joints.
 
     References
     ----------

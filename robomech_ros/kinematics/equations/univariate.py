@@ -95,8 +95,7 @@ class UnivariateRoots:
     @property
     def real(self) -> Array:
         """The real postures (rad), shape (m, 6)."""
-        rows: Array = self.q.real[np.all(self.q.imag == 0.0, axis=1)]
-        return rows
+        return self.q.real[np.all(self.q.imag == 0.0, axis=1)]
 
 
 @dataclass(frozen=True)
@@ -129,18 +128,8 @@ def raghavan_roth(chain: SerialChain, T: ArrayLike, *, first: int | None = None)
         where the matrix is singular for all angles as with a spherical wrist, the one with the most
         regular matrix.
 
-    Returns
-    -------
-    UnivariateRoots
-
-    Raises
-    ------
-    BadValueError
-        No arm of six revolute joints, no pose, or no such joint.
-
     See Also
     --------
-    li_woernle_hiller : by a smaller matrix.
     robomech_ros.kinematics.inverse_kinematics : fast, and complete for all arms.
 
     References
@@ -172,10 +161,6 @@ def li_woernle_hiller(
     first : int, optional
         The joint that the equations call 1, so that joint 5 is hidden for 1.  The default is chosen
         as there.
-
-    Returns
-    -------
-    UnivariateRoots
 
     References
     ----------

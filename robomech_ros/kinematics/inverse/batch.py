@@ -59,10 +59,6 @@ def inverse_kinematics_batch(
     SeedOutsideLimitsError
         As for :func:`inverse_kinematics`; of a target at fault the message names the index.
 
-    See Also
-    --------
-    inverse_kinematics : one pose, with names of the branches and reasons.
-
     Examples
     --------
     >>> import numpy as np

@@ -56,8 +56,7 @@ def largest_difference(chain: SerialChain, postures: Array, q: Array) -> Array:
     """Largest difference of each posture (k, n) from q (n,), angles modulo a turn."""
     difference = postures - q
     turn = np.remainder(difference + math.pi, 2.0 * math.pi) - math.pi
-    largest: Array = np.abs(np.where(chain.turns, turn, difference)).max(axis=1)
-    return largest
+    return np.abs(np.where(chain.turns, turn, difference)).max(axis=1)
 
 
 def distinct_names(chain: SerialChain, q: Array, names: Sequence[str]) -> tuple[str, ...]:

@@ -120,11 +120,6 @@ def rank_windings(
     """List the solutions q (k, n) in every winding inside the limits, nearest to the seed first.
 
     Returns joint values, branches and distances.
-
-    Raises
-    ------
-    BadValueError
-        The limits allow more than MOST_WINDINGS.
     """
     room = winding_count(turns, chain.lower, chain.upper, q)
     if room > MOST_WINDINGS:

@@ -139,8 +139,7 @@ def _drive_values(
     q = np.where(chain.turns, _wrapped(wound @ inversion.inverse.T), wound @ inversion.inverse.T)
     missed = q @ arm.rows.T - postures[:, None]
     missed = np.where(arm.chain.turns, _wrapped(missed), missed)
-    found: Array = q[np.abs(missed).max(axis=2) < _SLACK]
-    return found
+    return q[np.abs(missed).max(axis=2) < _SLACK]
 
 
 def _is_new(chain: SerialChain, q: Array, solutions: list[Array]) -> bool:
@@ -155,5 +154,4 @@ def _is_new(chain: SerialChain, q: Array, solutions: list[Array]) -> bool:
 
 def _wrapped(angles: Array) -> Array:
     """Bring angles into [-pi, pi)."""
-    turned: Array = np.remainder(angles + math.pi, 2.0 * math.pi) - math.pi
-    return turned
+    return np.remainder(angles + math.pi, 2.0 * math.pi) - math.pi

@@ -50,8 +50,6 @@ def first_solution(
 
     Raises
     ------
-    BadValueError
-        An option that `inverse_kinematics` does not have.
     RobomechError
         As `inverse_kinematics` does.
     """

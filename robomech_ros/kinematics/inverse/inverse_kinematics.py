@@ -109,7 +109,6 @@ def inverse_kinematics(
     --------
     inverse_kinematics_batch : many poses at once.
     self_motion : all postures of an arm of seven joints.
-    forward_kinematics : the inverse.
 
     References
     ----------

@@ -127,5 +127,4 @@ def _across(link: Array) -> Array:
     """Return the vector by which the axis behind a link passes that before."""
     normal = np.array([-link[1, 2], link[0, 2], 0.0])
     normal /= np.linalg.norm(normal)
-    vector: Array = (link[:3, 3] @ normal) * normal
-    return vector
+    return (link[:3, 3] @ normal) * normal

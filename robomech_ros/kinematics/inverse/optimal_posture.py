@@ -154,5 +154,4 @@ def _placed(chain: SerialChain, q: Array) -> Array:
     """Put every joint into the winding that is farthest inside its limits."""
     middle = chain.midrange()
     turned = middle + np.remainder(q - middle + np.pi, 2.0 * np.pi) - np.pi
-    placed: Array = np.where(chain.types == PRISMATIC, q, turned)
-    return placed
+    return np.where(chain.types == PRISMATIC, q, turned)

@@ -77,8 +77,7 @@ class Redundancy:
             return None
         moves = self.difference(q, guess)
         k = int(np.abs(moves).max(axis=1).argmin())
-        nearest: Array = guess + moves[k]
-        return nearest
+        return guess + moves[k]
 
     def matched(self, p: Array, q: Array, least: float) -> list[tuple[int, int]] | None:
         """Pair the postures of two neighbouring values; None where that is not clear.
@@ -111,5 +110,4 @@ def limit_margins(chain: SerialChain, q: Array) -> Array:
     room = np.minimum(q - chain.lower, chain.upper - q)
     half = 0.5 * (chain.upper - chain.lower)
     away = np.remainder(q - chain.midrange() + math.pi, 2.0 * math.pi) - math.pi
-    least: Array = np.where(turns, half - np.abs(away), room).min(axis=1, initial=np.inf)
-    return least
+    return np.where(turns, half - np.abs(away), room).min(axis=1, initial=np.inf)

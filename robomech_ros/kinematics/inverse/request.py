@@ -149,9 +149,6 @@ def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) ->
     ------
     SeedOutsideLimitsError
         A joint is outside its limits, and limits are respected.
-    BadValueError
-        A joint is beyond 1e5 rad or 1e6 m, where solutions near it would lose digits; or there is
-        no chain.
     """
     if seed is None and isinstance(chain, SerialChain):
         return chain.midrange()

@@ -254,8 +254,7 @@ class InverseKinematicsResult(Printed):
         return out
 
     def _row(self, number: int) -> Array:
-        row: Array = self._measured[number]
-        return row
+        return self._measured[number]
 
     @property
     def position_error(self) -> Array:

@@ -161,8 +161,7 @@ def between_axes(turns: Array, angles: Sequence[float]) -> Array:
     angles : sequence of 2 float
     """
     first, second = (turn_about_z(angle)[:3, :3] for angle in angles)
-    V: Array = turns[0] @ first @ turns[1] @ second @ turns[2]
-    return V
+    return turns[0] @ first @ turns[1] @ second @ turns[2]
 
 
 def outer_angles(W: Array, V: Array) -> tuple[float, float, bool]:

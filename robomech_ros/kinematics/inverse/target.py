@@ -59,13 +59,6 @@ def as_targets(T: ArrayLike, what: str = "T", batch: bool = False) -> Array:
     -------
     ndarray, shape (m, 4, 4)
         A copy.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Not real numbers, another shape, NaN or infinite, not a rotation or a last row other than 0
-        0 0 1 by more than the tolerance, or a position beyond LARGEST_LENGTH; of a batch the
-        message names the pose.
     """
     given = T if _is_plain(T) else real_array(what, T)
     if given.ndim != (3 if batch else 2) or given.shape[-2:] != (4, 4):

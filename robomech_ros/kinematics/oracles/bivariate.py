@@ -97,11 +97,6 @@ def solve_bivariate(chain: SerialChain, T: ArrayLike, *, steps: int = 240) -> li
     -------
     list of Intersection
         By increasing joint 3.  A singular posture, where the contours touch, stands once.
-
-    Raises
-    ------
-    BadValueError
-        No arm of six revolute joints, no pose, or too few steps.
     """
     count = real_number("steps", steps, f"a whole number from {_FEWEST_STEPS} on")
     if not (count >= _FEWEST_STEPS and float(count).is_integer()):
@@ -143,8 +138,7 @@ def _first_steps(equations: ClosureEquations, starts: Array) -> Array:
             x = x + np.clip(step[:, :, 0], -_LONGEST_STEP, _LONGEST_STEP)
         x = x[np.abs(_value(equations, x)).max(axis=1, initial=0.0) < _NEAR]
     turned = (x + np.pi) % (2.0 * np.pi) - np.pi
-    ends: Array = turned[np.unique(turned.round(_DIGITS), axis=0, return_index=True)[1]]
-    return ends
+    return turned[np.unique(turned.round(_DIGITS), axis=0, return_index=True)[1]]
 
 
 def _is_one(equations: ClosureEquations, x: Array, known: Array) -> bool:
@@ -158,8 +152,7 @@ def _is_one(equations: ClosureEquations, x: Array, known: Array) -> bool:
 def _value(equations: ClosureEquations, x: Array) -> Array:
     """Return the six equations (..., 6) at joints 3, 4 and 5 (..., 3)."""
     rows = [circle(x[..., k]) for k in range(3)]
-    value: Array = np.einsum("eijk,i...,j...,k...->...e", equations.free, *rows)
-    return value
+    return np.einsum("eijk,i...,j...,k...->...e", equations.free, *rows)
 
 
 def _slope(equations: ClosureEquations, x: Array) -> Array:

@@ -68,11 +68,6 @@ class PostureContours:
         Target pose of the tip in the base (m).
     pair : sequence of two of ``MINORS``, optional
         The two minors, each by its three rows of six, from 0.
-
-    Raises
-    ------
-    BadValueError
-        No arm of six revolute joints, no pose, or no two different minors.
     """
 
     def __init__(
@@ -99,11 +94,6 @@ class PostureContours:
         ----------
         estimate : array_like, shape (2,)
             Joints 4 and 5 (rad).
-
-        Raises
-        ------
-        BadValueError
-            The steps lead to no crossing, or no two finite numbers are given.
         """
         return self._judged(self._curves.refine(estimate))
 

@@ -47,12 +47,10 @@ class UnivariateSolutions:
         return iter(self.q)
 
     def __getitem__(self, k: int) -> Array:
-        row: Array = self.q[k]
-        return row
+        return self.q[k]
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> Array:
-        array: Array = np.array(self.q, dtype=dtype)
-        return array
+        return np.array(self.q, dtype=dtype)
 
 
 def solve_univariate(
@@ -73,11 +71,6 @@ def solve_univariate(
     UnivariateSolutions
         Not ``complete`` where roots are equal, as of singular postures and of arms with parallel
         axes or a spherical wrist.
-
-    Raises
-    ------
-    BadValueError
-        No arm of six revolute joints, no pose, or no such procedure.
 
     See Also
     --------

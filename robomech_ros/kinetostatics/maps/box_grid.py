@@ -67,12 +67,6 @@ def as_grid(
         Distance between neighbours (m).
     shape : int or array_like of int, shape (3,), or None
         Number of points.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Bounds that are not finite or in the wrong order, no points, or not exactly one of spacing
-        and shape.
     """
     low, high = _as_bound("lower", lower), _as_bound("upper", upper)
     for i in range(3):

@@ -100,8 +100,6 @@ def by_dask(
 
     Raises
     ------
-    BadValueError
-        No scheduler answers at that address, or it has no workers.
     DaskUnavailableError
         Dask is not installed.
     """

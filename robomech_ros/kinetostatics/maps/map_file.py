@@ -30,25 +30,14 @@ _PREAMBLE = 1 << 12
 
 
 def as_path(file: str | os.PathLike[str]) -> Path:
-    """Check the name of a file.
-
-    Raises
-    ------
-    BadValueError
-        Not a name.
-    """
+    """Check the name of a file."""
     if not isinstance(file, str | os.PathLike) or not str(file) or "\0" in str(file):
         raise BadValueError("file", file, "the path of a file")
     return Path(file)
 
 
 def check_writable(path: Path) -> None:
-    """Refuse a file that could not be written, before anything is computed for it.
-
-    Raises
-    ------
-    MapFileError
-    """
+    """Refuse a file that could not be written, before anything is computed for it."""
     if path.suffix != ".npz":
         raise MapFileError(str(path), "a map is kept in a file whose name ends with .npz")
     try:

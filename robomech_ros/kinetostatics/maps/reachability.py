@@ -192,10 +192,6 @@ def reach_map(
     progress : callable, optional
         Called now and then with how many points are finished, and of how many.
 
-    Returns
-    -------
-    ReachMap
-
     Raises
     ------
     NotEnoughMemoryError

@@ -59,15 +59,6 @@ def nearest_singular_posture(
     ----------
     chain, q, length
         As for :func:`singularity_report`.
-
-    Returns
-    -------
-    NearestSingularity
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`singularity_report`.
     """
     home = as_posture(chain, q)
     metres = scaling_length(chain, length)

@@ -208,8 +208,7 @@ class _Search:
         q = 0.5 * (self.low + self.high)
         joints = list(self.minors.joints)
         q[joints] = box.middle + np.where(self.turns, 2.0 * np.arctan(t), t)
-        clipped: Array = np.clip(q, self.low, self.high)
-        return clipped
+        return np.clip(q, self.low, self.high)
 
     def _width(self, box: _Box) -> float:
         spans = box.high - box.low

@@ -29,11 +29,6 @@ def scaling_length(chain: SerialChain, length: float | None) -> float:
 
     The size of the arm takes the place of the latter where there is none, since more joints move
     the tip than it has degrees of freedom in any posture.
-
-    Raises
-    ------
-    BadValueError
-        It is not from 1e-9 to 1e9 m; or the chain has no joint.
     """
     if not chain.n:
         raise BadValueError("chain", chain.name, "one with a joint")

@@ -115,13 +115,7 @@ class Minors:
 
 @functools.lru_cache(maxsize=16)
 def minors_of(chain: SerialChain) -> Minors:
-    """Find the largest minors of an arm that do not always vanish.
-
-    Raises
-    ------
-    BadValueError
-        No joint, or more than eight.
-    """
+    """Find the largest minors of an arm that do not always vanish."""
     chain.require_uncoupled(
         instead="with mimic joints nearest_singular_posture finds singular postures, without proof"
     )
@@ -181,8 +175,7 @@ def _to_coefficients(slide: bool) -> Array:
         at_nodes = np.column_stack(
             (np.ones(5), np.cos(x), np.sin(x), np.cos(2.0 * x), np.sin(2.0 * x))
         )
-    inverse: Array = np.linalg.inv(at_nodes).T
-    return inverse
+    return np.linalg.inv(at_nodes).T
 
 
 def _trimmed(
@@ -238,5 +231,4 @@ def _from_powers(degree: int) -> Array:
             for j in steps
         ]
     )
-    change: Array = shift @ unit
-    return change
+    return shift @ unit

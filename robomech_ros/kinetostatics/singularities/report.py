@@ -185,12 +185,6 @@ def singularity_report(
     SingularityReport or SingularityReports
         The latter for a batch: the same fields with its leading axes.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        q is not an array of n finite real numbers or the point of three up to 1e6 m, the length is
-        not from 1e-9 to 1e9 m, or the chain has no joint.
-
     See Also
     --------
     nearest_singular_posture : the singular posture that is nearest.

@@ -117,8 +117,7 @@ class Workspace(Printed):
 
     def contains(self, points: ArrayLike) -> BoolArray:
         """Tell which of points (..., 3) can be reached (m)."""
-        inside: BoolArray = self.solution_count(points) > 0
-        return inside
+        return self.solution_count(points) > 0
 
     def section_count(self, coordinates: ArrayLike) -> IntArray:
         """Count postures at points (..., 2) of the section, the first of three being free (m)."""
@@ -248,10 +247,6 @@ def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Wo
         Whether the limits of turning joints count; those of slides always do, except for the one
         that moves a section.
 
-    Returns
-    -------
-    Workspace
-
     Raises
     ------
     BadValueError
@@ -289,11 +284,6 @@ def positioning_boundary(chain: SerialChain) -> Workspace:
     """Find the boundary of what :func:`positioning_part` reaches with its point.
 
     It is :func:`workspace_boundary` but for a planar arm of three joints: the axis of the last.
-
-    Raises
-    ------
-    BadValueError, MissingLimitsError
-        As for :func:`workspace_boundary`.
     """
     return _of_section(chain, section_of(chain))
 

@@ -73,8 +73,7 @@ def _straight(section: WorkspaceSection, joint: int, value: float) -> tuple[Arra
 
     def slope(rows: Array) -> Array:
         _, *slopes = section.determinant_gradient(rows[:, 0], rows[:, 1])
-        across: Array = slopes[joint - 1]
-        return across
+        return slopes[joint - 1]
 
     values = slope(curve)
     change = np.flatnonzero((values[:-1] > 0.0) != (values[1:] > 0.0))
@@ -107,8 +106,7 @@ def _apart(section: WorkspaceSection, points: Array, other: Array) -> Array:
     """Return the differences of points, without whole turns (rad or m)."""
     turn = 2.0 * np.pi * section.round[1:]
     apart = other - points
-    result: Array = np.abs(apart - turn * np.round(apart / (2.0 * np.pi)))
-    return result
+    return np.abs(apart - turn * np.round(apart / (2.0 * np.pi)))
 
 
 def _with_crossings(section: WorkspaceSection, curve: Array, crossings: Array) -> Array:
@@ -150,8 +148,7 @@ def _to_the_ends(section: WorkspaceSection, curve: Array) -> Array:
     closed = np.abs(curve[0] - curve[-1]).max() < 1e-9
     rows = curve if closed else np.concatenate((added[:1], curve, added[1:]))
     apart = np.abs(np.diff(rows, axis=0)).max(axis=1) > 1e-13
-    result: Array = rows[np.concatenate(([True], apart))]
-    return result
+    return rows[np.concatenate(([True], apart))]
 
 
 def _on_edge(section: WorkspaceSection, vertex: Array, axis: int, bound: float) -> Array:

@@ -102,8 +102,7 @@ def _weights(section: WorkspaceSection, curve: Array) -> Array:
     rows = np.stack((np.stack((au, av), -1), np.stack((bu, bv), -1)), axis=1)
     longer = np.argmax((rows**2).sum(axis=2), axis=1)
     along = rows[np.arange(len(rows)), longer]
-    tangents: Array = np.einsum("kij,kj->ki", rows, along)
-    return tangents
+    return np.einsum("kij,kj->ki", rows, along)
 
 
 def _tangency(section: WorkspaceSection, q: Array, weights: Array) -> Array:
@@ -112,8 +111,7 @@ def _tangency(section: WorkspaceSection, q: Array, weights: Array) -> Array:
     au, av, _, _, _, bu, bv, *_ = section.regular(u, v)
     _, fu, fv = section.determinant_gradient(u, v)
     x, y = weights[..., 0], weights[..., 1]
-    result: Array = (x * av + y * bv) * fu - (x * au + y * bu) * fv
-    return result
+    return (x * av + y * bv) * fu - (x * au + y * bu) * fv
 
 
 def _cusp(section: WorkspaceSection, q: Array, weights: Array) -> Array:

@@ -45,8 +45,7 @@ def _lines(section: WorkspaceSection, joint: int) -> Array:
     """Return the grid's values of joint 2 (1) or 3 (2)."""
     lower, upper = section.lower[joint], section.upper[joint]
     if section.round[joint]:
-        whole: Array = lower + (upper - lower) * (np.arange(LINES) + OFFSET) / LINES
-        return whole
+        return lower + (upper - lower) * (np.arange(LINES) + OFFSET) / LINES
     margin = INWARD * (upper - lower)
     return np.linspace(lower + margin, upper - margin, LINES)
 
@@ -181,5 +180,4 @@ def _unwrapped(section: WorkspaceSection, curve: Array) -> Array:
 
 def cell_size(section: WorkspaceSection) -> Array:
     """Return the size (2,) of a cell of the grid (rad or m)."""
-    spans: Array = (section.upper[1:] - section.lower[1:]) / LINES
-    return spans
+    return (section.upper[1:] - section.lower[1:]) / LINES

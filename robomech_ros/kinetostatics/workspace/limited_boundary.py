@@ -118,8 +118,7 @@ class LimitedBoundary:
         H = np.where(convex[:, None, None], H, square)
         slope[held] = 0.0
         H[held[:, 0] | held[:, 1], 0, 1] = H[held[:, 0] | held[:, 1], 1, 0] = 0.0
-        steps: Array = np.einsum("kij,kj->ki", np.linalg.pinv(H, rcond=1e-12), slope)
-        return steps
+        return np.einsum("kij,kj->ki", np.linalg.pinv(H, rcond=1e-12), slope)
 
     def _on_walls(self, points: Array, inside: BoolArray, found: Array) -> Array:
         """Improve distances by the nearest points of walls, at the azimuth or height as it is."""
@@ -155,8 +154,7 @@ class LimitedBoundary:
         else:
             first = np.arctan2(points[:, 1], points[:, 0]) - np.arctan2(p[1], p[0])
             first = section.lower[0] + np.remainder(first - section.lower[0], 2.0 * np.pi)
-        attained: BoolArray = (first >= section.lower[0]) & (first <= section.upper[0])
-        return attained
+        return (first >= section.lower[0]) & (first <= section.upper[0])
 
     def _beside(self, points: Array, feet: Array, normal: Array) -> tuple[Array, Array]:
         """Return points of the section, and directions, at the azimuth or height of points."""
@@ -173,8 +171,7 @@ class LimitedBoundary:
     def _divides(self, points: Array, normals: Array) -> BoolArray:
         """Whether of the points on either side of surfaces only one can be reached."""
         sides = self._reached_beside(points, normals)
-        result: BoolArray = sides[0] != sides[1]
-        return result
+        return sides[0] != sides[1]
 
     def _reached_beside(self, points: Array, normals: Array) -> list[BoolArray]:
         """Whether the points on either side of surfaces can be reached."""
@@ -232,13 +229,11 @@ class LimitedBoundary:
         if self._section.slides[0]:
             shift = np.zeros_like(vectors)
             shift[:, 2] = 0.0 if turns_only else first
-            shifted: Array = vectors + shift
-            return shifted
+            return vectors + shift
         c, s = np.cos(first), np.sin(first)
         x, y, z = vectors.T
         return np.column_stack((c * x - s * y, s * x + c * y, z))
 
 
 def _unit(vectors: Array) -> Array:
-    unit: Array = vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1e-300)[:, None]
-    return unit
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1e-300)[:, None]

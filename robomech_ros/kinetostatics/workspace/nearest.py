@@ -100,5 +100,4 @@ def _left(points: Array) -> Array:
     """Return unit normals (k, 2) to the left of a polyline."""
     tangent = np.gradient(points, axis=0)
     normal = np.stack((-tangent[:, 1], tangent[:, 0]), axis=1)
-    unit: Array = normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
-    return unit
+    return normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]

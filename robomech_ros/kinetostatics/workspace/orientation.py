@@ -42,8 +42,7 @@ class OrientationWorkspace:
     @property
     def reachable(self) -> BoolArray:
         """Which of the samples can be taken, shape (m,)."""
-        result: BoolArray = self.solution_count > 0
-        return result
+        return self.solution_count > 0
 
     @property
     def approach_directions(self) -> Array:
@@ -51,8 +50,7 @@ class OrientationWorkspace:
 
         They cover the service sphere of the point as far as it can be approached.
         """
-        directions: Array = self.rotations[self.reachable][:, :, 2]
-        return directions
+        return self.rotations[self.reachable][:, :, 2]
 
 
 def orientation_workspace(
@@ -73,15 +71,6 @@ def orientation_workspace(
         From 1 to 1,000,000.
     respect_limits : bool, optional
         Whether solutions outside the joint limits count.
-
-    Returns
-    -------
-    OrientationWorkspace
-
-    Raises
-    ------
-    BadValueError
-        Not a chain of six joints or more, not a point, or a number of samples out of range.
     """
     check_chain(chain)
     if chain.n < 6:

@@ -93,8 +93,7 @@ class PlanarTip:
             search.find(pair.section.coordinates(pair.section.in_frame(points)))[0]
             for pair, search in self._nearest
         ]
-        least: Array = np.min(found, axis=0)
-        return least
+        return np.min(found, axis=0)
 
     @cached_property
     def _nearest(self) -> list[tuple[HeldPair, NearestOnCurves]]:
@@ -117,8 +116,6 @@ def planar_tip(chain: SerialChain, *, respect_limits: bool) -> PlanarTip:
 
     Raises
     ------
-    BadValueError
-        The tip moves on a curve only.
     MissingLimitsError
         A slide has no end.
     """
@@ -242,8 +239,7 @@ class _Branch:
         """Return the joint values (m, 2) of places (m,)."""
         q = self.branch.q
         k = np.clip(at.astype(np.int64), 0, len(q) - 2)
-        values: Array = q[k] + (at - k)[:, None] * (q[k + 1] - q[k])
-        return values
+        return q[k] + (at - k)[:, None] * (q[k + 1] - q[k])
 
     def sides(self, pairs: tuple[HeldPair, ...], at: Array, step: float) -> IntArray:
         """Return 1 where only the left of places (m,) is reached, -1 only the right, else 0."""

@@ -51,11 +51,6 @@ def positioning_part(chain: SerialChain) -> PositioningPart:
         Of three joints, which place its tip, or of four to six of which those after the third turn
         about axes through one point: the centre of the wrist; of four, about an axis through the
         tip.  Of two joints, a planar arm; of three, one whose last joint turns: its axis is placed.
-
-    Raises
-    ------
-    BadValueError
-        There is no such point.
     """
     check_chain(chain)
     chain.require_uncoupled(instead="with mimic joints reach_map computes what the tip reaches")

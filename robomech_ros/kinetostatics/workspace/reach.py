@@ -38,11 +38,6 @@ def reach_limits(chain: SerialChain) -> tuple[float, float]:
     least, greatest : float
         Distances between the origins of the first joint's frame and of the tip (m), inside the
         joint limits; the greatest is infinite where a slide has no end.
-
-    Raises
-    ------
-    BadValueError
-        Not a chain, or none with joints.
     """
     check_chain(chain)
     if not chain.n:

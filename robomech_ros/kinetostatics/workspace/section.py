@@ -142,8 +142,7 @@ class WorkspaceSection:
             return pu[0], pv[0], puu[0], puv[0], pvv[0], pu[1], pv[1], puu[1], puv[1], pvv[1]
 
         def across(a: Array, b: Array) -> Array:
-            product: Array = a[0] * b[0] + a[1] * b[1]
-            return product
+            return a[0] * b[0] + a[1] * b[1]
 
         return (
             across(p, pu),
@@ -158,11 +157,9 @@ class WorkspaceSection:
         """Return det J21 (m^3 where all turn), shape (...)."""
         p, pu, pv = self.derivatives(u, v, 1)
         if self.slides[0]:
-            plane: Array = pu[0] * pv[1] - pv[0] * pu[1]
-            return plane
+            return pu[0] * pv[1] - pv[0] * pu[1]
         au, av = p[0] * pu[0] + p[1] * pu[1], p[0] * pv[0] + p[1] * pv[1]
-        found: Array = au * pv[2] - av * pu[2]
-        return found
+        return au * pv[2] - av * pu[2]
 
     def determinant_gradient(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
         """Return det J21 and its derivatives by the two joint values, shape (...) each."""
@@ -175,8 +172,7 @@ class WorkspaceSection:
 
     def in_frame(self, points: Array) -> Array:
         """Return points (..., 3) of the base in the frame of joint 1 (m)."""
-        moved: Array = (points - self.base[:3, 3]) @ self.base[:3, :3]
-        return moved
+        return (points - self.base[:3, 3]) @ self.base[:3, :3]
 
     def on_section(self, coordinates: Array) -> Array:
         """Return points of the base (..., 3) at azimuth or height 0 of coordinates (..., 2) (m)."""
@@ -186,8 +182,7 @@ class WorkspaceSection:
 
     def in_base(self, points: Array) -> Array:
         """Return points (..., 3) of the frame of joint 1 in the base (m)."""
-        moved: Array = points @ self.base[:3, :3].T + self.base[:3, 3]
-        return moved
+        return points @ self.base[:3, :3].T + self.base[:3, 3]
 
     def over(self, unit: float) -> "WorkspaceSection":
         """Return the same arm with all lengths divided by a unit (m)."""
@@ -241,8 +236,6 @@ def section_of(chain: SerialChain, *, respect_limits: bool = True) -> WorkspaceS
 
     Raises
     ------
-    BadValueError
-        There is no such part, or it moves on a surface only.
     MissingLimitsError
         A slide has no end.
     """

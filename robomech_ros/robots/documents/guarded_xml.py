@@ -123,13 +123,7 @@ _XACRO_DEFINITIONS = ("xacro:property", "xacro:arg", "xacro:macro")
 
 
 def refuse_xacro(root: XmlElement, where: str) -> None:
-    """Refuse a document in which something is still to be expanded.
-
-    Raises
-    ------
-    RobotDescriptionError
-        The line and the element are named.
-    """
+    """Refuse a document in which something is still to be expanded."""
     for child in root.children:
         if child.tag.startswith(_XACRO) and child.tag not in _XACRO_DEFINITIONS:
             place = f"{where}: line {child.line}"

@@ -136,13 +136,7 @@ def parse_yaml(text: str | bytes, where: str, largest: int = LARGEST_YAML) -> di
 def check_keys(
     mapping: object, where: str, required: Iterable[str], optional: Iterable[str]
 ) -> Mapping[str, Any]:
-    """Check that a value is a mapping with all required keys and no unknown ones.
-
-    Raises
-    ------
-    RobotDescriptionError
-        Naming the keys at fault and those that are allowed.
-    """
+    """Check that a value is a mapping with all required keys and no unknown ones."""
     required, optional = tuple(required), tuple(optional)
     allowed = ", ".join((*required, *optional))
     if not isinstance(mapping, dict):
@@ -159,13 +153,7 @@ def check_keys(
 
 
 def check_choices(mapping: Mapping[str, Any], where: str, **choices: Iterable[str]) -> None:
-    """Check that values of a mapping are among those known, such as ``kind=("hand",)``.
-
-    Raises
-    ------
-    RobotDescriptionError
-        Naming the key, its value and the values known.
-    """
+    """Check that values of a mapping are among those known, such as ``kind=("hand",)``."""
     for key, known in choices.items():
         values = tuple(known)
         if mapping[key] not in values:

@@ -13,13 +13,7 @@ NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
 
 
 def read_source(path: Path, largest: int) -> bytes:
-    """Read a regular file of at most this many bytes.
-
-    Raises
-    ------
-    RobotDescriptionError
-        There is no such file, it is no regular one, too large, or cannot be read.
-    """
+    """Read a regular file of at most this many bytes."""
     try:
         return read_regular(path, largest)
     except (OSError, ValueError) as error:

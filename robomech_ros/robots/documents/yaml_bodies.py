@@ -20,11 +20,6 @@ def body_from_yaml(value: object, where: str) -> Body:
         From the document; kg, m and kg m^2, the inertia about the centre of mass.
     where : str
         What the place is called in messages.
-
-    Raises
-    ------
-    RobotDescriptionError
-        A key is unknown or missing, or a value is no number.
     """
     body = check_keys(value, where, ("mass", "com", "inertia"), ("as_measured",))
     moments = check_keys(
@@ -42,13 +37,7 @@ def body_from_yaml(value: object, where: str) -> Body:
 
 
 def drive_from_yaml(value: object, where: str) -> Drive:
-    """Read the fields of a :class:`Drive`, all of them optional.
-
-    Raises
-    ------
-    RobotDescriptionError
-        A key is unknown, or a value is not what the drive accepts.
-    """
+    """Read the fields of a :class:`Drive`, all of them optional."""
     drive = check_keys(value, where, (), DRIVE_KEYS)
     try:
         return Drive(**drive)

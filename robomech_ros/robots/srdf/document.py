@@ -52,17 +52,11 @@ def load_srdf(
     description : RobotDescription
         The robot.
 
-    Returns
-    -------
-    SemanticDescription
-
     Raises
     ------
     RobotDescriptionError
         The document as a whole is broken, hostile or no SRDF, or the robot has none of its
         groups: the line and the fault are named.
-    BadValueError
-        Neither text nor a path.
 
     See Also
     --------

@@ -26,11 +26,6 @@ def read_groups(root: XmlElement, names: SrdfNames) -> tuple[dict[str, Group], d
     groups : dict of str to Group
     left_out : dict of str to str
         Why a group is none: it has no member that there is.
-
-    Raises
-    ------
-    RobotDescriptionError
-        The groups have more members than any robot.
     """
     elements: dict[str, XmlElement] = {}
     for element in root.all("group"):

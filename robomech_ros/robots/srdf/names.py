@@ -72,13 +72,7 @@ class SrdfNames:
             self.notes.append(f"{error}; {what} is left out")
 
     def own(self, element: XmlElement, taken: Collection[str]) -> str:
-        """Read the name of an element, which no other of its kind has.
-
-        Raises
-        ------
-        RobotDescriptionError
-            There is none, or it is taken.
-        """
+        """Read the name of an element, which no other of its kind has."""
         name = element.attributes.get("name", "")
         if not name or name in taken:
             kind = element.tag.replace("_", " ")
@@ -87,13 +81,7 @@ class SrdfNames:
         return name
 
     def known(self, element: XmlElement, key: str, known: Collection[str], kind: str) -> str:
-        """Read an attribute that names something known.
-
-        Raises
-        ------
-        RobotDescriptionError
-            It names something else; what is known is listed.
-        """
+        """Read an attribute that names something known."""
         name = element.attributes.get(key, "")
         if kind == "link":
             name = bare_link(name)

@@ -27,11 +27,6 @@ def link_bodies(links: Iterable[XmlElement], where: str, notes: list[str]) -> di
         What the document is called in messages.
     notes : list of str
         Gets what is given more than once.
-
-    Raises
-    ------
-    RobotDescriptionError
-        A number is missing or is none; the link is named.
     """
     bodies = {}
     for link in links:

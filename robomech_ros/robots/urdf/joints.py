@@ -37,12 +37,6 @@ def read_joint(element: XmlElement, where: str, notes: list[str]) -> Joint:
         What the document is called in messages.
     notes : list of str
         Gets what is no limit although it is given.
-
-    Raises
-    ------
-    RobotDescriptionError
-        The tree cannot be made without this joint: the line, the joint, the value and what is
-        expected are named.
     """
     reader = ElementReader(element, where)
     kind = element.attributes.get("type", "")
@@ -73,8 +67,7 @@ def _read_axis(reader: ElementReader, notes: list[str]) -> Array:
         reader.refuse(f"axis is '{shown}', of zero length; expected a direction, such as '0 0 1'")
     # By the largest entry first, so that no square overflows.
     axis = axis / np.abs(axis).max()
-    unit: Array = axis / np.linalg.norm(axis)
-    return unit
+    return axis / np.linalg.norm(axis)
 
 
 def _read_limits(reader: ElementReader, kind: str, notes: list[str]) -> dict[str, Any]:

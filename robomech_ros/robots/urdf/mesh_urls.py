@@ -18,11 +18,6 @@ def with_mesh_urls(text: str, folder: Path) -> str:
         The document.
     folder : Path
         Where its relative paths begin.  A path at which there is no file stays, too.
-
-    Raises
-    ------
-    RobotDescriptionError
-        It is no XML.
     """
     data = text.encode()
     parts, at = list[bytes](), 0

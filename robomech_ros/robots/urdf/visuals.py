@@ -51,11 +51,6 @@ def read_visuals(text: str, where: str = "URDF") -> list[Visual]:
         A document that :func:`description_from_urdf` accepts.
     where : str, optional
         What it is called in messages.
-
-    Raises
-    ------
-    RobotDescriptionError
-        A number of an origin, shape or colour is none.
     """
     root = parse_urdf(text, where)
     links = root.all("link")

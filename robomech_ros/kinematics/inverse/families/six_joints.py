@@ -95,8 +95,7 @@ def match_general(
 
 def reversed_transforms(transforms: Array) -> Array:
     """Return the constant transforms of the inverse motion, from the tip to the base."""
-    inverse: Array = np.linalg.inv(transforms[::-1]).astype(np.float64)
-    return inverse
+    return np.linalg.inv(transforms[::-1]).astype(np.float64)
 
 
 def chain_of(transforms: Array, types: Sequence[int]) -> SerialChain:
