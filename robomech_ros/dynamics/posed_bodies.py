@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robomech_ros.kinematics.forward_uncompiled import link_transforms
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
 from robomech_ros.typing import Array, BoolArray
@@ -37,40 +38,6 @@ class PosedBodies:
     masses: Array
     inertias: Array
     tip: Array
-
-
-def link_transforms(chain: SerialChain, q: Array) -> Array:
-    """Compute the poses of the frames that move with the joints, and of the tip.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        Of m joints moved by n drives.
-    q : ndarray, shape (..., n)
-        Joint values (rad or m), of the drives where joints follow others.
-
-    Returns
-    -------
-    ndarray, shape (..., m + 1, 4, 4)
-        In the base (m); the tip last.
-    """
-    q, chain = chain.joint_values(q), chain.uncoupled
-    constants = chain.transforms
-    poses = np.empty((*q.shape[:-1], chain.n + 1, 4, 4))
-    T = np.broadcast_to(constants[0], (*q.shape[:-1], 4, 4))
-    for i in range(chain.n):
-        joint = np.zeros((*q.shape[:-1], 4, 4))
-        joint[...] = np.eye(4)
-        if chain.types[i] == REVOLUTE:
-            c, s = np.cos(q[..., i]), np.sin(q[..., i])
-            joint[..., 0, 0], joint[..., 0, 1] = c, -s
-            joint[..., 1, 0], joint[..., 1, 1] = s, c
-        else:
-            joint[..., 2, 3] = q[..., i]
-        poses[..., i, :, :] = T @ joint
-        T = poses[..., i, :, :] @ constants[i + 1]
-    poses[..., chain.n, :, :] = T
-    return poses
 
 
 def body_moments(chain: SerialChain) -> tuple[Array, Array, Array]:

@@ -33,56 +33,45 @@ class DynamicSystem(Protocol):
     @property
     def name(self) -> str:
         """The robot."""
-        ...
 
     @property
     def joint_names(self) -> tuple[str, ...]:
         """All n joints."""
-        ...
 
     @property
     def drive_names(self) -> tuple[str, ...]:
         """The m joints with drives."""
-        ...
 
     @property
     def drives_at(self) -> IntArray:
         """Indices of the drives among the joints, shape (m,)."""
-        ...
 
     @property
     def lower(self) -> Array:
         """Lower position limits (rad or m), shape (n,)."""
-        ...
 
     @property
     def upper(self) -> Array:
         """Upper position limits (rad or m), shape (n,)."""
-        ...
 
     @property
     def effort(self) -> Array:
         """Limits of the drives (N m or N), shape (m,); NaN where there is none."""
-        ...
 
     @property
     def velocity(self) -> Array:
         """Limits of the rates of the drives (rad/s or m/s), shape (m,); NaN where there is none."""
-        ...
 
     @property
     def friction_rows(self) -> Array:
         """Viscous, Coulomb, excess at rest and one over its rate, shape (4, n)."""
-        ...
 
     @property
     def mass(self) -> float:
         """Total moving mass (kg)."""
-        ...
 
     def checked_posture(self, q: ArrayLike, what: str) -> Array:
         """Return joint values (n,) that are finite and close all loops, or raise an error."""
-        ...
 
     def posture(self, values: Array, near: Array) -> Array:
         """Return all joints (n,) for values of the drives (m,), in the assembly mode of ``near``.
@@ -92,19 +81,15 @@ class DynamicSystem(Protocol):
         LostPostureError
             There is none.
         """
-        ...
 
     def complement(self, q: Array) -> Array:
         """Return N (..., n, m), from the rates of the drives to those of all joints."""
-        ...
 
     def joint_rates(self, q: Array, rates: Array) -> Array:
         """Return the rates of all joints (..., n)."""
-        ...
 
     def tip_twist(self, q: Array, rates: Array) -> Array:
         """Return the twist [omega; v] (6,) of the tip in the base."""
-        ...
 
     def inverse(
         self,
@@ -116,7 +101,6 @@ class DynamicSystem(Protocol):
         tip_wrench: ArrayLike | None = None,
     ) -> Array:
         """Compute the efforts of the drives (..., m) that a motion takes, without friction."""
-        ...
 
     def forward(
         self,
@@ -128,39 +112,30 @@ class DynamicSystem(Protocol):
         tip_wrench: ArrayLike | None = None,
     ) -> Array:
         """Compute the accelerations of the drives (..., m), without friction."""
-        ...
 
     def compiled_forward(self, gravity: ArrayLike, tip_wrench: ArrayLike | None) -> CompiledForward:
         """Return :meth:`forward` of single states without checks."""
-        ...
 
     def compiled_servo(self, plant: Any, law: ServoLaw) -> CompiledServo:
         """Have a controller that knows this system drive another of its kind."""
-        ...
 
     def sampled_postures(self, count: int) -> Array:
         """Spread postures (k, n), at most count, over what the drives can take."""
-        ...
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """Compute the generalised inertia (..., m, m)."""
-        ...
 
     def coriolis_matrix(self, q: ArrayLike, rates: ArrayLike) -> Array:
         """Compute C (..., m, m) of which the rate of the inertia less 2 C is skew."""
-        ...
 
     def kinetic_energy(self, q: ArrayLike, rates: ArrayLike) -> Array:
         """Compute the kinetic energy, shape () or (...,) (J)."""
-        ...
 
     def potential_energy(self, q: ArrayLike, *, gravity: ArrayLike = ...) -> Array:
         """Compute the potential energy, shape () or (...,) (J)."""
-        ...
 
     def with_payload(self, payload: Body) -> DynamicSystem:
         """Return the system that carries a load, seen in the frame of the tip."""
-        ...
 
 
 def dynamic_system(robot: Any) -> DynamicSystem:

@@ -36,19 +36,4 @@ if TYPE_CHECKING:
         branch_path as branch_path,
     )
 
-__getattr__, __all__ = lazy_exports(
-    __name__,
-    globals(),
-    {
-        "forward": "forward_kinematics link_poses",
-        "forward_uncompiled": "tip_poses",
-        "inverse.batch": "inverse_kinematics_batch",
-        "inverse.inverse_kinematics": "inverse_kinematics",
-        "inverse.optimal_posture": "optimal_posture",
-        "inverse.result": "InverseKinematicsResult",
-        "inverse.self_motion": "SelfMotion SelfMotionBranch self_motion",
-        "inverse.status": "Status",
-        "joint_jumps": "Jump",
-        "path_branches": "BranchPath branch_path",
-    },
-)
+__getattr__, __all__ = lazy_exports(__name__, globals())

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.robots.chain_layout import REVOLUTE
 from robomech_ros.typing import Array
 
 
@@ -34,16 +34,28 @@ def tip_poses(chain: SerialChain, q: ArrayLike) -> Array:
         raise WrongSizeError("q", values.shape, f"(m, {chain.n})")
     if not np.isfinite(values).all():
         raise_not_finite(chain, values)
-    values, chain = chain.joint_values(values), chain.uncoupled
-    C = chain.transforms
-    T = np.broadcast_to(C[0], (len(values), 4, 4))
-    for joint in range(chain.n):
-        motion = np.broadcast_to(np.eye(4), T.shape).copy()
-        if chain.types[joint] == PRISMATIC:
-            motion[:, 2, 3] = values[:, joint]
+    return link_transforms(chain, values)[:, -1]
+
+
+def link_transforms(chain: SerialChain, q: Array) -> Array:
+    """Compute the poses (..., m + 1, 4, 4) of the frames that move with m joints, and of the tip.
+
+    They are in the base (m), for joint values q (..., n) of the drives (rad or m).
+    """
+    q, chain = chain.joint_values(q), chain.uncoupled
+    constants = chain.transforms
+    poses = np.empty((*q.shape[:-1], chain.n + 1, 4, 4))
+    T = np.broadcast_to(constants[0], (*q.shape[:-1], 4, 4))
+    for i in range(chain.n):
+        joint = np.zeros((*q.shape[:-1], 4, 4))
+        joint[...] = np.eye(4)
+        if chain.types[i] == REVOLUTE:
+            c, s = np.cos(q[..., i]), np.sin(q[..., i])
+            joint[..., 0, 0], joint[..., 0, 1] = c, -s
+            joint[..., 1, 0], joint[..., 1, 1] = s, c
         else:
-            cosine, sine = np.cos(values[:, joint]), np.sin(values[:, joint])
-            motion[:, 0, 0] = motion[:, 1, 1] = cosine
-            motion[:, 1, 0], motion[:, 0, 1] = sine, -sine
-        T = T @ motion @ C[joint + 1]
-    return T
+            joint[..., 2, 3] = q[..., i]
+        poses[..., i, :, :] = T @ joint
+        T = poses[..., i, :, :] @ constants[i + 1]
+    poses[..., chain.n, :, :] = T
+    return poses

@@ -7,6 +7,7 @@ import numpy as np
 from robomech_ros._kernels.chain.serial import jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.typing import Array
 
 # Least ratio of singular values, at the best of some postures, of an arm with six of freedom.
 ARM_MOBILITY = 1e-7
@@ -37,13 +38,18 @@ def mobility(chain: SerialChain, size: float) -> float:
         The least singular value of the Jacobian over the largest, lengths over the size, at the
         best of some postures.
     """
+    values = np.linalg.svd(sampled_jacobians(chain, size), compute_uv=False)
+    return float(np.max(values[:, -1] / values[:, 0]))
+
+
+def sampled_jacobians(chain: SerialChain, size: float) -> Array:
+    """Return the Jacobians (16, 6, n) of some postures, linear rows over a size (m)."""
     q = np.random.default_rng(0).uniform(-math.pi, math.pi, (16, chain.n))
     q[:, chain.types == PRISMATIC] *= size
     J = np.empty((len(q), 6, chain.n))
     jacobian(chain.packed, q, J, np.empty((4, 4)))
     J[:, 3:] /= size
-    values = np.linalg.svd(J, compute_uv=False)
-    return float(np.max(values[:, -1] / values[:, 0]))
+    return J
 
 
 def moves_in_all_directions(chain: SerialChain, size: float) -> bool:

@@ -92,35 +92,4 @@ if TYPE_CHECKING:
     )
     from robomech_ros.kinetostatics.workspace.reach import reach_limits as reach_limits
 
-__getattr__, __all__ = lazy_exports(
-    __name__,
-    globals(),
-    {
-        "accelerations": "bias_acceleration jacobian_rate joint_accelerations",
-        "best_posture": "BestPosture best_conditioned_posture",
-        "conditioning": (
-            "CharacteristicLength ConditioningIndex characteristic_length conditioning_index"
-        ),
-        "decoupled_blocks": "DecoupledJacobian decoupled_jacobian",
-        "ellipsoids": "ManipulabilityEllipsoid manipulability_ellipsoid",
-        "global_indices": "GlobalIndex global_conditioning_index",
-        "indices": (
-            "condition_number condition_number_gradient least_singular_value_gradient "
-            "manipulability manipulability_gradient min_singular_value"
-        ),
-        "jacobians": "jacobian",
-        "maps.reachability": "ReachMap load_reach_map reach_map",
-        "point_jacobians": "point_jacobian",
-        "rates": "joint_rates",
-        "reduced_jacobians": "planar_jacobian planar_rows task_jacobian",
-        "rotation_sets": "uniform_rotations uniform_turns",
-        "self_motions": "SelfMotionCurve self_motion_curve",
-        "singularities.distance": "NearestSingularity nearest_singular_posture",
-        "singularities.free_intervals": "SingularityFree singularity_free",
-        "singularities.report": "SingularityReport SingularityReports singularity_report",
-        "statics": "joint_torques wrench_from_torques",
-        "workspace.boundary": "BoundaryCurve Workspace workspace_boundary",
-        "workspace.orientation": "OrientationWorkspace orientation_workspace",
-        "workspace.reach": "reach_limits",
-    },
-)
+__getattr__, __all__ = lazy_exports(__name__, globals())

@@ -14,6 +14,7 @@ from robomech_ros.kinetostatics.indices import NORMS, as_length, evaluate
 from robomech_ros.kinetostatics.task_parts import PARTS
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.robots.entry_checks import whole_number
 from robomech_ros.spatial.arrays import as_choice, as_flag
 from robomech_ros.typing import Array
 
@@ -131,10 +132,7 @@ def _ratio(above: Array, below: Array) -> GlobalIndex:
 def _as_count(postures: int) -> int:
     """Check a number of postures; gives the power of two that each shift has of them."""
     expected = f"a whole number from {_FEWEST} to {_MOST}"
-    if isinstance(postures, bool) or not isinstance(postures, int | np.integer):
-        raise BadValueError("postures", postures, expected)
-    if not _FEWEST <= postures <= _MOST:
-        raise BadValueError("postures", postures, expected)
+    whole_number("postures", postures, _FEWEST, _MOST, expected)
     return 1 << math.ceil(math.log2(postures / _SHIFTS))
 
 

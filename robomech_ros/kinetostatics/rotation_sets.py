@@ -7,7 +7,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import WrongSizeError
+from robomech_ros.robots.entry_checks import whole_number
 from robomech_ros.spatial import as_rotation, matrix_from_axis_angle, matrix_from_quaternion
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.typing import Array
@@ -85,8 +86,4 @@ def as_orientations(orientations: ArrayLike) -> Array:
 
 def _as_count(count: int) -> int:
     expected = f"a whole number from 1 to {MOST_ORIENTATIONS:,}"
-    if isinstance(count, bool) or not isinstance(count, int | np.integer):
-        raise BadValueError("number of orientations", count, expected)
-    if not 1 <= count <= MOST_ORIENTATIONS:
-        raise BadValueError("number of orientations", count, expected)
-    return int(count)
+    return whole_number("number of orientations", count, 1, MOST_ORIENTATIONS, expected)

@@ -1,22 +1,17 @@
 """Which rows of the Jacobian a part of a task means: those of what the arm does in any posture."""
 
 import functools
-import math
 from typing import NamedTuple
 
 import numpy as np
 
-from robomech_ros._kernels.chain.serial import jacobian
 from robomech_ros._kernels.tolerances import RANK
-from robomech_ros.kinematics.mobility import arm_size
+from robomech_ros.kinematics.mobility import arm_size, sampled_jacobians
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.typing import Array, IntArray
 
 # Rows of the Jacobian that a part of the task means.
 PARTS = {"pose": np.arange(6), "orientation": np.arange(3), "position": np.arange(3, 6)}
-# Postures whose Jacobians span all that an arm does.
-_POSTURES = 16
 # Entries of projections onto axes, 0 or 1, are as exact as this.
 _ROUNDING = 1e-6
 
@@ -69,12 +64,7 @@ def task_part(chain: SerialChain, part: str) -> TaskPart:
 
 def _projections(chain: SerialChain) -> tuple[Array, Array]:
     """Return the projections (3, 3) onto the spans of turning and moving in all postures."""
-    size = arm_size(chain)
-    q = np.random.default_rng(0).uniform(-math.pi, math.pi, (_POSTURES, chain.n))
-    q[:, chain.types == PRISMATIC] *= size
-    J = np.empty((_POSTURES, 6, chain.n))
-    jacobian(chain.packed, q, J, np.empty((4, 4)))
-    J[:, 3:] /= size
+    J = sampled_jacobians(chain, arm_size(chain))
     spans = [np.concatenate(list(J[:, k : k + 3]), axis=1) for k in (0, 3)]
     (left, values), (right, more) = (np.linalg.svd(span)[:2] for span in spans)
     least = RANK * max(values[0], more[0])

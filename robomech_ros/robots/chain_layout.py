@@ -21,6 +21,13 @@ def turn_about_z(angle: float) -> Array:
     return T
 
 
+def shift(vector: Array) -> Array:
+    """Move by a vector (3,) in m, without a turn: shape (4, 4)."""
+    T = np.eye(4)
+    T[:3, 3] = vector
+    return T
+
+
 def joint_transform(slides: bool, q: float) -> Array:
     """Turn about z by q (rad), or slide along it by q (m): shape (4, 4)."""
     if not slides:

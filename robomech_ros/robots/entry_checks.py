@@ -1,7 +1,9 @@
-"""Checks of names and of lists with one entry for each joint."""
+"""Checks of names, of whole numbers, and of lists with one entry for each joint."""
 
 from collections.abc import Sequence
 from typing import Any
+
+import numpy as np
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import listed
@@ -36,3 +38,12 @@ def check_names(what: str, names: Sequence[str]) -> None:
         check_name(f"one of {what}", name)
     if len(set(names)) < len(names):
         raise BadValueError(what, names, "different names")
+
+
+def whole_number(what: str, value: object, least: int, most: float, expected: str) -> int:
+    """Return a whole number between two bounds; ``expected`` says in the message what they are."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise BadValueError(what, value, expected)
+    if not least <= value <= most:
+        raise BadValueError(what, value, expected)
+    return int(value)

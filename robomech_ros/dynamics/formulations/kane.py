@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike
 from robomech_ros.dynamics.checked_states import as_screw, as_vector, finite_result, finite_states
 from robomech_ros.dynamics.complement.stacking import solve, times
 from robomech_ros.dynamics.model import GRAVITY
-from robomech_ros.dynamics.posed_bodies import body_moments, link_transforms, reflected_inertias
+from robomech_ros.dynamics.posed_bodies import body_moments, reflected_inertias
+from robomech_ros.kinematics.forward_uncompiled import link_transforms
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
 from robomech_ros.typing import Array

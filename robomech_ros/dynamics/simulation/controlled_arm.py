@@ -16,6 +16,7 @@ from robomech_ros.dynamics.simulation.fixed_gains import effective_inertias
 from robomech_ros.dynamics.systems import DynamicSystem, dynamic_system
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.entry_checks import whole_number
 from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
 from robomech_ros.typing import Array, BoolArray
 
@@ -134,13 +135,8 @@ class ControlledArm:
         rate = real_number("observer", self.observer, expected)
         if not 0.0 <= rate < np.inf:
             raise BadValueError("observer", self.observer, expected)
-        if (
-            not isinstance(self.substeps, int | np.integer)
-            or isinstance(self.substeps, bool)
-            or not 1 <= self.substeps <= _MOST_SUBSTEPS
-        ):
-            expected = f"a whole number from 1 to {_MOST_SUBSTEPS}"
-            raise BadValueError("substeps", self.substeps, expected)
+        expected = f"a whole number from 1 to {_MOST_SUBSTEPS}"
+        whole_number("substeps", self.substeps, 1, _MOST_SUBSTEPS, expected)
         effort = np.where(np.isfinite(model.effort), model.effort, np.inf)
         gravity = np.array(as_finite("gravity", self.gravity, (3,)))
         law = ServoLaw(mode, self._gains(model, mode), effort, gravity)

@@ -28,14 +28,4 @@ if TYPE_CHECKING:
         expression_text as expression_text,
     )
 
-__getattr__, __all__ = lazy_exports(
-    __name__,
-    globals(),
-    {
-        "closed_forms": "EXPRESSIONS SymbolicModel symbolic_model",
-        "geometry": (
-            "SymbolicClosure SymbolicDecoupled SymbolicLoop symbolic_closure symbolic_decoupled"
-        ),
-        "printing": "FORMS abbreviated expression_latex expression_source expression_text",
-    },
-)
+__getattr__, __all__ = lazy_exports(__name__, globals())

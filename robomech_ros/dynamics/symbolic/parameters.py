@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 import numpy as np
 import sympy
 
-from robomech_ros.dynamics.posed_bodies import link_transforms
 from robomech_ros.dynamics.symbolic.terms import Angle, Poly, TermRing
 from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.forward_uncompiled import link_transforms
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
-from robomech_ros.robots.dh_table import DHTable
+from robomech_ros.robots.dh_table import DHTable, link_transforms as table_transforms
 from robomech_ros.robots.drives import Drive
 from robomech_ros.typing import Array
 
@@ -218,8 +218,8 @@ def _body_row(names: _Names, chain: SerialChain, table: DHTable, i: int) -> tupl
     if body is None:
         return (sympy.Integer(0),) * 10
     frame = table.base
-    for j in range(k):
-        frame = frame @ _row_transform(table, j)
+    for step in table_transforms(table)[:k]:
+        frame = frame @ step
     own = link_transforms(chain, np.zeros(chain.n))[i]
     seen = body.expressed_in(np.linalg.inv(frame) @ own)
     axes = ("xx", "xy", "xz", "yy", "yz", "zz")
@@ -231,20 +231,6 @@ def _body_row(names: _Names, chain: SerialChain, table: DHTable, i: int) -> tupl
             names.quantity(f"I_{ax}{k}", float(v), size or 1.0)
             for ax, v in zip(axes, moments, strict=True)
         ),
-    )
-
-
-def _row_transform(table: DHTable, i: int) -> Array:
-    c, s = math.cos(table.theta[i]), math.sin(table.theta[i])
-    ca, sa = math.cos(table.alpha[i]), math.sin(table.alpha[i])
-    a = table.a[i]
-    return np.array(
-        [
-            [c, -ca * s, sa * s, a * c],
-            [s, ca * c, -sa * c, a * s],
-            [0.0, sa, ca, table.b[i]],
-            [0.0, 0.0, 0.0, 1.0],
-        ]
     )
 
 

@@ -12,13 +12,12 @@ from robomech_ros.kinematics.inverse.families.selection import Family, family_of
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
 from robomech_ros.kinematics.inverse.reach import out_of_reach
 from robomech_ros.kinematics.inverse.redundant_solutions import sample_self_motions
-from robomech_ros.kinematics.inverse.request import as_cap, as_metric, as_seed, default_tolerances
+from robomech_ros.kinematics.inverse.request import Request, as_request, default_tolerances
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import as_flag
 from robomech_ros.typing import Array, IntArray
 
 
@@ -72,33 +71,29 @@ def inverse_kinematics_batch(
     ((2, 1, 6), [1, 1], [0, 0])
     """
     targets = as_targets(T, batch=True)
-    respect_limits = as_flag("respect_limits", respect_limits)
-    start = as_seed(chain, seed, respect_limits)
-    number, cap = as_metric(metric), as_cap(max_solutions)
-    family = family_of(chain)
+    request = as_request(chain, seed, respect_limits, False, metric, max_solutions)
+    cap, family = request.max_solutions, family_of(chain)
     if family.redundant:
         room = min(cap or MOST_SAMPLED, MOST_SAMPLED)
-        traced = seed is not None or room == 1
-        q, count, *_ = sample_self_motions(
-            chain, targets, family, start, number, respect_limits, room, traced=traced
-        )
+        traced = request.seeded or room == 1
+        q, count, *_ = sample_self_motions(chain, targets, family, request, room, traced=traced)
     elif chain.coupling is not None:
         room = min(cap or MAX_SOLUTIONS, MAX_SOLUTIONS)
         q, count = np.full((len(targets), room, chain.n), np.nan), np.zeros(len(targets), np.int64)
     else:
-        family = family_within(chain, respect_limits)
+        family = family_within(chain, request.respect_limits)
         room = min(cap or MAX_SOLUTIONS, MAX_SOLUTIONS)
-        q, count, _ = solve_many(chain, targets, family, start, number, respect_limits, room)
+        q, count, _ = solve_many(chain, targets, family, request, room)
     status = np.zeros(len(targets), np.int64)
     for index in np.flatnonzero(count <= 0):
         one = targets[index]
-        outcome = _outcome_of_none(chain, one, family, start, number, respect_limits)
+        outcome = _outcome_of_none(chain, one, family, request)
         if outcome is None:
             found = inverse_kinematics(
                 chain,
                 one,
-                seed=start,
-                respect_limits=respect_limits,
+                seed=request.seed,
+                respect_limits=request.respect_limits,
                 metric=metric,
                 max_solutions=room,
             )
@@ -126,12 +121,12 @@ def family_within(chain: SerialChain, respect_limits: bool) -> Family:
 
 
 def _outcome_of_none(
-    chain: SerialChain, T: Array, family: Family, seed: Array, metric: int, respect_limits: bool
+    chain: SerialChain, T: Array, family: Family, request: Request
 ) -> Status | None:
     """Tell why a closed form gave nothing for a pose of a batch; None where a search has to."""
     if family.redundant or not family.closed_form:
         return None
-    _, _, state = solve_many(chain, T[None], family, seed, metric, respect_limits, 1)
+    _, _, state = solve_many(chain, T[None], family, request, 1)
     bare, _, _, singular, unproven = state
     if bare:
         return Status.SINGULAR_CONTINUUM if singular else Status.LIMITS_EXCLUDE_ALL

@@ -15,7 +15,7 @@ from robomech_ros.kinematics.inverse.reasons import (
     explain_unreachable,
     no_solution,
 )
-from robomech_ros.kinematics.inverse.request import Request
+from robomech_ros.kinematics.inverse.request import Request, as_request
 from robomech_ros.kinematics.inverse.result import (
     Findings,
     InverseKinematicsResult,
@@ -81,7 +81,7 @@ def _wound(
     result: InverseKinematicsResult, request: Request, family: Family
 ) -> InverseKinematicsResult:
     """Return the result with every winding of its solutions."""
-    q, names, distances = rank_windings(
+    q, names, distances = rank_solutions(
         result.chain, family.turns, request, result.q, result.branch_bits
     )
     kept = slice(request.max_solutions)
@@ -114,70 +114,54 @@ def _explained(
     return explain_unreachable(chain, T, family, respect_limits=limited)
 
 
-def rank_windings(
-    chain: SerialChain, turns: IntArray, request: Request, q: Array, names: IntArray
+def rank_solutions(
+    chain: SerialChain,
+    turns: IntArray,
+    request: Request,
+    q: Array,
+    names: IntArray,
+    *,
+    windings: bool = True,
 ) -> tuple[Array, IntArray, Array]:
-    """List the solutions q (k, n) in every winding inside the limits, nearest to the seed first.
+    """Order solutions q (k, n) inside the limits, the nearest to the seed first.
 
-    Returns joint values, branches and distances.
+    With ``windings`` each is listed in every winding, else in the nearest one.  Returns joint
+    values, branches and distances.
+
+    Raises
+    ------
+    BadValueError
+        The limits allow more than MOST_WINDINGS.
     """
-    room = winding_count(turns, chain.lower, chain.upper, q)
+    limits = turns, chain.lower, chain.upper
+    room = winding_count(*limits, q) if windings else min(len(q), MAX_SOLUTIONS)
     if room > MOST_WINDINGS:
         expected = f"limits with at most {MOST_WINDINGS} windings of all solutions; here are {room}"
         raise BadValueError("include_windings", True, expected)
-    ranked = np.empty((room, chain.n))
-    marks = np.empty(room, np.int64)
-    distances = np.empty(room)
-    count = rank(
-        turns,
-        chain.lower,
-        chain.upper,
-        request.seed,
-        request.metric,
-        request.respect_limits,
-        True,
-        q,
-        names,
-        ranked,
-        marks,
-        distances,
-    )
+    out = np.empty((room, chain.n)), np.empty(room, np.int64), np.empty(room)
+    asked = request.seed, request.metric, request.respect_limits, windings
+    count = rank(*limits, *asked, q, names, *out)
+    ranked, marks, distances = out
     return ranked[:count], marks[:count], distances[:count]
 
 
 def solve_many(
-    chain: SerialChain,
-    targets: Array,
-    family: Family,
-    seed: Array,
-    metric: int,
-    respect_limits: bool,
-    room: int,
+    chain: SerialChain, targets: Array, family: Family, request: Request, room: int
 ) -> tuple[Array, IntArray, tuple[int, ...]]:
     """Solve poses (m, 4, 4) in one loop; give solutions, counts and the state of the last pose.
 
     Counts below 1 are those of ``_kernels.inverse.solutions.solve``.
     """
-    q = np.empty((len(targets), room, chain.n))
-    count = np.empty(len(targets), np.int64)
-    state = solve(
-        family.arm,
-        targets,
-        seed,
-        metric,
-        respect_limits,
-        np.empty((MAX_SOLUTIONS, chain.n)),
-        q,
-        np.empty(MAX_SOLUTIONS),
-        np.empty((MARKS, MAX_SOLUTIONS), np.int64),
-        count,
-    )
-    return q, count, state
+    q, count = np.empty((len(targets), room, chain.n)), np.empty(len(targets), np.int64)
+    asked = request.seed, request.metric, request.respect_limits
+    away, marks = np.empty(MAX_SOLUTIONS), np.empty((MARKS, MAX_SOLUTIONS), np.int64)
+    space = np.empty((MAX_SOLUTIONS, chain.n))
+    return q, count, solve(family.arm, targets, *asked, space, q, away, marks, count)
 
 
 def all_postures(chain: SerialChain, T: Array, family: Family) -> tuple[Array, bool]:
     """List the postures (k, n) of a pose, limits aside, and tell whether they are provably all."""
-    seed = np.zeros(chain.n)
-    q, count, state = solve_many(chain, T[None], family, seed, 0, False, MAX_SOLUTIONS)
+    request = as_request(chain, np.zeros(chain.n), respect_limits=False)
+    q, count, state = solve_many(chain, T[None], family, request, MAX_SOLUTIONS)
     _, _, _, singular, unproven = state
     return q[0, : max(int(count[0]), 0)], family.exact and not singular and not unproven

@@ -7,7 +7,7 @@ import numpy as np
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.solutions import solve_redundant
-from robomech_ros.kinematics.inverse.closed_form import rank_windings
+from robomech_ros.kinematics.inverse.closed_form import rank_solutions
 from robomech_ros.kinematics.inverse.families.selection import Family
 from robomech_ros.kinematics.inverse.request import Request
 from robomech_ros.kinematics.inverse.result import Findings, InverseKinematicsResult, Listing
@@ -24,22 +24,16 @@ def solve_by_sampling(
 ) -> InverseKinematicsResult | None:
     """Sample the self-motion at the pose T (4, 4); None where no sample is inside the limits."""
     room = min(request.max_solutions or MOST_SAMPLED, MOST_SAMPLED)
+    traced = request.seeded or room == 1
     ranked, counts, names, distances = sample_self_motions(
-        chain,
-        T[None],
-        family,
-        request.seed,
-        request.metric,
-        request.respect_limits,
-        room,
-        traced=request.seeded or room == 1,
+        chain, T[None], family, request, room, traced=traced
     )
     count = int(counts[0])
     if count <= 0:
         return None
     q, names, distances = ranked[0, :count], names[:count], distances[:count]
     if request.include_windings:
-        q, names, distances = rank_windings(chain, family.turns, request, q, names)
+        q, names, distances = rank_solutions(chain, family.turns, request, q, names)
     kept = slice(request.max_solutions)
     findings = _sampled(chain, family)
     listing = Listing(T, distances[kept], names[kept])
@@ -57,15 +51,7 @@ def _sampled(chain: SerialChain, family: Family) -> Findings:
 
 
 def sample_self_motions(
-    chain: SerialChain,
-    T: Array,
-    family: Family,
-    seed: Array,
-    metric: int,
-    respect_limits: bool,
-    room: int,
-    *,
-    traced: bool,
+    chain: SerialChain, T: Array, family: Family, request: Request, room: int, *, traced: bool
 ) -> tuple[Array, IntArray, IntArray, Array]:
     """Sample the self-motion at the poses T (m, 4, 4).
 
@@ -78,8 +64,8 @@ def sample_self_motions(
     ranked = np.empty((len(T), room, chain.n))
     names, distances = np.empty(room, np.int64), np.empty(room)
     counts = np.empty(len(T), np.int64)
-    asked = metric, respect_limits, room == 1, traced
-    _solve(family.arm, T, seed, asked, ranked, names, distances, counts)
+    asked = request.metric, request.respect_limits, room == 1, traced
+    _solve(family.arm, T, request.seed, asked, ranked, names, distances, counts)
     return ranked, counts, names, distances
 
 

@@ -22,6 +22,7 @@ from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.kinematics.joint_values import as_joint_values, as_posture, raise_not_finite
 from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.entry_checks import whole_number
 from robomech_ros.spatial.arrays import as_flag, listed, real_number
 from robomech_ros.typing import Array
 
@@ -78,11 +79,11 @@ def is_loose(chain: SerialChain, request: Request) -> bool:
 
 def as_request(
     chain: SerialChain,
-    seed: ArrayLike | None,
-    respect_limits: bool,
-    include_windings: bool,
-    metric: str,
-    max_solutions: int | None,
+    seed: ArrayLike | None = None,
+    respect_limits: bool = True,
+    include_windings: bool = False,
+    metric: str = "linf",
+    max_solutions: int | None = None,
 ) -> Request:
     """Check a request for the full pose; the parameters are those of :func:`inverse_kinematics`."""
     options = (chain, respect_limits, include_windings, metric, max_solutions)
@@ -205,11 +206,8 @@ def as_cap(max_solutions: int | None) -> int | None:
     """Check a cap on the number of solutions."""
     if max_solutions is None:
         return None
-    if isinstance(max_solutions, bool) or not isinstance(max_solutions, int | np.integer):
-        raise BadValueError("max_solutions", max_solutions, "a whole number of at least 1")
-    if max_solutions < 1:
-        raise BadValueError("max_solutions", max_solutions, "a whole number of at least 1")
-    return int(max_solutions)
+    expected = "a whole number of at least 1"
+    return whole_number("max_solutions", max_solutions, 1, math.inf, expected)
 
 
 def _positive(what: str, value: float) -> float:

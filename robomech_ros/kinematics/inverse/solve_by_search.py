@@ -7,9 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from robomech_ros._kernels.inverse import branch_bits as bit
-from robomech_ros._kernels.inverse.ranking import rank
-from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
-from robomech_ros.kinematics.inverse.closed_form import rank_windings
+from robomech_ros.kinematics.inverse.closed_form import rank_solutions
 from robomech_ros.kinematics.inverse.coupled_joints import solve_coupled_joints
 from robomech_ros.kinematics.inverse.families.iterative import task_data
 from robomech_ros.kinematics.inverse.families.selection import Family, iterative_family
@@ -114,30 +112,16 @@ def ranked_solutions(
     complete: bool,
 ) -> InverseKinematicsResult:
     """Order the solutions that a search has found, perhaps all of them."""
-    ranked = np.empty((MAX_SOLUTIONS, chain.n))
-    names = np.zeros(MAX_SOLUTIONS, np.int64)
-    distances = np.empty(MAX_SOLUTIONS)
-    count = rank(
-        family.turns,
-        chain.lower,
-        chain.upper,
-        request.seed,
-        request.metric,
-        request.respect_limits,
-        False,
-        search.q,
-        names,
-        ranked,
-        names.copy(),
-        distances,
+    unnamed = np.zeros(len(search.q), np.int64)
+    ranked, _, distances = rank_solutions(
+        chain, family.turns, request, search.q, unnamed, windings=False
     )
-    ranked, names, distances = ranked[:count], names[:count], distances[:count]
     names = singular_marks(chain, T, request.task, ranked)
     continuum = ""
     if (names & bit.CONTINUUM).any():
         continuum = describe_continuum(chain, T, ranked, names, request.task, sampled=True)
     if request.include_windings:
-        ranked, names, distances = rank_windings(chain, family.turns, request, ranked, names)
+        ranked, names, distances = rank_solutions(chain, family.turns, request, ranked, names)
     kept = slice(request.max_solutions)
     findings = Findings(
         family.name,

@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from robomech_ros._kernels.tolerances import SAME_POSTURE
+from robomech_ros.kinematics.axis_points import nearest_points
 from robomech_ros.kinematics.forward import forward_kinematics
 from robomech_ros.kinematics.inverse.closed_form import all_postures
 from robomech_ros.kinematics.inverse.families.merged_axes import MergedArm
@@ -20,7 +21,7 @@ from robomech_ros.kinematics.inverse.families.selection import Family, family_of
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import REVOLUTE, turn_about_z, unpack_chain
+from robomech_ros.robots.chain_layout import REVOLUTE, shift, turn_about_z, unpack_chain
 from robomech_ros.typing import Array
 
 # Axes that miss each other by less than this part of the arm's size meet.
@@ -80,19 +81,23 @@ def spherical_hollow_wrist(merged: MergedArm) -> SphericalHollowWrist | None:
     if not gains.all() or np.abs(gains).sum() > _MOST_DEGREE:
         return None
     # The centre in the frame of each joint of the wrist, whose axes all go through it.
-    height = _height_of_meeting(C[4])
-    if height is None:
+    meeting = nearest_points(C[4])
+    if meeting is None:
         return None
-    centre, size = np.array([0.0, 0.0, height, 1.0]), arm_size(merged.chain)
+    centre, size = np.array([0.0, 0.0, meeting[0], 1.0]), arm_size(merged.chain)
     for constant in C[4:7]:
         if np.hypot(*centre[:2]) > _MEETS * size:
             return None
         centre = np.linalg.inv(constant) @ centre
     if np.hypot(*centre[:2]) > _MEETS * size:
         return None
-    at_centre = np.eye(4)
-    at_centre[2, 3] = height
-    links = [*C[:3], C[3] @ at_centre, _QUARTER, _QUARTER.T, np.eye(4)]
+    links = [
+        *C[:3],
+        C[3] @ shift(np.array([0.0, 0.0, meeting[0]])),
+        _QUARTER,
+        _QUARTER.T,
+        np.eye(4),
+    ]
     arm = chain_of(np.array(links), [*types[:3], REVOLUTE, REVOLUTE, REVOLUTE])
     family = family_of(arm)
     if not family.lists_all:
@@ -102,15 +107,6 @@ def spherical_hollow_wrist(merged: MergedArm) -> SphericalHollowWrist | None:
     return SphericalHollowWrist(
         arm, family, front, C[4:, :3, :3], tip[:3], (int(gains[0]), int(gains[1]))
     )
-
-
-def _height_of_meeting(constant: Array) -> float | None:
-    """Find where a z axis is nearest to that of the next frame; None if they are parallel."""
-    u, d = constant[:3, 2], constant[:3, 3]
-    square = float(u[0] ** 2 + u[1] ** 2)
-    if square < _ALIGNED**2:
-        return None
-    return float(d[2] - u[2] * (u[0] * d[0] + u[1] * d[1]) / square)
 
 
 def spherical_wrist_postures(wrist: SphericalHollowWrist, T: Array) -> tuple[Array, bool]:

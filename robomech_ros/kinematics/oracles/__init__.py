@@ -4,16 +4,23 @@ They share no code with it: neither equations nor elimination, roots or refineme
 steps one by one are in ``robomech_ros.kinematics.equations``.
 """
 
-from robomech_ros.kinematics.oracles.bivariate import Intersection, minors, solve_bivariate
-from robomech_ros.kinematics.oracles.posture_contours import Crossing, PostureContours
-from robomech_ros.kinematics.oracles.univariate import UnivariateSolutions, solve_univariate
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "Crossing",
-    "Intersection",
-    "PostureContours",
-    "UnivariateSolutions",
-    "minors",
-    "solve_bivariate",
-    "solve_univariate",
-]
+from robomech_ros.lazy_import import lazy_exports
+
+if TYPE_CHECKING:
+    from robomech_ros.kinematics.oracles.bivariate import (
+        Intersection as Intersection,
+        minors as minors,
+        solve_bivariate as solve_bivariate,
+    )
+    from robomech_ros.kinematics.oracles.posture_contours import (
+        Crossing as Crossing,
+        PostureContours as PostureContours,
+    )
+    from robomech_ros.kinematics.oracles.univariate import (
+        UnivariateSolutions as UnivariateSolutions,
+        solve_univariate as solve_univariate,
+    )
+
+__getattr__, __all__ = lazy_exports(__name__, globals())

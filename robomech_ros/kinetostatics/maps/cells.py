@@ -11,7 +11,7 @@ from robomech_ros.kinematics.inverse.closed_form import solve_many
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
 from robomech_ros.kinematics.inverse.redundant_solutions import sample_self_motions
-from robomech_ros.kinematics.inverse.request import METRICS
+from robomech_ros.kinematics.inverse.request import as_request
 from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.kinetostatics.indices import condition_number
 from robomech_ros.kinetostatics.maps.request import MapRequest
@@ -97,14 +97,11 @@ def _postures(chain: SerialChain, T: Array, respect_limits: bool) -> tuple[Array
 
     Of a redundant arm they are samples of the self-motion.
     """
-    family, seed = family_within(chain, respect_limits), chain.midrange()
-    metric = METRICS["linf"]
+    family, request = family_within(chain, respect_limits), as_request(chain, None, respect_limits)
     if family.redundant:
-        q, counts, *_ = sample_self_motions(
-            chain, T, family, seed, metric, respect_limits, MOST_SAMPLED, traced=False
-        )
+        q, counts, *_ = sample_self_motions(chain, T, family, request, MOST_SAMPLED, traced=False)
     else:
-        q, counts, _ = solve_many(chain, T, family, seed, metric, respect_limits, MAX_SOLUTIONS)
+        q, counts, _ = solve_many(chain, T, family, request, MAX_SOLUTIONS)
         for index in np.flatnonzero(counts == UNDECIDED):
             found = inverse_kinematics(chain, T[index], respect_limits=respect_limits)
             counts[index] = min(len(found), MAX_SOLUTIONS)

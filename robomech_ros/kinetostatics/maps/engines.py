@@ -12,7 +12,6 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros import __version__
@@ -20,6 +19,7 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinetostatics.maps.cells import map_cells
 from robomech_ros.kinetostatics.maps.request import MapRequest
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.entry_checks import whole_number
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -49,12 +49,7 @@ def as_workers(workers: int | None) -> int:
     """Check a number of threads; None is one for each processor that this process may use."""
     if workers is None:
         return len(os.sched_getaffinity(0))
-    expected = "a whole number from 1 to 1024"
-    if isinstance(workers, bool) or not isinstance(workers, int | np.integer):
-        raise BadValueError("workers", workers, expected)
-    if not 1 <= workers <= 1024:
-        raise BadValueError("workers", workers, expected)
-    return int(workers)
+    return whole_number("workers", workers, 1, 1024, "a whole number from 1 to 1024")
 
 
 def in_threads(
@@ -141,7 +136,8 @@ def _connected(address: str) -> "Client":
         with ThreadPoolExecutor(1) as pool:  # where a loop may be running already there is another
             identity = pool.submit(asyncio.run, _identity(address)).result()
     except (OSError, ValueError, asyncio.TimeoutError) as error:
-        raise BadValueError("scheduler", address, f"{expected} ({_first_line(error)})") from None
+        first = (str(error) or type(error).__name__).splitlines()[0]
+        raise BadValueError("scheduler", address, f"{expected} ({first})") from None
     if identity.get("type") != "Scheduler":
         raise BadValueError("scheduler", address, f"{expected} (a {identity.get('type')} answers)")
     if not identity["workers"]:
@@ -158,10 +154,6 @@ async def _identity(address: str) -> dict[str, Any]:
             return dict(await peer.identity())
 
     return await asyncio.wait_for(ask(), _PATIENCE)
-
-
-def _first_line(error: Exception) -> str:
-    return (str(error) or type(error).__name__).splitlines()[0]
 
 
 def _task(given: tuple[SerialChain, MapRequest], first: int, last: int) -> NDArray | None:

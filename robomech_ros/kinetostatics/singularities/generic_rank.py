@@ -1,18 +1,15 @@
 """The Jacobian of an arm in nearly all postures: its rank, and its scale."""
 
 import functools
-import math
 
 import numpy as np
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.mobility import arm_size
+from robomech_ros.kinematics.mobility import arm_size, sampled_jacobians
 from robomech_ros.kinetostatics.conditioning import characteristic_length, length_scale
 from robomech_ros.kinetostatics.indices import as_length
-from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.typing import Array
 
 
@@ -57,10 +54,7 @@ def generic_motions(chain: SerialChain) -> tuple[int, Array]:
         Twists that span all that it has in one posture or another (1 and m).
     """
     size = arm_size(chain)
-    q = np.random.default_rng(0).uniform(-math.pi, math.pi, (16, chain.n))
-    q[:, chain.types == PRISMATIC] *= size
-    J = jacobian(chain, q)
-    J[:, 3:] /= size
+    J = sampled_jacobians(chain, size)
     values = np.linalg.svd(J, compute_uv=False)
     left, all_values, _ = np.linalg.svd(np.concatenate(list(J), axis=1))
     rank = int((values > RANK * values[:, :1]).sum(axis=1).max())

@@ -5,12 +5,12 @@ the polylines are made finer until their images are smooth; every vertex is a ro
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from robomech_ros.kinetostatics.workspace.deflated_determinant import DeflatedDeterminant
 from robomech_ros.kinetostatics.workspace.grid_curves import (
-    BISECTIONS,
     INWARD,
     LINES,
     NEWTON,
@@ -19,9 +19,9 @@ from robomech_ros.kinetostatics.workspace.grid_curves import (
     critical_point,
     grid_curves,
 )
-from robomech_ros.kinetostatics.workspace.refinement import refined
+from robomech_ros.kinetostatics.workspace.refinement import bisected, onto_zeros, refined
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, BoolArray
 
 # Within so many cells of a crossing of branches no vertex is kept but the crossing.
 _CORNER = 1.6
@@ -59,7 +59,9 @@ def singular_contours(section: WorkspaceSection) -> list[Contour]:
     for curve in found:
         ends = _to_the_ends(section, _with_crossings(section, curve, crossings))
         if len(ends) > 1:
-            result.append(Contour(0, refined(section, ends, deflated.onto)))
+            result.append(
+                Contour(0, refined(section, ends, partial(onto_zeros, deflated.gradient)))
+            )
     return result + straight
 
 
@@ -71,17 +73,11 @@ def _straight(section: WorkspaceSection, joint: int, value: float) -> tuple[Arra
     curve = np.empty((len(along), 2))
     curve[:, joint - 1], curve[:, other - 1] = value, along
 
-    def slope(rows: Array) -> Array:
-        _, *slopes = section.determinant_gradient(rows[:, 0], rows[:, 1])
-        return slopes[joint - 1]
+    def rises(rows: Array) -> BoolArray:
+        return section.determinant_gradient(rows[:, 0], rows[:, 1])[joint] > 0.0
 
-    values = slope(curve)
-    change = np.flatnonzero((values[:-1] > 0.0) != (values[1:] > 0.0))
-    low, high, positive = curve[change], curve[change + 1], values[change] > 0.0
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        left = (slope(middle) > 0.0) == positive
-        low, high = np.where(left[:, None], middle, low), np.where(left[:, None], high, middle)
+    change = np.flatnonzero(np.diff(rises(curve)))
+    low, _ = bisected(rises, curve[change], curve[change + 1])
     return np.insert(curve, change + 1, low, axis=0), low
 
 

@@ -7,8 +7,9 @@ import numpy as np
 from robomech_ros.kinetostatics.workspace.contours import edges_of_box, singular_contours
 from robomech_ros.kinetostatics.workspace.cusps_and_nodes import Branch, cusps_of, intersections
 from robomech_ros.kinetostatics.workspace.point_postures import PointPostures
+from robomech_ros.kinetostatics.workspace.refinement import bisected
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, BoolArray
 
 # How far beside a curve postures are counted, over the arm's size; and at how many points of it.
 _BESIDE = 2e-5
@@ -110,14 +111,12 @@ def _where_singular(
     section: WorkspaceSection, joint: int, curve: Array
 ) -> list[tuple[float, Array]]:
     """Find the places of a limit's curve at which the arm is singular."""
-    f = section.determinant(curve[:, 0], curve[:, 1])
-    change = np.flatnonzero((f[:-1] > 0.0) != (f[1:] > 0.0))
-    low, high, positive = curve[change], curve[change + 1], f[change] > 0.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        left = (section.determinant(middle[:, 0], middle[:, 1]) > 0.0) == positive
-        low = np.where(left[:, None], middle, low)
-        high = np.where(left[:, None], high, middle)
+
+    def positive(rows: Array) -> BoolArray:
+        return section.determinant(rows[:, 0], rows[:, 1]) > 0.0
+
+    change = np.flatnonzero(np.diff(positive(curve)))
+    low, _ = bisected(positive, curve[change], curve[change + 1], steps=60)
     other = 2 - joint
     span = curve[change + 1, other] - curve[change, other]
     share = (low[:, other] - curve[change, other]) / span

@@ -8,7 +8,6 @@ from robomech_ros.typing import Array, BoolArray
 # Values of a joint between which it is looked for a change of sign.
 _LOOKS = 1280
 _BISECTIONS = 52
-_PROJECTIONS = 12
 
 
 class DeflatedDeterminant:
@@ -52,17 +51,6 @@ class DeflatedDeterminant:
             return x, np.ones_like(x)
         # One zero in a turn; the product of an even number of them is the same after a turn.
         return 2.0 * np.sin(0.5 * x), np.cos(0.5 * x)
-
-    def onto(self, rows: Array) -> Array:
-        """Move points (k, 2) onto its zeros."""
-        rows = rows.copy()
-        for _ in range(_PROJECTIONS):
-            f, fu, fv = self.gradient(rows[:, 0], rows[:, 1])
-            square = fu * fu + fv * fv
-            share = np.divide(f, square, out=np.zeros_like(f), where=square > 0.0)
-            rows[:, 0] -= share * fu
-            rows[:, 1] -= share * fv
-        return rows
 
 
 def _singular_values(section: WorkspaceSection, joint: int) -> list[float]:

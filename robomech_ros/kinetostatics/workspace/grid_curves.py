@@ -5,8 +5,9 @@ from collections import defaultdict
 import numpy as np
 
 from robomech_ros.kinetostatics.workspace.deflated_determinant import DeflatedDeterminant
+from robomech_ros.kinetostatics.workspace.refinement import bisected
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array
 
 # Direction of a grid line, and the node before the root on it.
 _Key = tuple[int, int, int]
@@ -17,7 +18,6 @@ LINES = 320
 INWARD = 1e-7
 # Offset of a grid all round, in cells: no root that symmetry puts somewhere falls on a line.
 OFFSET = 0.38196601125
-BISECTIONS = 52
 NEWTON = 8
 
 
@@ -68,19 +68,10 @@ def _grid_roots(
         high = low.copy()
         step = 2.0 * np.pi / LINES if section.round[axis + 1] else lines[axis][1] - lines[axis][0]
         high[:, axis] += step
-        root = _bisected(deflated, low, high, positive[tuple(index.T)])
+        root = 0.5 * np.add(*bisected(lambda rows: deflated.positive(*rows.T), low, high))
         for (i, j), (x, y) in zip(index.tolist(), root.tolist(), strict=True):
             roots[axis, i, j] = (x, y)
     return roots
-
-
-def _bisected(deflated: DeflatedDeterminant, low: Array, high: Array, positive: BoolArray) -> Array:
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        left = deflated.positive(middle[:, 0], middle[:, 1]) == positive
-        low = np.where(left[:, None], middle, low)
-        high = np.where(left[:, None], high, middle)
-    return 0.5 * (low + high)
 
 
 def _segments(

@@ -3,7 +3,7 @@
 import numpy as np
 
 from robomech_ros.kinetostatics.workspace.curve_pieces import CurvePiece
-from robomech_ros.kinetostatics.workspace.refinement import on_contour
+from robomech_ros.kinetostatics.workspace.refinement import onto_zeros
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 from robomech_ros.typing import Array, IntArray
 
@@ -90,7 +90,8 @@ class NearestOnCurves:
         moved = np.where(bounded, np.clip(moved, section.lower[1:], section.upper[1:]), moved)
         singular = joint == 0
         if singular.any():
-            moved[singular] = on_contour(section, moved[singular], _PROJECTIONS)
+            found = onto_zeros(section.determinant_gradient, moved[singular], _PROJECTIONS)
+            moved[singular] = found
         off = (bounded & ((moved < section.lower[1:]) | (moved > section.upper[1:]))).any(axis=1)
         off |= np.linalg.norm(moved - start, axis=1) > 2.0 * longest
         return np.where(off[:, None], q, moved)

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import inverse_kinematics_batch
+from robomech_ros.kinematics.inverse.closed_form import solve_many
 from robomech_ros.kinematics.inverse.families.selection import family_of
+from robomech_ros.kinematics.inverse.request import as_request
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.rotation_sets import uniform_rotations
-from robomech_ros.kinetostatics.workspace.point_postures import solve_poses
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.typing import Array, BoolArray, IntArray
@@ -85,7 +87,8 @@ def orientation_workspace(
     T[:, 3, 3] = 1.0
     family = family_of(chain)
     if family.lists_all:
-        _, count = solve_poses(family, T, chain.midrange(), bounded=respect_limits)
+        request = as_request(chain, None, respect_limits)
+        count = np.maximum(solve_many(chain, T, family, request, MAX_SOLUTIONS)[1], 0)
     else:
         _, count, _ = inverse_kinematics_batch(chain, T, respect_limits=respect_limits)
     return OrientationWorkspace(point, rotations, count, float((count > 0).mean()))

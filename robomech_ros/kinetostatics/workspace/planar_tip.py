@@ -11,19 +11,20 @@ the plane are those of the pairs.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.inverse.families.six_joints import chain_of
 from robomech_ros.kinetostatics.workspace.curve_pieces import CurvePiece, branches_of, values_in
 from robomech_ros.kinetostatics.workspace.cusps_and_nodes import Branch
 from robomech_ros.kinetostatics.workspace.nearest import NearestOnCurves
 from robomech_ros.kinetostatics.workspace.point_postures import PointPostures
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection, section_of
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, joint_transform, pack_chain
+from robomech_ros.robots.chain_layout import PRISMATIC, joint_transform
 from robomech_ros.typing import Array, BoolArray, IntArray
 
 # How far beside a curve it is looked whether a point is reached, over the arm's size.
@@ -157,21 +158,10 @@ def _without(chain: SerialChain, joint: int, value: float) -> SerialChain:
     slides = bool(chain.types[joint] == PRISMATIC)
     C[joint : joint + 2] = [C[joint] @ joint_transform(slides, value) @ C[joint + 1]]
     kept = np.arange(3) != joint
-    types, missing = chain.types[kept], np.full(2, np.nan)
-    return SerialChain(
-        name=chain.name,
-        base=chain.base,
-        tip=chain.tip,
-        joint_names=tuple(name for name, one in zip(chain.joint_names, kept, strict=True) if one),
-        types=types,
-        packed=pack_chain(np.array(C), types),
-        lower=chain.lower[kept],
-        upper=chain.upper[kept],
-        velocity=missing,
-        acceleration=missing,
-        jerk=missing,
-        effort=missing,
-    )
+    names = tuple(name for name, one in zip(chain.joint_names, kept, strict=True) if one)
+    part = chain_of(np.array(C), chain.types[kept].tolist())
+    limits = {"lower": chain.lower[kept], "upper": chain.upper[kept]}
+    return replace(part, name=chain.name, joint_names=names, **limits)
 
 
 def _singular_values(chain: SerialChain) -> tuple[float, ...]:

@@ -4,14 +4,18 @@ A spherical wrist of right angles and without limits is put at the point: the cl
 with such a wrist then lists the postures of any three joints, in one compiled loop.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
-from robomech_ros._kernels.inverse.solutions import MARKS, MAX_SOLUTIONS, solve
+from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.inverse.families.selection import Family, family_of
+from robomech_ros.kinematics.inverse.closed_form import solve_many
+from robomech_ros.kinematics.inverse.families.selection import family_of
+from robomech_ros.kinematics.inverse.families.six_joints import chain_of
+from robomech_ros.kinematics.inverse.request import as_request
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
-from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE
 from robomech_ros.typing import Array, BoolArray, IntArray
 
 # The orientation asked for: none that symmetry would make singular for the wrist.
@@ -22,44 +26,6 @@ _ORIENTATION = np.array((
 ))  # fmt: skip
 _QUARTER = np.array(((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0)))
 _PORTION = 4096
-
-
-def solve_poses(family: Family, T: Array, seed: Array, *, bounded: bool) -> tuple[Array, IntArray]:
-    """Solve poses without asking why there is no solution.
-
-    Parameters
-    ----------
-    family : Family
-        One that lists all solutions.
-    T : ndarray, shape (m, 4, 4)
-        m.
-    seed : ndarray, shape (n,)
-        Joint values that free joints take (rad or m).
-    bounded : bool
-        Whether limits hold.
-
-    Returns
-    -------
-    q : ndarray, shape (m, 16, n)
-        NaN after the last.
-    counts : ndarray of int, shape (m,)
-    """
-    n = len(seed)
-    q = np.empty((len(T), MAX_SOLUTIONS, n))
-    counts = np.empty(len(T), np.int64)
-    solve(
-        family.arm,
-        T,
-        seed,
-        0,
-        bounded,
-        np.empty((MAX_SOLUTIONS, n)),
-        q,
-        np.empty(MAX_SOLUTIONS),
-        np.empty((MARKS, MAX_SOLUTIONS), np.int64),
-        counts,
-    )
-    return q, np.maximum(counts, 0)
 
 
 class PointPostures:
@@ -85,27 +51,12 @@ class PointPostures:
         transforms[0], transforms[1], transforms[2] = section.base, section.first, section.second
         transforms[3, :3, 3] = section.point
         transforms[4, :3, :3], transforms[5, :3, :3] = _QUARTER, _QUARTER.T
-        free = np.full((2, 3), ((-np.inf,), (np.inf,)))
-        missing = np.full(6, np.nan)
-        lower, upper = np.concatenate((bounds, free), axis=1)
-        chain = SerialChain(
-            name="positioning part",
-            base="base",
-            tip="point",
-            joint_names=tuple(f"joint_{k + 1}" for k in range(6)),
-            types=types,
-            packed=pack_chain(transforms, types),
-            lower=lower,
-            upper=upper,
-            velocity=missing,
-            acceleration=missing,
-            jerk=missing,
-            effort=missing,
-        )
-        self._family: Family = family_of(chain)
+        lower, upper = np.hstack((bounds, np.full((2, 3), ((-np.inf,), (np.inf,)))))
+        chain = replace(chain_of(transforms, types.tolist()), lower=lower, upper=upper)
+        self._chain, self._family = chain, family_of(chain)
         if not self._family.lists_all:
             raise BadValueError("positioning part", "singular", "three joints that move a point")
-        self._seed = chain.midrange()
+        self._request = as_request(chain)
 
     def count(self, points: Array) -> IntArray:
         """Count the postures at points (m, 3) of the base (m)."""
@@ -124,7 +75,7 @@ class PointPostures:
         T[:, :3, :3] = _ORIENTATION
         T[:, :3, 3] = points / self._unit
         T[:, 3, 3] = 1.0
-        q, counts = solve_poses(self._family, T, self._seed, bounded=True)
+        q, counts, _ = solve_many(self._chain, T, self._family, self._request, MAX_SOLUTIONS)
         within = np.arange(MAX_SOLUTIONS) < counts[:, None]
         # Of the two ways of the wrist the one that is bent to the positive side.
         return q, within & (q[:, :, 4] >= 0.0)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, BoolArray
 
 _PROJECTIONS = 12
 # Images: longest chord, and farthest that a chord may be from the curve, over the arm's size.
@@ -15,16 +15,35 @@ _HALVINGS = 14
 _MOST_VERTICES = 60_000
 
 
-def on_contour(section: WorkspaceSection, rows: Array, steps: int = _PROJECTIONS) -> Array:
-    """Move points (k, 2) of the joint plane onto det J21 = 0 along its gradient, in some steps."""
+def onto_zeros(
+    gradient: Callable[[Array, Array], tuple[Array, Array, Array]],
+    rows: Array,
+    steps: int = _PROJECTIONS,
+) -> Array:
+    """Move points (k, 2) of the joint plane onto the zeros of a function, along its gradient.
+
+    ``gradient`` returns its value and its derivatives by the two joint values.
+    """
     rows = rows.copy()
     for _ in range(steps):
-        f, fu, fv = section.determinant_gradient(rows[:, 0], rows[:, 1])
+        f, fu, fv = gradient(rows[:, 0], rows[:, 1])
         square = fu * fu + fv * fv
         share = np.divide(f, square, out=np.zeros_like(f), where=square > 0.0)
         rows[:, 0] -= share * fu
         rows[:, 1] -= share * fv
     return rows
+
+
+def bisected(
+    positive: Callable[[Array], BoolArray], low: Array, high: Array, steps: int = 52
+) -> tuple[Array, Array]:
+    """Halve segments, from low to high (k, 2), of which a function is positive at one end only."""
+    start = positive(low)
+    for _ in range(steps):
+        middle = 0.5 * (low + high)
+        before = (positive(middle) == start)[:, None]
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
+    return low, high
 
 
 def refined(

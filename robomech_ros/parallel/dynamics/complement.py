@@ -13,7 +13,8 @@ from robomech_ros.dynamics.formulations.stacked_matrices import (
     twist_shaping,
     twist_shaping_rate,
 )
-from robomech_ros.dynamics.posed_bodies import PosedBodies, link_transforms
+from robomech_ros.dynamics.posed_bodies import PosedBodies
+from robomech_ros.kinematics.forward_uncompiled import link_transforms
 from robomech_ros.parallel.dynamics.model import limb_bodies
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, SerialChain

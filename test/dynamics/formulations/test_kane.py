@@ -10,7 +10,8 @@ from robomech_ros.dynamics.formulations.kane import (
     partial_velocities,
 )
 from robomech_ros.dynamics.formulations.orthogonal_complement import natural_orthogonal_complement
-from robomech_ros.dynamics.posed_bodies import link_transforms, reflected_inertias
+from robomech_ros.dynamics.posed_bodies import reflected_inertias
+from robomech_ros.kinematics.forward_uncompiled import link_transforms
 from robomech_ros.robots import Body, chain_from_dh
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, turn_about_z, unpack_chain
+from robomech_ros.robots.chain_layout import PRISMATIC, shift, turn_about_z, unpack_chain
 from robomech_ros.typing import Array, IntArray
 
 # Axes with such a sine between them are parallel, and offsets (m) of this length are none.
@@ -104,12 +104,12 @@ def _turns(poses: Array, A: Array, offsets: Array) -> tuple[list[Array], list[Ar
         moved.append((last, np.zeros(4)))
     steps, rows, before = [], [], np.zeros(A.shape[1])
     for key, part in moved:
-        steps.append(_shift(step))
+        steps.append(shift(step[:3]))
         rows.append(np.array(key) - before)
         before, step = np.array(key), part
     # Pose of the last frame at zero: only the offsets of the coupling turn it.
     turned = turn_about_z(angles[-1])
-    after = _shift(step + rest - turned @ points[-1]) @ turned @ poses[-1]
+    after = shift((step + rest - turned @ points[-1])[:3]) @ turned @ poses[-1]
     return steps, rows, after
 
 
@@ -119,11 +119,5 @@ def _slides(poses: Array, A: Array, offsets: Array) -> tuple[list[Array], list[A
     total = signs @ A
     moving = np.flatnonzero(total)
     rows = [np.eye(len(total))[drive] * total[drive] for drive in moving]
-    shift = np.array([0.0, 0.0, float(signs @ offsets), 0.0])
-    return [np.eye(4)] * len(rows), rows, _shift(shift) @ poses[-1]
-
-
-def _shift(d: Array) -> Array:
-    result = np.eye(4)
-    result[:3, 3] = d[:3]
-    return result
+    along = np.array([0.0, 0.0, float(signs @ offsets)])
+    return [np.eye(4)] * len(rows), rows, shift(along) @ poses[-1]

@@ -16,18 +16,19 @@ import numpy as np
 from robomech_ros._kernels.inverse import short_layout as at
 from robomech_ros._kernels.inverse.decoupled import layout as decoupled_layout
 from robomech_ros._kernels.inverse.six_joints import DECOUPLED
+from robomech_ros.kinematics.axis_points import nearest_points
 from robomech_ros.kinematics.inverse.families.six_joints import (
     SixJointArm,
     match_general,
     match_six,
     reversed_transforms,
 )
-from robomech_ros.kinematics.tolerances import ARM_RANK
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import (
     PRISMATIC,
     REVOLUTE,
     joint_transform,
+    shift,
     turn_about_z,
     unpack_chain,
 )
@@ -170,10 +171,8 @@ def _centres(wrist: int, links: list[Array], size: float) -> list[Array]:
     if wrist == 3:
         return [np.zeros(3)]
     if wrist == 2:
-        u, d = links[-2][:3, 2], links[-2][:3, 3]
-        sine2 = u[0] ** 2 + u[1] ** 2
-        height = -(u[0] * d[0] + u[1] * d[1]) / sine2 if sine2 > ARM_RANK**2 else 0.0
-        return [np.array([0.0, 0.0, height])]
+        near = nearest_points(links[-2])
+        return [np.array([0.0, 0.0, 0.0 if near is None else near[1]])]
     if wrist == 1:
         tip = float(links[-1][2, 3])
         return [
@@ -221,11 +220,11 @@ def _with_wrist(completed: Completed, wrist: int, centre: Array) -> Completed:
         other = math.atan2(sine, completed[0][-2][2, 2])
         # Another angle than between the real axes, so that the first and the last never align.
         angle = 0.5 * quarter if abs(other - 0.5 * quarter) > 0.3 else quarter
-        return _with_last(completed, _shift(centre) @ turn_about_z(0.7) @ _turn_x(angle))
+        return _with_last(completed, shift(centre) @ turn_about_z(0.7) @ _turn_x(angle))
     if wrist == 1:
-        completed = _with_last(completed, _shift(centre) @ _turn_x(quarter))
+        completed = _with_last(completed, shift(centre) @ _turn_x(quarter))
         return _with_last(completed, turn_about_z(quarter) @ _turn_x(quarter))
-    completed = _with_last(completed, completed[0][-1] @ _shift(centre))
+    completed = _with_last(completed, completed[0][-1] @ shift(centre))
     completed = _with_last(completed, _turn_x(quarter))
     return _with_last(completed, turn_about_z(quarter) @ _turn_x(quarter))
 
@@ -235,12 +234,6 @@ def _with_last(completed: Completed, placed: Array) -> Completed:
     links, kinds, places = completed
     rest = np.linalg.inv(placed) @ links[-1]
     return [*links[:-1], placed, rest], [*kinds, REVOLUTE], [*places, _IMAGINED]
-
-
-def _shift(d: Array) -> Array:
-    result = np.eye(4)
-    result[:3, 3] = d
-    return result
 
 
 def _turn_x(angle: float) -> Array:
@@ -259,6 +252,6 @@ def _turn_y(angle: float) -> Array:
 
 # Places of skew imagined joints behind the last one, lengths over the arm's size.
 _SKEW = (
-    _shift(np.array([0.31, 0.22, -0.17])) @ turn_about_z(0.7) @ _turn_x(1.3),
-    _shift(np.array([0.23, -0.34, 0.19])) @ turn_about_z(-1.9) @ _turn_x(1.1),
+    shift(np.array([0.31, 0.22, -0.17])) @ turn_about_z(0.7) @ _turn_x(1.3),
+    shift(np.array([0.23, -0.34, 0.19])) @ turn_about_z(-1.9) @ _turn_x(1.1),
 )
