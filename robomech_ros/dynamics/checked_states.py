@@ -33,7 +33,7 @@ def finite_states(chain: SerialChain, **values: ArrayLike) -> tuple[Array, ...]:
     for what, array in zip(values, arrays, strict=True):
         if not np.isfinite(array).all():
             raise_not_finite(chain, array, what)
-        _refuse_large(what, array)
+        refuse_large(what, array)
     return arrays
 
 
@@ -42,7 +42,7 @@ def as_vector(what: str, value: ArrayLike, size: int) -> Array:
     vector = as_finite(what, value, (size,))
     if vector.ndim != 1:
         raise WrongSizeError(what, vector.shape, (size,))
-    _refuse_large(what, vector)
+    refuse_large(what, vector)
     return vector
 
 
@@ -51,7 +51,8 @@ def as_screw(what: str, value: ArrayLike | None) -> Array:
     return np.zeros(6) if value is None else as_vector(what, value, 6)
 
 
-def _refuse_large(what: str, array: Array) -> None:
+def refuse_large(what: str, array: Array) -> None:
+    """Refuse numbers whose products with a few others could overflow."""
     largest = float(np.abs(array).max(initial=0.0))
     if largest > _LARGEST:
         raise BadValueError(f"largest of {what}", largest, f"at most {_LARGEST:g}")

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.chain.serial import NOT_FINITE
 from robomech_ros.dynamics.model import raise_outcome
-from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
+from robomech_ros.kinematics.joint_values import as_finite_values
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.typing import Array
 
@@ -65,7 +65,7 @@ def friction_torque(chain: SerialChain, qd: ArrayLike) -> Array:
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.8; Armstrong-Helouvry,
     Dupont, Canudas de Wit, Automatica 30, 1994, for the decay of static friction.
     """
-    qd = _rates(chain, qd)
+    qd = as_finite_values(chain, qd, "qd")
     with np.errstate(over="ignore"):
         return _finite(chain, qd, friction_of_rates(friction_model(chain), qd))
 
@@ -101,7 +101,7 @@ def dissipation(chain: SerialChain, qd: ArrayLike) -> Array:
     """
     from scipy.special import erf
 
-    qd = np.abs(_rates(chain, qd))
+    qd = np.abs(as_finite_values(chain, qd, "qd"))
     viscous, coulomb, excess, decay = friction_model(chain)
     scale = np.divide(excess, decay, out=np.zeros(chain.n), where=decay > 0.0)
     with np.errstate(over="ignore"):
@@ -123,7 +123,7 @@ def dissipated_power(chain: SerialChain, qd: ArrayLike) -> Array:
     ndarray, shape () or (...,)
         In W, never negative.
     """
-    qd = _rates(chain, qd)
+    qd = as_finite_values(chain, qd, "qd")
     with np.errstate(over="ignore"):
         return _finite(chain, qd, np.sum(qd * friction_torque(chain, qd), axis=-1))
 
@@ -133,10 +133,3 @@ def _finite(chain: SerialChain, qd: Array, result: Array) -> Array:
     if not np.isfinite(result).all():
         raise_outcome(chain, NOT_FINITE, qd=qd)
     return result
-
-
-def _rates(chain: SerialChain, qd: ArrayLike) -> Array:
-    qd = as_joint_values(chain, qd, "qd")
-    if not np.isfinite(qd).all():
-        raise_not_finite(chain, qd, "qd")
-    return qd

@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from robomech_ros.dynamics.checked_states import refuse_large
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots.bodies import Body
 from robomech_ros.spatial.arrays import as_finite, real_number
@@ -38,7 +39,7 @@ def pseudo_inertia(parameters: ArrayLike) -> Array:
     ndarray, shape (..., 4, 4)
         Symmetric.
     """
-    p = _bounded("parameters", parameters, (10,), _LARGEST)
+    p = _bounded("parameters", parameters, (10,))
     moments = np.empty((*p.shape[:-1], 3, 3))
     moments[..., _UPPER[0], _UPPER[1]] = moments[..., _UPPER[1], _UPPER[0]] = p[..., 4:]
     J = np.empty((*p.shape[:-1], 4, 4))
@@ -51,7 +52,7 @@ def pseudo_inertia(parameters: ArrayLike) -> Array:
 
 def parameters_from_pseudo_inertia(J: ArrayLike) -> Array:
     """Invert :func:`pseudo_inertia`: (..., 4, 4) to (..., 10)."""
-    matrix = _bounded("pseudo-inertia", J, (4, 4), _LARGEST)
+    matrix = _bounded("pseudo-inertia", J, (4, 4))
     second = matrix[..., :3, :3]
     trace = np.trace(second, axis1=-2, axis2=-1)
     moments = trace[..., None, None] * np.eye(3) - second
@@ -107,7 +108,7 @@ def bodies_from_parameters(parameters: ArrayLike) -> tuple[Body, ...]:
     BadValueError, WrongSizeError
         As for :func:`pseudo_inertia`, or a mass that is not positive.
     """
-    rows = _bounded("parameters", parameters, (10,), _LARGEST).reshape(-1, 10)
+    rows = _bounded("parameters", parameters, (10,)).reshape(-1, 10)
     if not (rows[:, 0] > 0.0).all():
         raise BadValueError("masses", rows[:, 0].tolist(), "positive numbers")
     bodies = []
@@ -119,9 +120,7 @@ def bodies_from_parameters(parameters: ArrayLike) -> tuple[Body, ...]:
     return tuple(bodies)
 
 
-def _bounded(what: str, value: ArrayLike, tail: tuple[int, ...], largest: float) -> Array:
+def _bounded(what: str, value: ArrayLike, tail: tuple[int, ...]) -> Array:
     array = as_finite(what, value, tail)
-    found = float(np.abs(array).max(initial=0.0))
-    if found > largest:
-        raise BadValueError(f"largest of {what}", found, f"at most {largest:g}")
+    refuse_large(what, array)
     return array

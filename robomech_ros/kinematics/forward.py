@@ -8,7 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.chain.serial import forward, forward_one
-from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
+from robomech_ros.kinematics.joint_values import (
+    as_finite_values,
+    as_joint_values,
+    as_rows,
+    raise_not_finite,
+)
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import listed
 from robomech_ros.typing import Array
@@ -102,9 +107,7 @@ def link_poses(chain: SerialChain, q: ArrayLike, links: Sequence[str] | None = N
     >>> link_poses(puma, puma.midrange()).shape
     (8, 4, 4)
     """
-    q = as_joint_values(chain, q)
-    if not np.isfinite(q).all():
-        raise_not_finite(chain, q)
+    q = as_finite_values(chain, q)
     names = chain.links
     if links is not None:
         names = listed("links", links, "a list of links, or None for all along the chain")

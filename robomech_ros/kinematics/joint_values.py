@@ -39,6 +39,14 @@ def as_joint_values(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
     return q
 
 
+def as_finite_values(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
+    """Return q as :func:`as_joint_values` does, or raise an error that names what is not finite."""
+    q = as_joint_values(chain, q, what)
+    if not np.isfinite(q).all():
+        raise_not_finite(chain, q, what)
+    return q
+
+
 def as_posture(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
     """Return one posture as contiguous float64 of shape (n,), for searches that begin there.
 

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
+from robomech_ros.kinematics.joint_values import as_finite_values
 from robomech_ros.kinetostatics.indices import as_length
 from robomech_ros.kinetostatics.point_jacobians import TIP, point_jacobian
 from robomech_ros.robots.chain import SerialChain
@@ -131,9 +131,7 @@ def wrench_from_torques(
     if chain.n < _POSE:
         names = f"{chain.name} with {chain.n} joints"
         raise BadValueError("chain", names, "six joints or more: a wrench is six numbers")
-    tau = as_joint_values(chain, torques, "torques")
-    if not np.isfinite(tau).all():
-        raise_not_finite(chain, tau, "torques")
+    tau = as_finite_values(chain, torques, "torques")
     scale = np.repeat((1.0, 1.0 / (1.0 if length is None else as_length(length))), 3)
     left, values, right = np.linalg.svd(J * scale[:, None], full_matrices=False)
     regular = values[..., -1:] > RANK * values[..., :1]

@@ -9,7 +9,7 @@ from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.robots.bodies import Body as Body, combine_bodies as combine_bodies
-    from robomech_ros.robots.chain import LinkFrame as LinkFrame, SerialChain as SerialChain
+    from robomech_ros.robots.chain import SerialChain as SerialChain
     from robomech_ros.robots.chain_layout import PRISMATIC as PRISMATIC, REVOLUTE as REVOLUTE
     from robomech_ros.robots.description import RobotDescription as RobotDescription
     from robomech_ros.robots.dh import (
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         load_robot as load_robot,
         robot_folders as robot_folders,
     )
+    from robomech_ros.robots.link_frames import LinkFrame as LinkFrame
     from robomech_ros.robots.mimic import MimicJoint as MimicJoint
     from robomech_ros.robots.semantic import (
         DisabledCollision as DisabledCollision,

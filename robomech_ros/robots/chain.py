@@ -11,13 +11,7 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.chain.layout import COUPLING_WIDTH, PACKED_WIDTH, TURN
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
-from robomech_ros.errors import (
-    BadValueError,
-    MissingLimitsError,
-    NonFiniteError,
-    UnknownLinkError,
-    WrongSizeError,
-)
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.printing import MOST_LINES, Printed
 from robomech_ros.robots.bodies import Body, lump_bodies, pack_bodies
 from robomech_ros.robots.chain_layout import MOST_JOINTS, PRISMATIC, REVOLUTE, unpack_chain
@@ -25,34 +19,20 @@ from robomech_ros.robots.dh_recovery import recover_dh
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.entry_checks import bare_link, check_name, check_names, checked_entries
-from robomech_ros.robots.limit_arrays import KEYS, LARGEST_ANGLE, check_limits, position_limits
+from robomech_ros.robots.limit_arrays import (
+    KEYS,
+    LARGEST_ANGLE,
+    check_limits,
+    limit_arrays,
+    position_limits,
+    require_limits,
+)
+from robomech_ros.robots.link_frames import LinkFrame, find_frame, links_between, links_moved
 from robomech_ros.robots.mimic import Coupling
 from robomech_ros.robots.regular_posture import regular_posture
 from robomech_ros.typing import Array, BoolArray, IntArray
 
 LimitKind = Literal["position", "velocity", "acceleration", "jerk", "effort"]
-
-
-@dataclass(frozen=True, eq=False)
-class LinkFrame:
-    """A link's frame, fixed to the part of the chain that follows its first ``joints`` joints.
-
-    Parameters
-    ----------
-    name : str
-        The link.
-    joints : int
-        Number of joints of the chain between the base and this link.
-    offset : ndarray, shape (4, 4)
-        Pose of the link in the frame that moves with joint ``joints`` (m); in the base for 0.
-    parent : str
-        The link before it; empty for the base.
-    """
-
-    name: str
-    joints: int
-    offset: Array
-    parent: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,18 +174,12 @@ class SerialChain(Printed):
         if self.coupling is None:
             return self
         m = len(self.all_joint_names)
-        endless, none = np.full(m, np.inf), np.full(m, np.nan)
         return replace(
             self,
             joint_names=self.all_joint_names,
             types=self.coupling.types,
             packed=self.packed[:, :PACKED_WIDTH],
-            lower=-endless,
-            upper=endless,
-            velocity=none,
-            acceleration=none,
-            jerk=none,
-            effort=none,
+            **limit_arrays(None, m),
             drives=(),
             home_given=None,
             coupling=None,
@@ -257,15 +231,7 @@ class SerialChain(Printed):
         what: str = "chain",
         instead: str = "chain.uncoupled is one, at the joint values chain.joint_values(q)",
     ) -> None:
-        """Refuse a chain on which joints follow others.
-
-        Parameters
-        ----------
-        what : str, optional
-            The subject of the message.
-        instead : str, optional
-            Advice that ends the message.
-        """
+        """Refuse a chain on which joints follow others, with a subject and an advice."""
         if self.coupling is not None:
             followers = [name for name in self.all_joint_names if name not in self.joint_names]
             noun = "joint" if len(followers) == 1 else "joints"
@@ -276,17 +242,13 @@ class SerialChain(Printed):
     def turns(self) -> BoolArray:
         """Joints whose value may change by a whole turn without effect, shape (n,)."""
         kinds = self.types if self.coupling is None else self.packed[: self.n, -1]
-        result: BoolArray = kinds == TURN
-        result.setflags(write=False)
-        return result
+        return _frozen(kinds == TURN)
 
     @cached_property
     def continuous(self) -> BoolArray:
         """Which joints turn without any limit of position, shape (n,)."""
         unlimited = np.isneginf(self.lower) & np.isposinf(self.upper)
-        result: BoolArray = self.turns & unlimited
-        result.setflags(write=False)
-        return result
+        return _frozen(self.turns & unlimited)
 
     @cached_property
     def units(self) -> tuple[str, ...]:
@@ -296,18 +258,12 @@ class SerialChain(Printed):
     @cached_property
     def largest(self) -> Array:
         """Largest magnitude of joint values that solvers start from (rad or m), shape (n,)."""
-        result: Array = np.where(self.types == PRISMATIC, LARGEST_LENGTH, LARGEST_ANGLE)
-        result.setflags(write=False)
-        return result
+        return _frozen(np.where(self.types == PRISMATIC, LARGEST_LENGTH, LARGEST_ANGLE))
 
     @cached_property
     def links(self) -> tuple[str, ...]:
         """Names of the links along the chain, base to tip."""
-        parents = {frame.name: frame.parent for frame in self.frames}
-        names = [self.tip]
-        while names[-1] != self.base and parents.get(names[-1]):
-            names.append(parents[names[-1]])
-        return tuple(reversed(names))
+        return links_between(self.frames, self.base, self.tip)
 
     @cached_property
     def dh(self) -> DHTable | None:
@@ -327,30 +283,12 @@ class SerialChain(Printed):
         UnknownLinkError
             There is none of this name; the error lists those there are.
         """
-        check_name("link", link)
-        link = bare_link(link)
-        for frame in self.frames:
-            if frame.name == link:
-                return frame
-        raise UnknownLinkError(link, [frame.name for frame in self.frames])
+        return find_frame(self.frames, link)
 
     def with_tip(self, link: str) -> SerialChain:
-        """Return the chain that ends at another of its links.
+        """Return the chain that ends at another of its links, or at one fixed to one of them.
 
-        Parameters
-        ----------
-        link : str
-            A link along the chain, or fixed to one that is.
-
-        Returns
-        -------
-        SerialChain
-            With the first joints of this chain only, as many as move that link.
-
-        Raises
-        ------
-        UnknownLinkError
-            There is no such link.
+        It has the first joints of this chain only, as many as move that link.
         """
         check_name("link", link)
         link = bare_link(link)
@@ -380,20 +318,15 @@ class SerialChain(Printed):
             k = int(coupling.drive.max()) + 1 if k else 0
             if coupling.joint_names == self.joint_names[:k]:
                 coupling = None
-        return SerialChain(
-            name=self.name,
-            base=self.base,
+        return replace(
+            self,
             tip=target.name,
             joint_names=self.joint_names[:k],
             types=self.types[:k],
             packed=packed,
-            lower=self.lower[:k],
-            upper=self.upper[:k],
-            velocity=self.velocity[:k],
-            acceleration=self.acceleration[:k],
-            jerk=self.jerk[:k],
-            effort=self.effort[:k],
+            **{key: getattr(self, key)[:k] for key in KEYS},
             frames=frames,
+            dh_given=None,
             bodies=bodies,
             drives=self.drives[:k],
             home_given=self.home()[:k],
@@ -411,12 +344,8 @@ class SerialChain(Printed):
         MissingInertiaError
             Of some joints nothing is known that moves with them; their links are named.
         """
-        links = [self._links_moved_by(i) for i in range(len(self.bodies))]
+        links = links_moved(self.frames, self.all_joint_names)
         return pack_bodies(self.bodies, links, self.all_joint_names)
-
-    def _links_moved_by(self, i: int) -> list[str]:
-        names = [frame.name for frame in self.frames if frame.joints == i + 1]
-        return names or [f"what joint {self.all_joint_names[i]} moves"]
 
     def home(self) -> Array:
         """Posture to begin with (rad or m), shape (n,): the one given, else a regular one.
@@ -460,15 +389,10 @@ class SerialChain(Printed):
         MissingLimitsError
             It names the joints without this limit.
         """
-        check_name("kind of limit", kind)
-        if kind == "position":
-            missing = ~(np.isfinite(self.lower) & np.isfinite(self.upper)) & ~self.continuous
-        elif kind in ("velocity", "acceleration", "jerk", "effort"):
-            missing = ~np.isfinite(getattr(self, kind))
-        else:
-            raise BadValueError(
-                "kind of limit", kind, "position, velocity, acceleration, jerk or effort"
-            )
-        if missing.any():
-            names = [name for name, lacks in zip(self.joint_names, missing, strict=True) if lacks]
-            raise MissingLimitsError(kind, names)
+        limits = {key: getattr(self, key) for key in KEYS}
+        require_limits(kind, self.joint_names, limits, self.continuous)
+
+
+def _frozen(array: NDArray) -> NDArray:
+    array.setflags(write=False)
+    return array

@@ -13,12 +13,13 @@ import numpy as np
 from robomech_ros.errors import BadValueError, NonFiniteError, UnknownJointError, UnknownLinkError
 from robomech_ros.printing import Printed
 from robomech_ros.robots.bodies import Body, combine_bodies
-from robomech_ros.robots.chain import LinkFrame, SerialChain
+from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.entry_checks import bare_link
 from robomech_ros.robots.joint import Joint, rotation_from_z
 from robomech_ros.robots.limit_arrays import KEYS
+from robomech_ros.robots.link_frames import LinkFrame
 from robomech_ros.robots.link_tree import LinkTree
 from robomech_ros.robots.mimic import Coupling, MimicJoint, drive_limits, followers, joined_drive
 from robomech_ros.typing import Array, IntArray

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.bodies import Body
-from robomech_ros.robots.chain import LinkFrame, SerialChain
+from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
 from robomech_ros.robots.dh_recovery import recover_dh
 from robomech_ros.robots.dh_table import DHTable, implausible_angles, link_transforms
@@ -18,6 +18,7 @@ from robomech_ros.robots.documents.reported_notes import report_once
 from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.entry_checks import check_name, checked_entries
 from robomech_ros.robots.limit_arrays import LARGEST_ANGLE, limit_arrays
+from robomech_ros.robots.link_frames import LinkFrame
 from robomech_ros.spatial import as_pose
 from robomech_ros.spatial.arrays import listed, real_array
 from robomech_ros.typing import Array, IntArray
@@ -121,7 +122,6 @@ def chain_from_dh(
         dh_given=table,
         bodies=_in_joint_frames(bodies, links),
         drives=checked_entries("drives", () if drives is None else drives, Drive, n),
-        coupling=None,
         **limit_arrays(limits, n),
     )
 

@@ -1,14 +1,15 @@
 """Limits of joints in the shapes in which callers write them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.errors import BadValueError, MissingLimitsError, NonFiniteError, WrongSizeError
+from robomech_ros.robots.entry_checks import check_name
 from robomech_ros.spatial.arrays import real_array
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, BoolArray
 
 # Largest angle (rad) of a description, since doubles beyond it no longer hold a solution to 1e-9
 # with room; limits of joints beyond it (rad or m) are what exporters write for none, as in 1e16.
@@ -22,7 +23,7 @@ _IS_NONE = np.frompyfunc(lambda entry: entry is None, 1, 1)
 _FORMS = "pairs (lower, upper) of shape {shape}, or a mapping with keys among " + ", ".join(KEYS)
 
 
-def limit_arrays(limits: Mapping[str, ArrayLike] | ArrayLike | None, n: int) -> dict[str, Array]:
+def limit_arrays(limits: Mapping[str, ArrayLike] | ArrayLike | None, n: int) -> dict[str, Any]:
     """Read limits of n joints, rad or m over powers of s, N m or N.
 
     Parameters
@@ -122,3 +123,24 @@ def check_limits(joint_names: tuple[str, ...], limits: Mapping[str, Array]) -> N
         for k in np.flatnonzero(limits[key] <= 0.0):
             what = f"{key} limit of joint '{joint_names[k]}'"
             raise BadValueError(what, float(limits[key][k]), "a positive number, or none (NaN)")
+
+
+def require_limits(
+    kind: str, joint_names: Sequence[str], limits: Mapping[str, Array], continuous: BoolArray
+) -> None:
+    """Raise MissingLimitsError where a joint lacks a limit; see :meth:`SerialChain.require_limits`.
+
+    Of positions, joints that are ``continuous``, shape (n,), lack nothing.
+    """
+    check_name("kind of limit", kind)
+    if kind == "position":
+        both = np.isfinite(limits["lower"]) & np.isfinite(limits["upper"])
+        missing = ~both & ~continuous
+    elif kind in _RATES:
+        missing = ~np.isfinite(limits[kind])
+    else:
+        expected = "position, velocity, acceleration, jerk or effort"
+        raise BadValueError("kind of limit", kind, expected)
+    if missing.any():
+        names = [name for name, lacks in zip(joint_names, missing, strict=True) if lacks]
+        raise MissingLimitsError(kind, names)

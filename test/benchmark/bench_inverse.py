@@ -13,7 +13,7 @@ from table import Row
 from timing import Work, interleave
 
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics, inverse_kinematics_batch
-from robomech_ros.kinematics.inverse.families.iterative import iterative_data
+from robomech_ros.kinematics.inverse.families.iterative import SearchGoal, iterative_data
 from robomech_ros.kinematics.inverse.iterative_search import iterative_search
 from robomech_ros.robots import SerialChain, chain_from_dh, load_robot
 
@@ -290,7 +290,7 @@ def _short() -> tuple[list[Row], list[str]]:
 def _numeric(name: str) -> tuple[list[Row], list[str]]:
     """Time the iterative solver to its first solution, pose by pose, for an arm of six joints."""
     chain = load_robot(name)
-    data, seed = iterative_data(chain, wanted=1), chain.midrange()
+    data, seed = iterative_data(chain, SearchGoal(wanted=1)), chain.midrange()
     targets = forward_kinematics(chain, _postures(chain, POSES))
     peers = available(
         inverse_peers.toolbox(chain, seed), inverse_peers.trac_ik(chain, seed, targets)

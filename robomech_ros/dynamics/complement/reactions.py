@@ -7,14 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.dynamics.checked_states import refuse_large
+from robomech_ros.errors import WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.typing import Array
 
 # Singular values below this part of the largest are those of constraints that say the same twice.
 _RANK = 1e-9
-# Products of a few numbers up to this do not overflow.
-_LARGEST = 1e30
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,10 +70,8 @@ def constraint_reactions(K: ArrayLike, wrenches: ArrayLike) -> ConstraintReactio
         raise WrongSizeError("K", matrix.shape, "(c, 6 r) of one constraint or more")
     if given.shape != matrix.shape[1:]:
         raise WrongSizeError("wrenches", given.shape, matrix.shape[1:])
-    for what, array in (("K", matrix), ("wrenches", given)):
-        largest = float(np.abs(array).max())
-        if largest > _LARGEST:
-            raise BadValueError(f"largest of {what}", largest, f"at most {_LARGEST:g}")
+    refuse_large("K", matrix)
+    refuse_large("wrenches", given)
     multipliers, _, rank, _ = np.linalg.lstsq(matrix.T, given, rcond=_RANK)
     redundant = len(matrix) - int(rank)
     remainder = float(np.abs(matrix.T @ multipliers - given).max())

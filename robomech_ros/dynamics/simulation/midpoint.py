@@ -1,5 +1,7 @@
 """The implicit midpoint rule for a system, in values and momenta of its drives: symplectic."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from robomech_ros.dynamics.simulation.equations_of_motion import EquationsOfMotion
@@ -9,11 +11,6 @@ from robomech_ros.typing import Array
 _ITERATIONS = 100
 # Change (of values and momenta, relative to their size) at which an iteration has arrived.
 _ARRIVED = 1e-14
-
-
-def _solved(M: Array, p: Array) -> Array:
-    """Return the rates that have momenta p."""
-    return np.linalg.solve(M, p).astype(np.float64)
 
 
 class MidpointSolver:
@@ -69,7 +66,7 @@ class MidpointSolver:
         reach, size = 1.0 + np.abs(middle).max(), 1.0 + np.abs(p).max()
         for _ in range(_ITERATIONS):
             posture = forces.posture(middle)
-            rate = _solved(system.mass_matrix(posture), momentum)
+            rate = np.linalg.solve(system.mass_matrix(posture), momentum)
             tau = forces.drive_torque(self.t + 0.5 * h, posture, rate)
             lost = forces.friction_torque(posture, rate)
             held = system.inverse(posture, still, still, gravity=gravity, tip_wrench=wrench)
@@ -85,22 +82,16 @@ class MidpointSolver:
             if change < _ARRIVED:
                 power = float(tau @ rate) + forces.tip_power(forces.posture(middle), rate)
                 q_after, p_after = q + h * rate, p + h * force
-                qd_after = _solved(system.mass_matrix(forces.posture(q_after)), p_after)
+                qd_after = np.linalg.solve(system.mass_matrix(forces.posture(q_after)), p_after)
                 return q_after, qd_after, power, float(lost @ rate)
         return None
 
-    def dense_output(self) -> "_Line":
+    def dense_output(self) -> Callable[[float], Array]:
         """Return the state in the last step, between its ends on a straight line."""
-        return _Line(*self._from, self.t, self.y)
+        (t0, y0), t1, y1 = self._from, self.t, self.y
 
+        def line(t: float) -> Array:
+            part = (t - t0) / (t1 - t0) if t1 > t0 else 1.0
+            return y0 + part * (y1 - y0)
 
-class _Line:
-    """Between two states."""
-
-    def __init__(self, t0: float, y0: Array, t1: float, y1: Array) -> None:
-        self.ends = t0, y0, t1, y1
-
-    def __call__(self, t: float) -> Array:
-        t0, y0, t1, y1 = self.ends
-        part = (t - t0) / (t1 - t0) if t1 > t0 else 1.0
-        return y0 + part * (y1 - y0)
+        return line

@@ -28,7 +28,8 @@ def symbolic_frames(parameters: SymbolicParameters) -> tuple[list[Rows], list[Ve
         own = rotation(ring, link)
         origin = translation(ring, link)
         step = [[*own[i], origin[i]] for i in range(3)] + [[zero, zero, zero, one]]
-        pose = _product(ring, pose, step)
+        columns = [list(column) for column in zip(*step, strict=True)]
+        pose = [rotated(ring, columns, row) for row in pose]
         poses.append(pose)
     return poses, axes
 
@@ -51,7 +52,7 @@ def translation(ring: TermRing, link: SymbolicLink) -> Vector:
 
 
 def rotated(ring: TermRing, R: Rows, vector: Sequence[Poly]) -> Vector:
-    """Multiply a 3 x 3 matrix and a vector."""
+    """Multiply a matrix and a vector."""
     return [add(ring, *(ring.product(a, b) for a, b in zip(row, vector, strict=True))) for row in R]
 
 
@@ -68,14 +69,3 @@ def cross(ring: TermRing, a: Sequence[Poly], b: Sequence[Poly]) -> Vector:
 def add(ring: TermRing, *terms: Poly) -> Poly:
     """Sum up polynomials."""
     return sum(terms, start=ring.number(0))
-
-
-def _product(ring: TermRing, left: Rows, right: Rows) -> Rows:
-    columns = list(zip(*right, strict=True))
-    return [
-        [
-            add(ring, *(ring.product(a, b) for a, b in zip(row, column, strict=True)))
-            for column in columns
-        ]
-        for row in left
-    ]

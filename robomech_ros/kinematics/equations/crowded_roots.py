@@ -12,7 +12,7 @@ import numpy as np
 from robomech_ros.kinematics.equations.closure import ClosureEquations, circle
 from robomech_ros.kinematics.equations.half_angles import (
     HALF,
-    angles_of_tangents,
+    angle_of_ratio,
     null_vectors,
     sampled_determinants,
 )
@@ -64,7 +64,7 @@ def angles_beside(equations: ClosureEquations, place: int, angle: complex) -> li
         if sizes[1] <= _MAYBE_NULL * sizes[0]:
             vectors += _on_the_conic(rows[1].conj(), rows[2].conj())
         for vector in vectors:
-            y = _second_angle(vector)
+            y = angle_of_ratio(vector[:2], vector[1:])
             if np.isfinite(y):
                 found.append(np.insert(np.array([x, y], complex), place, angle))
     return found
@@ -78,9 +78,3 @@ def _on_the_conic(n: ComplexArray, m: ComplexArray) -> list[ComplexArray]:
         m[0] * m[2] - m[1] ** 2,
     ]
     return [t * n + m for t in np.roots(quadratic)]
-
-
-def _second_angle(vector: ComplexArray) -> complex:
-    high, low = (vector[:2], vector[1:])
-    k = int(np.argmax(np.abs(high) + np.abs(low)))
-    return complex(angles_of_tangents(high[k], low[k]))

@@ -123,6 +123,12 @@ def angles_of_tangents(above: ComplexArray, below: ComplexArray) -> ComplexArray
     return angle
 
 
+def angle_of_ratio(high: ComplexArray, low: ComplexArray) -> complex:
+    """Return the angle whose half has the tangent high / low, by their greatest entries."""
+    k = int(np.argmax(np.abs(high.ravel()) + np.abs(low.ravel())))
+    return complex(angles_of_tangents(high.ravel()[k], low.ravel()[k]))
+
+
 def angle_of(c: complex, s: complex) -> complex:
     """Return the angle (rad) of this cosine and sine, known up to a positive factor."""
     length = np.sqrt(complex(c * c + s * s))

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from robomech_ros.kinematics.equations.closure import ClosureEquations, Numbers, closure_equations
 from robomech_ros.kinematics.equations.crowded_roots import angles_beside
 from robomech_ros.kinematics.equations.half_angles import (
-    angles_of_tangents,
+    angle_of_ratio,
     half_angle_polynomial,
     null_vectors,
     sampled_determinants,
@@ -239,15 +239,9 @@ def _condition(matrix: Array, angle: complex, last: int = 2) -> float:
 def _three_angles(vector: ComplexArray, procedure: _Procedure, angle: complex) -> ComplexArray:
     """Read joints 3, 4 and 5 off a null vector: x_4^3 .. 1 times x_5^2, x_5, 1 or x_3, 1."""
     table = vector.reshape(4, procedure.columns)
-    q4 = _ratio(table[:3], table[1:])
-    other = _ratio(table[:, :-1], table[:, 1:])
+    q4 = angle_of_ratio(table[:3], table[1:])
+    other = angle_of_ratio(table[:, :-1], table[:, 1:])
     return np.array([angle, q4, other] if procedure.place == 0 else [other, q4, angle])
-
-
-def _ratio(high: ComplexArray, low: ComplexArray) -> complex:
-    """Return the angle whose half has the tangent high / low, by their greatest entries."""
-    k = int(np.argmax(np.abs(high.ravel()) + np.abs(low.ravel())))
-    return complex(angles_of_tangents(high.ravel()[k], low.ravel()[k]))
 
 
 def _add(equations: ClosureEquations, found: list[Numbers], three: ComplexArray) -> None:

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
 from robomech_ros.kinematics.inverse.closed_form import solve_many
-from robomech_ros.kinematics.inverse.families.iterative import iterative_data
+from robomech_ros.kinematics.inverse.families.iterative import SearchGoal, iterative_data
 from robomech_ros.kinematics.inverse.families.selection import Family, family_of, iterative_family
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
 from robomech_ros.kinematics.inverse.reach import out_of_reach
@@ -110,13 +110,8 @@ def family_within(chain: SerialChain, respect_limits: bool) -> Family:
     family = family_of(chain)
     if family.closed_form:
         return family
-    position, orientation = default_tolerances(chain, FULL_TASK)
-    data = iterative_data(
-        chain,
-        respect_limits=respect_limits,
-        position_tolerance=position,
-        orientation_tolerance=orientation,
-    )
+    goal = SearchGoal(respect_limits, FULL_TASK, *default_tolerances(chain, FULL_TASK))
+    data = iterative_data(chain, goal)
     return iterative_family(chain, data)
 
 

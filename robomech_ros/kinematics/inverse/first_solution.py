@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.inverse.iterative import layout as at
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.inverse.families.iterative import task_data
+from robomech_ros.kinematics.inverse.families.iterative import SearchGoal, task_data
 from robomech_ros.kinematics.inverse.families.selection import iterative_family
 from robomech_ros.kinematics.inverse.iterative_search import iterative_search
 from robomech_ros.kinematics.inverse.reasons import no_solution
@@ -62,15 +62,9 @@ def first_solution(
         chain, as_request(chain, seed, *ranking), *(options.get(name) for name in _TASK)
     )._replace(include_windings=False, max_solutions=1)
     target = as_targets(as_target(T))[0]
-    data, turned = task_data(
-        chain,
-        target,
-        task=request.task,
-        respect_limits=request.respect_limits,
-        position_tolerance=request.position_tolerance,
-        orientation_tolerance=request.orientation_tolerance,
-        wanted=1,
-    )
+    tolerances = request.position_tolerance, request.orientation_tolerance
+    goal = SearchGoal(request.respect_limits, request.task, *tolerances, wanted=1)
+    data, turned = task_data(chain, target, goal)
     data = np.array(data)
     data[at.RESTARTS] = 1
     family = iterative_family(chain, data)

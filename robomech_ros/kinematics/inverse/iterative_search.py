@@ -78,7 +78,9 @@ def iterative_search(
     state = np.zeros(at.BEST_Q + n + MAX_SOLUTIONS)
     state[at.BEST_SCORE] = np.inf
     deadline = None if timeout is None else time.monotonic() + timeout
-    chunk = restarts if deadline is None else attempts_between_looks(n)
+    chunk = restarts
+    if deadline is not None:
+        chunk = max(1, min(_CHUNK, _CHUNK_OF_MANY // n**2))
     found = 0
     done = 0
     timed_out = False
@@ -99,11 +101,6 @@ def iterative_search(
         attempts=done,
         timed_out=timed_out,
     )
-
-
-def attempts_between_looks(n: int) -> int:
-    """Return how many attempts at a chain of n joints are made between two looks at the clock."""
-    return max(1, min(_CHUNK, _CHUNK_OF_MANY // n**2))
 
 
 def least_orientation_error(

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from robomech_ros._kernels.inverse.iterative import layout as at
-from robomech_ros.kinematics.inverse.families.iterative import iterative_data, task_data
+from robomech_ros.kinematics.inverse.families.iterative import SearchGoal, iterative_data, task_data
 from robomech_ros.kinematics.inverse.families.selection import iterative_family
 from robomech_ros.kinematics.inverse.iterative_search import IterativeSearch, iterative_search
 from robomech_ros.kinematics.inverse.request import Request
@@ -59,7 +59,7 @@ def add_nearest(
         search.position_error <= request.position_tolerance
         and search.orientation_error <= request.orientation_tolerance
     ):
-        data = iterative_data(chain, respect_limits=request.respect_limits)
+        data = iterative_data(chain, SearchGoal(request.respect_limits))
         one = replace(search, q=search.best[None])
         return ranked_solutions(chain, T, request, iterative_family(chain, data), one, False)
     reason = (
@@ -95,9 +95,8 @@ def least_squares_posture(
     timeout : float, optional
         Time (s) after which to end; default none.
     """
-    data, target = task_data(
-        chain, T, task=request.task, respect_limits=request.respect_limits, wanted=1
-    )
+    goal = SearchGoal(request.respect_limits, request.task, wanted=1)
+    data, target = task_data(chain, T, goal)
     data = data.copy()
     half = 1.0 / float(np.sqrt(data[at.UNIT]))
     data[at.POSITION_TOLERANCE], data[at.ORIENTATION_TOLERANCE] = _NEVER * half, _NEVER

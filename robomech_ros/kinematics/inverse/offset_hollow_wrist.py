@@ -173,7 +173,8 @@ def _branches(
     cosine = np.polynomial.chebyshev.chebval(x, wrist.cosine)
     X, Y, Z = foot[:, None] - shift * axis[:, None]
     aside = wrist.side[0] + shift * wrist.side[1]
-    W, W_bar = (part + shift * along for part, along in _with_conjugates(wrist))
+    W = wrist.fore + shift * wrist.fore_axis
+    W_bar = wrist.fore.conjugate() + shift * wrist.fore_axis.conjugate()
     far = X * X + Y * Y
     rho = np.sqrt((far - aside * aside).astype(complex))
     turned, raised, left, scale = [], [], [], np.ones(len(x), dtype=complex)
@@ -193,13 +194,6 @@ def _branches(
             raised.append(beta)
         scale = scale * W * W_bar * V * V_bar * far
     return np.array(turned), np.array(raised), np.array(left), scale * (1.0 + cosine) ** 4
-
-
-def _with_conjugates(
-    wrist: OffsetHollowWrist,
-) -> tuple[tuple[complex, complex], tuple[complex, complex]]:
-    pair = wrist.fore, wrist.fore_axis
-    return pair, (pair[0].conjugate(), pair[1].conjugate())
 
 
 def offset_wrist_postures(wrist: OffsetHollowWrist, T: Array) -> tuple[Array, bool]:

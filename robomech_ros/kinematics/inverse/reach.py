@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robomech_ros._kernels.chain.reach import REACHED, least_distance
-from robomech_ros.kinematics.inverse.families.iterative import packed_chain, task_data
+from robomech_ros.kinematics.inverse.families.iterative import SearchGoal, packed_chain, task_data
 from robomech_ros.kinematics.inverse.iterative_search import least_orientation_error
 from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
@@ -67,7 +67,7 @@ def reach_gap(
         The distance to about 1e-7 m; the orientation error is the least of many local minima,
         attained at the position to about 1e-6 of the arm's length.
     """
-    data, target = task_data(chain, T, task=task, respect_limits=False, wanted=1)
+    data, target = task_data(chain, T, SearchGoal(False, task, wanted=1))
     distance, best = _nearest_posture(packed_chain(data), chain.n, target, task, deadline)
     if distance != 0.0 or not chain.n:
         return ReachGap(distance, math.nan)
@@ -97,7 +97,7 @@ def distance_inside_limits(
     bounds = np.stack((chain.lower, chain.upper))
     if not np.isfinite(bounds).any():
         return least
-    data, target = task_data(chain, T, task=task, respect_limits=True, wanted=1)
+    data, target = task_data(chain, T, SearchGoal(True, task, wanted=1))
     enough = least * (1.0 + _SAME)
     packed = packed_chain(data)
     return _nearest_posture(packed, chain.n, target, task, deadline, bounds=bounds, enough=enough)[

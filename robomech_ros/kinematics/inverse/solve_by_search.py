@@ -9,7 +9,7 @@ import numpy as np
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros.kinematics.inverse.closed_form import rank_solutions
 from robomech_ros.kinematics.inverse.coupled_joints import solve_coupled_joints
-from robomech_ros.kinematics.inverse.families.iterative import task_data
+from robomech_ros.kinematics.inverse.families.iterative import SearchGoal, task_data
 from robomech_ros.kinematics.inverse.families.selection import Family, iterative_family
 from robomech_ros.kinematics.inverse.iterative_search import IterativeSearch, iterative_search
 from robomech_ros.kinematics.inverse.reach import NO_TIME, reach_gap
@@ -92,15 +92,9 @@ def _task_data(
 ) -> tuple[Array, Array]:
     """Return the constants of the search and its target."""
     redundant = chain.n > sum(request.task)
-    return task_data(
-        chain,
-        T,
-        task=request.task,
-        respect_limits=respect_limits,
-        position_tolerance=request.position_tolerance,
-        orientation_tolerance=request.orientation_tolerance,
-        wanted=1 if redundant and request.max_solutions == 1 else None,
-    )
+    wanted = 1 if redundant and request.max_solutions == 1 else None
+    tolerances = request.position_tolerance, request.orientation_tolerance
+    return task_data(chain, T, SearchGoal(respect_limits, request.task, *tolerances, wanted))
 
 
 def ranked_solutions(
@@ -137,10 +131,11 @@ def ranked_solutions(
 def _reason(chain: SerialChain, request: Request, search: IterativeSearch) -> str:
     """Say what the solutions that were found are not."""
     parts = []
-    if chain.n > sum(request.task):
+    count = sum(request.task)
+    if chain.n > count:
         parts.append(
-            f"{chain.n} joints for {_conditions(request)}: the solutions form a continuum, "
-            "of which these are samples"
+            f"{chain.n} joints for {count} condition{'s' * (count != 1)}: the solutions form a "
+            "continuum, of which these are samples"
         )
     if search.timed_out:
         parts.append(
@@ -172,11 +167,6 @@ def _explained(
         return no_solution(chain, T, family, status, reason)
     reason = f"no solution after {search.attempts} starts; {_best(search)}"
     return no_solution(chain, T, family, Status.NOT_CONVERGED, reason)
-
-
-def _conditions(request: Request) -> str:
-    count = sum(request.task)
-    return "1 condition" if count == 1 else f"{count} conditions"
 
 
 def _best(search: IterativeSearch) -> str:

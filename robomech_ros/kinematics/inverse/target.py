@@ -1,7 +1,5 @@
 """Target poses as they come from a caller, checked and laid out for the kernels."""
 
-from typing import TypeGuard
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -60,7 +58,7 @@ def as_targets(T: ArrayLike, what: str = "T", batch: bool = False) -> Array:
     ndarray, shape (m, 4, 4)
         A copy.
     """
-    given = T if _is_plain(T) else real_array(what, T)
+    given = T if type(T) is _ARRAY and T.dtype is _FLOAT else real_array(what, T)
     if given.ndim != (3 if batch else 2) or given.shape[-2:] != (4, 4):
         raise WrongSizeError(what, given.shape, _MANY if batch else _ONE)
     poses = np.array(given, order="C", ndmin=3)
@@ -68,11 +66,6 @@ def as_targets(T: ArrayLike, what: str = "T", batch: bool = False) -> Array:
     if fault:
         _raise(poses, f"{what}[{{}}]" if batch else what)
     return poses
-
-
-def _is_plain(T: ArrayLike) -> TypeGuard[Array]:
-    """Tell whether these are poses whose type and shape need no further look."""
-    return type(T) is _ARRAY and T.dtype is _FLOAT
 
 
 def _raise(poses: Array, what: str) -> None:

@@ -106,7 +106,8 @@ def _read(path: Path, file: IO[bytes]) -> tuple[MapRequest, NDArray]:
             if set(sizes) != {f"{name}.npy" for name in _MEMBERS}:
                 raise ValueError("it lacks parts of a map, or has others")
             header = _header(archive, sizes["header.npy"])
-            grid, robot = _grid(header), _robot(header)
+            grid = as_grid(header["lower"], header["upper"], None, header["shape"])
+            robot = _robot(header)
             size = grid.cells * CELL.itemsize
             if not size <= sizes["cells.npy"] <= size + _PREAMBLE:
                 raise ValueError("its grid and its number of cells do not agree")
@@ -141,10 +142,6 @@ def _header(archive: zipfile.ZipFile, size: int) -> dict[str, Any]:
     if not isinstance(header, dict) or header.get("format") != _FORMAT:
         raise ValueError(f"it does not say that it is a {_FORMAT}")
     return header
-
-
-def _grid(header: dict[str, Any]) -> BoxGrid:
-    return as_grid(header["lower"], header["upper"], None, header["shape"])
 
 
 def _robot(header: dict[str, Any]) -> RobotIdentity:

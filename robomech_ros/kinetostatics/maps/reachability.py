@@ -223,7 +223,7 @@ def reach_map(
         results = in_threads(chain, request, todo, threads)
     else:
         results = by_dask(chain, request, todo, scheduler)
-    _fill(results, request, cells, path, progress or _silent)
+    _fill(results, request, cells, path, progress or (lambda done, total: None))
     return ReachMap(request, cells)
 
 
@@ -311,7 +311,3 @@ def _fill(
         results.close()
         if path is not None and done > before:
             save_map(path, request, cells)
-
-
-def _silent(done: int, total: int) -> None:
-    """Say nothing of the progress."""

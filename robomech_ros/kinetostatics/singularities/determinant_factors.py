@@ -3,6 +3,7 @@
 Arms with a spherical wrist, with parallel axes or with spherical shoulder and wrist have such.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -53,6 +54,7 @@ class NamedParts(NamedTuple):
     size: float
 
 
+@lru_cache(maxsize=64)
 def named_parts(chain: SerialChain) -> NamedParts:
     """Find the parts of an arm whose singularities have names.
 

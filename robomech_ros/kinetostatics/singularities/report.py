@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -19,7 +18,7 @@ from robomech_ros._kernels.kinetostatics.posture_report import (
 )
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.kinetostatics.point_jacobians import TIP, as_point
-from robomech_ros.kinetostatics.singularities.determinant_factors import NamedParts, named_parts
+from robomech_ros.kinetostatics.singularities.determinant_factors import named_parts
 from robomech_ros.kinetostatics.singularities.generic_rank import generic_motions, scaling_length
 from robomech_ros.printing import Printed
 from robomech_ros.robots.chain import SerialChain
@@ -141,28 +140,6 @@ class SingularityReports:
         )
 
 
-class _GenericFacts(NamedTuple):
-    """Facts about an arm that are the same in every posture.
-
-    Attributes
-    ----------
-    rank : int
-        Of the Jacobian in nearly all postures.
-    motions : ndarray, shape (r, 6)
-        Twists that span all that it has in one posture or another (1 and m).
-    parts : NamedParts
-    """
-
-    rank: int
-    motions: Array
-    parts: NamedParts
-
-
-@functools.lru_cache(maxsize=64)
-def _generic_facts(chain: SerialChain) -> _GenericFacts:
-    return _GenericFacts(*generic_motions(chain), named_parts(chain))
-
-
 def singularity_report(
     chain: SerialChain, q: ArrayLike, *, point: ArrayLike = TIP, length: float | None = None
 ) -> SingularityReport | SingularityReports:
@@ -220,9 +197,9 @@ def posture_report(
     found = _measured(chain, q, point, length)
     (values,), (numbers,), (twists,), (free,) = found[:4]
     rank, count = found.counts[0].tolist()
-    singular = rank < found.facts.rank
+    singular = rank < found.rank
     manipulability, condition, normalised, *others = numbers.tolist()
-    named = dict(zip(found.facts.parts.names, others[: MOVING - FACTORS], strict=False))
+    named = dict(zip(found.names, others[: MOVING - FACTORS], strict=False))
     return SingularityReport(
         singular_values=values,
         rank=rank,
@@ -247,33 +224,33 @@ class _Measured(NamedTuple):
     free: Array
     counts: IntArray
     length: float
-    facts: _GenericFacts
+    rank: int
+    names: tuple[str, ...]
 
 
 def _measured(chain: SerialChain, q: Array, point: ArrayLike, length: float | None) -> _Measured:
     """Measure postures (..., n) in one compiled loop."""
     arm, metres = as_point(point), scaling_length(chain, length)
-    facts, n = _generic_facts(chain), chain.n
+    (rank, motions), parts, n = generic_motions(chain), named_parts(chain), chain.n
     rows = q[None] if q.ndim == 1 else as_rows(q)
-    m, place = len(rows), np.array((*arm.tolist(), metres, facts.parts.size))
+    m, place = len(rows), np.array((*arm.tolist(), metres, parts.size))
     out = (np.empty((m, min(6, n))), np.empty((m, MOVING + n)), np.empty((m, 2, 6, 6)))
     free, counts = np.empty((m, n, n)), np.empty((m, 2), np.int64)
-    constants = (place, facts.parts.joints, facts.motions, facts.rank)
+    constants = (place, parts.joints, motions, rank)
     if _compiled(chain.packed, rows, *constants, *out, free, counts):
         raise_not_finite(chain, q)
-    return _Measured(*out, free, counts, metres, facts)
+    return _Measured(*out, free, counts, metres, rank, parts.names)
 
 
 def _many(chain: SerialChain, found: _Measured, batch: tuple[int, ...]) -> SingularityReports:
     """Report on postures in a batch of some shape."""
-    values, numbers, twists, free, counts, metres, facts = found
+    values, numbers, twists, free, counts, metres, generic, names = found
     m, n = len(values), chain.n
     rank, count = counts.T
-    singular = rank < facts.rank
+    singular = rank < generic
     manipulability, condition, normalised = numbers[:, :FACTORS].T
     condition = np.where(singular, math.inf, condition)
     normalised = np.where(singular, math.inf, normalised)
-    names = facts.parts.names
     factors = dict(zip(names, numbers[:, FACTORS:MOVING].T, strict=False))
     kinds = np.empty(m, dtype=object)
     for k in range(m):

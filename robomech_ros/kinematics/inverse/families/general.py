@@ -58,7 +58,8 @@ def match(chain: SerialChain) -> Array | None:
     if not moves_in_all_directions(chain, size):
         return None
     head = _head(chain, size)
-    loop = _loop(chain, size)
+    # Behind joint 6 the link is that of the target, as 1.
+    loop = np.concatenate((_links(chain, size)[1:6], [np.eye(4)]))
     if chain.types.sum() > 1:
         good = _tried(chain, head, _slide_forms(chain, loop))
     else:
@@ -88,11 +89,6 @@ def _links(chain: SerialChain, size: float) -> Array:
     links = unpack_chain(chain.packed)
     links[:, :3, 3] /= size
     return links
-
-
-def _loop(chain: SerialChain, size: float) -> Array:
-    """Return the links behind joints 1 .. 6, the last one, the target's, as 1."""
-    return np.concatenate((_links(chain, size)[1:6], [np.eye(4)]))
 
 
 def _forms(chain: SerialChain, loop: Array, walks: Walks) -> Iterator[Array]:

@@ -2,6 +2,7 @@
 
 import math
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,61 +37,58 @@ ITERATIVE_APART_MOST = 0.5
 MAX_SOLUTIONS = 16
 
 
-@lru_cache(maxsize=64)
-def iterative_data(
-    chain: SerialChain,
-    *,
-    respect_limits: bool = True,
-    task: Task = FULL_TASK,
-    position_tolerance: float = POSITION_TOLERANCE,
-    orientation_tolerance: float = ORIENTATION_TOLERANCE,
-    wanted: int | None = None,
-) -> Array:
-    """Lay out the constants of a search as its kernel reads them.
+class SearchGoal(NamedTuple):
+    """What a search looks for.
 
     Parameters
     ----------
-    chain : SerialChain
-        Of n joints.
     respect_limits : bool
         Whether the position limits bound the search.
     task : tuple of six bool
         Which components of the pose count: x, y, z, then the components of the rotation vector
         of the error, all in the base frame.
-    position_tolerance : float
-        Accepted position error (m).
-    orientation_tolerance : float
-        Accepted orientation error (rad).
+    position_tolerance, orientation_tolerance : float
+        Accepted errors (m, rad).
     wanted : int, optional
         Number of solutions after which to stop; by default all of 16 where solutions are
         isolated, few where they form a continuum.
-
-    Returns
-    -------
-    ndarray
-        See ``_kernels.inverse.iterative.layout``.
     """
+
+    respect_limits: bool = True
+    task: Task = FULL_TASK
+    position_tolerance: float = POSITION_TOLERANCE
+    orientation_tolerance: float = ORIENTATION_TOLERANCE
+    wanted: int | None = None
+
+
+_USUAL = SearchGoal()
+
+
+@lru_cache(maxsize=64)
+def iterative_data(chain: SerialChain, goal: SearchGoal = _USUAL) -> Array:
+    """Lay out the constants of a search as ``_kernels.inverse.iterative.layout`` says."""
     n = chain.n
-    redundant = n > sum(task)
+    redundant = n > sum(goal.task)
+    wanted = goal.wanted
     if wanted is None:
         wanted = ITERATIVE_WANTED_REDUNDANT if redundant else MAX_SOLUTIONS
     size = max(reach_bound(chain), 1e-3)
     turns = chain.turns
-    lower, upper, start, end = _box(chain, respect_limits, size)
+    lower, upper, start, end = _box(chain, goal.respect_limits, size)
     data = np.zeros(at.ROWS + at.N_ROWS * n + chain.packed.size)
     data[at.WIDTH] = chain.packed.shape[1]
     data[at.JOINTS], data[at.UNIT] = n, (2.0 / size) ** 2
-    data[at.POSITION_TOLERANCE] = position_tolerance
-    data[at.ORIENTATION_TOLERANCE] = orientation_tolerance
+    tolerances = goal.position_tolerance, goal.orientation_tolerance
+    data[at.POSITION_TOLERANCE], data[at.ORIENTATION_TOLERANCE] = tolerances
     data[at.ITERATIONS], data[at.RESTARTS] = ATTEMPT_ITERATIONS, ITERATIVE_RESTARTS
     data[at.WANTED], data[at.PATIENCE] = wanted, ITERATIVE_PATIENCE
     data[at.STALL] = STALLED
     sharp = ITERATIVE_APART_REDUNDANT if redundant else ITERATIVE_APART
     data[at.SHARP_APART] = sharp
-    data[at.APART] = max(sharp, _neighbourhood(position_tolerance, orientation_tolerance))
+    data[at.APART] = max(sharp, _neighbourhood(*tolerances))
     sliding = (chain.types == PRISMATIC) & np.isinf(upper - lower)
     data[at.OPEN] = size if sliding.any() else np.inf
-    data[at.WEIGHTS : at.WEIGHTS + 6] = np.roll(np.asarray(task, dtype=float), 3)
+    data[at.WEIGHTS : at.WEIGHTS + 6] = np.roll(np.asarray(goal.task, dtype=float), 3)
     rows = np.stack([lower, upper, start, end - start, low_discrepancy_strides(n), turns])
     data[at.ROWS : at.ROWS + at.N_ROWS * n] = rows.ravel()
     data[at.ROWS + at.N_ROWS * n :] = chain.packed.ravel()
@@ -124,45 +122,14 @@ def _neighbourhood(position_tolerance: float, orientation_tolerance: float) -> f
     return min(ITERATIVE_APART * math.sqrt(loose), ITERATIVE_APART_MOST)
 
 
-def task_data(
-    chain: SerialChain,
-    T: Array,
-    *,
-    task: Task,
-    respect_limits: bool,
-    position_tolerance: float = POSITION_TOLERANCE,
-    orientation_tolerance: float = ORIENTATION_TOLERANCE,
-    wanted: int | None = None,
-) -> tuple[Array, Array]:
-    """Lay out the constants of a search for a task along and about the axes of its target.
+def task_data(chain: SerialChain, T: Array, goal: SearchGoal) -> tuple[Array, Array]:
+    """Lay out a search for a task along and about the axes of its target T (4, 4) (m).
 
     The components of a search are those of the base; so the base is turned until its axes are
-    those of the target.
-
-    Parameters
-    ----------
-    chain : SerialChain
-    T : ndarray, shape (4, 4)
-        Target pose of the tip in the base (m).
-    task, respect_limits, position_tolerance, orientation_tolerance, wanted
-        As for :func:`iterative_data`.
-
-    Returns
-    -------
-    data : ndarray
-        See ``_kernels.inverse.iterative.layout``.
-    target : ndarray, shape (4, 4)
-        The target in the base as it was turned (m).
+    those of the target.  Returns the constants, and the target in the base as it was turned (m).
     """
-    data = iterative_data(
-        chain,
-        respect_limits=respect_limits,
-        task=task,
-        position_tolerance=position_tolerance,
-        orientation_tolerance=orientation_tolerance,
-        wanted=wanted,
-    )
-    if task == FULL_TASK:
+    data = iterative_data(chain, goal)
+    if goal.task == FULL_TASK:
         return data, T
     turned = data.copy()
     base = packed_chain(turned)[0, 1:]

@@ -19,7 +19,7 @@ from robomech_ros._kernels.tolerances import ON_BOUNDARY
 from robomech_ros.kinematics.axis_points import common_point, nearest_points
 from robomech_ros.kinematics.inverse.families import decoupled, general
 from robomech_ros.kinematics.inverse.families.decoupled import wrist_constants
-from robomech_ros.kinematics.inverse.families.iterative import iterative_data
+from robomech_ros.kinematics.inverse.families.iterative import SearchGoal, iterative_data
 from robomech_ros.kinematics.inverse.families.six_joints import (
     SixJointArm,
     chain_of,
@@ -149,7 +149,7 @@ def locked_anyway(chain: SerialChain) -> Array | None:
     for first in (0, 1):
         part = chain_of(*_six(chain, C, first))
         if moves_in_all_directions(part, arm_size(part)):
-            rest = iterative_data(part, respect_limits=False)
+            rest = iterative_data(part, SearchGoal(respect_limits=False))
             data = _laid_out(chain, at.LOCKED, rest)
             data[at.FIRST], data[at.SIX] = first, ITERATIVE
             return data

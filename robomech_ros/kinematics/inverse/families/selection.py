@@ -87,24 +87,18 @@ class Family:
         return self.number % BACKWARDS != DECOUPLED or bool(self.data[decoupled_layout.EXACT])
 
 
-def _from_tip(chain: SerialChain) -> SerialChain:
-    links = reversed_transforms(unpack_chain(chain.packed))
-    return chain_of(links, chain.types[::-1].tolist())
-
-
 def _match_backwards(chain: SerialChain) -> Array | None:
     """Recognise an arm whose first three axes meet: read from its tip it has a spherical wrist."""
-    return decoupled.match(_from_tip(chain)) if chain.n == 6 else None
-
-
-def _match_revolute(chain: SerialChain) -> Array | None:
-    return None if chain.types.any() else general.match(chain)
+    if chain.n != 6:
+        return None
+    links = reversed_transforms(unpack_chain(chain.packed))
+    return decoupled.match(chain_of(links, chain.types[::-1].tolist()))
 
 
 _FAMILIES = (
     *CLOSED_FORMS,
     ("decoupled", BACKWARDS + DECOUPLED, _match_backwards),
-    ("general-6r", GENERAL, _match_revolute),
+    ("general-6r", GENERAL, lambda arm: None if arm.types.any() else general.match(arm)),
     ("general-6", GENERAL, general.match),
     ("redundant", REDUNDANT, redundant.match),
     ("short", SHORT, short.match),

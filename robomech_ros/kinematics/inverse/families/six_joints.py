@@ -10,6 +10,7 @@ from robomech_ros._kernels.inverse.six_joints import DECOUPLED, GENERAL, THREE_P
 from robomech_ros.kinematics.inverse.families import decoupled, general, three_parallel
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import pack_chain
+from robomech_ros.robots.limit_arrays import limit_arrays
 from robomech_ros.typing import Array
 
 # Families of six-joint arms, the most special first: name, number in the kernels, recognition.
@@ -110,7 +111,6 @@ def chain_of(transforms: Array, types: Sequence[int]) -> SerialChain:
     """
     n = len(types)
     kinds = np.array(types, dtype=np.int64)
-    missing = np.full(n, np.nan)
     return SerialChain(
         name="part",
         base="base",
@@ -118,10 +118,5 @@ def chain_of(transforms: Array, types: Sequence[int]) -> SerialChain:
         joint_names=tuple(f"joint_{i + 1}" for i in range(n)),
         types=kinds,
         packed=pack_chain(transforms, kinds),
-        lower=np.full(n, -np.inf),
-        upper=np.full(n, np.inf),
-        velocity=missing,
-        acceleration=missing,
-        jerk=missing,
-        effort=missing,
+        **limit_arrays(None, n),
     )

@@ -9,6 +9,7 @@ from robomech_ros._kernels.inverse.iterative import layout as iterative_layout
 from robomech_ros.kinematics import Status, forward_kinematics, inverse_kinematics
 from robomech_ros.kinematics.inverse.families.iterative import (
     ITERATIVE_RESTARTS,
+    SearchGoal,
     iterative_data,
     task_data,
 )
@@ -33,7 +34,7 @@ def random_postures(chain, count, seed):
 
 def solved(chain, q):
     """How many targets of reachable postures get a solution, all of which must hold."""
-    data = iterative_data(chain, wanted=1)
+    data = iterative_data(chain, SearchGoal(wanted=1))
     seed = chain.midrange()
     found = 0
     for T in forward_kinematics(chain, q):
@@ -183,7 +184,7 @@ def test_masked_components_of_the_task_hold(name, mask):
     from scipy.spatial.transform import Rotation
 
     chain = load_robot(name)
-    data = iterative_data(chain, task=mask, wanted=3)
+    data = iterative_data(chain, SearchGoal(task=mask, wanted=3))
     for T in forward_kinematics(chain, random_postures(chain, 30, 9)):
         search = iterative_search(data, T, chain.midrange())
         assert len(search.q)
@@ -276,7 +277,9 @@ def test_no_time_is_left_for_a_reason():
     far[:3, 3] += 20.0
     near[:3, :3] = near[:3, :3] @ np.diag([1.0, -1.0, -1.0])
     assert np.isnan(reach_gap(chain, far, deadline=time.monotonic())).all()
-    data, target = task_data(chain, near, task=FULL_TASK, respect_limits=False, wanted=1)
+    data, target = task_data(
+        chain, near, SearchGoal(task=FULL_TASK, respect_limits=False, wanted=1)
+    )
     assert np.isnan(least_orientation_error(data, target, np.full(10, 0.1), deadline=0.0))
     assert reach_gap(chain, far, deadline=time.monotonic() + 60.0) == pytest.approx(
         reach_gap(chain, far), rel=1e-12, nan_ok=True
