@@ -14,6 +14,8 @@ from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.typing import Array
 
 METHODS = ("articulated-body", "cholesky")
+# Other formulations.
+_OTHERS = ("reflections", "lagrange", "kane")
 
 _forward_one = direct(kernels.forward_dynamics_one)
 
@@ -49,7 +51,8 @@ def forward_dynamics(
         As for :func:`inverse_dynamics`.
     method : str, optional
         One of METHODS: ``"articulated-body"``, in a time that grows with n, or ``"cholesky"``,
-        from the factor of the mass matrix, as the book does it.
+        from the factor of the mass matrix, as the book does it.  To check them ``"reflections"``,
+        ``"lagrange"`` or ``"kane"``: the functions ``forward_dynamics_by_...``.
 
     Returns
     -------
@@ -60,12 +63,6 @@ def forward_dynamics(
     ------
     MissingInertiaError, BadValueError, WrongSizeError
         As for :func:`inverse_dynamics`; or nothing resists some motion of the chain.
-
-    See Also
-    --------
-    forward_dynamics_by_cholesky : from the factors of the generalised inertia.
-    forward_dynamics_by_reflections : without forming it.
-    simulate : the motion over time.
 
     References
     ----------
@@ -82,11 +79,19 @@ def forward_dynamics(
     >>> np.allclose(forward_dynamics(puma, q, qd, inverse_dynamics(puma, q, qd, qdd)), qdd)
     True
     """
+    if method is not METHODS[0]:
+        method = as_choice("method", method, METHODS + _OTHERS)
+        if method in _OTHERS:
+            from robomech_ros.dynamics.formulations import table
+
+            base = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
+            around = {"gravity": gravity, "tip_wrench": tip_wrench, "base": base}
+            return table.by_formulation(table.FORWARD, method, chain, q, qd, tau, **around)
     q, qd, tau = as_states(chain, ("q", "qd", "tau"), q, qd, tau)
     model, shape = dynamic_model(chain), q.shape
     around = surroundings(shape, gravity, tip_wrench, base_twist, base_twist_rate)
     qdd = np.empty(shape)
-    recursive = method is METHODS[0] or as_choice("method", method, METHODS) == METHODS[0]
+    recursive = method == METHODS[0]
     if recursive and q.ndim == 1:
         status = _forward_one(model, q, qd, tau, around, qdd)
     elif recursive:

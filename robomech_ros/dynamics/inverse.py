@@ -10,7 +10,11 @@ from robomech_ros._kernels.dynamics import inverse as kernels
 from robomech_ros.dynamics.model import GRAVITY, dynamic_model, raise_outcome, surroundings
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.typing import Array
+
+# The first is compiled, the others follow other formulations.
+INVERSE_METHODS = ("newton-euler", "orthogonal-complement", "lagrange", "kane")
 
 _inverse_one = direct(kernels.inverse_dynamics_one)
 _gravity_one = direct(kernels.gravity_torque_one)
@@ -26,6 +30,7 @@ def inverse_dynamics(
     tip_wrench: ArrayLike | None = None,
     base_twist: ArrayLike | None = None,
     base_twist_rate: ArrayLike | None = None,
+    method: str = INVERSE_METHODS[0],
 ) -> Array:
     r"""Compute the joint torques that a motion takes, ``M(q) qdd + h(q, qd)``.
 
@@ -73,6 +78,9 @@ def inverse_dynamics(
         and the accelerations [omega'; v'] (rad/s^2, m/s^2), in the axes that the base has at that
         moment; v' is the acceleration of the origin in space.  No torque depends on v.  Default at
         rest.
+    method : str, optional
+        ``"newton-euler"``, which is compiled, or to check it ``"orthogonal-complement"``,
+        ``"lagrange"`` or ``"kane"``: the functions ``inverse_dynamics_by_...``.
 
     Returns
     -------
@@ -87,12 +95,6 @@ def inverse_dynamics(
         An argument is not of finite real numbers of its shape, the result is not finite, or no body
         can have the numbers of one.
 
-    See Also
-    --------
-    inverse_dynamics_by_lagrange : from the energies.
-    inverse_dynamics_by_kane : by partial velocities.
-    inverse_dynamics_by_orthogonal_complement : by constraints and what they leave free.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.4, 7.5.2 and 7.7.
@@ -106,7 +108,17 @@ def inverse_dynamics(
     >>> q, qd, qdd = [0.3, -0.7, 1.1], [0.5, -1.2, 2.0], [1.0, -0.5, 0.25]
     >>> np.round(inverse_dynamics(arm, q, qd, qdd, gravity=[0.0, -9.81, 0.0]), 4)
     array([53.0212, 16.0675,  2.3256])
+    >>> np.round(inverse_dynamics(arm, q, qd, qdd, gravity=[0.0, -9.81, 0.0], method="kane"), 4)
+    array([53.0212, 16.0675,  2.3256])
     """
+    if method is not INVERSE_METHODS[0]:
+        method = as_choice("method", method, INVERSE_METHODS)
+        if method != INVERSE_METHODS[0]:
+            from robomech_ros.dynamics.formulations import table
+
+            base = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
+            around = {"gravity": gravity, "tip_wrench": tip_wrench, "base": base}
+            return table.by_formulation(table.INVERSE, method, chain, q, qd, qdd, **around)
     q, qd, qdd = as_states(chain, ("q", "qd", "qdd"), q, qd, qdd)
     model, shape = dynamic_model(chain), q.shape
     around = surroundings(shape, gravity, tip_wrench, base_twist, base_twist_rate)

@@ -12,10 +12,6 @@ def low_discrepancy_strides(n: int) -> Array:
 
     They are the powers of the inverse of the root of x^(n + 1) = x + 1.
 
-    Parameters
-    ----------
-    n : int
-
     Returns
     -------
     ndarray, shape (n,)
@@ -38,7 +34,6 @@ def sample_postures(chain: SerialChain, count: int) -> Array:
     ----------
     chain : SerialChain
         Of n joints.
-    count : int
 
     Returns
     -------
@@ -60,7 +55,6 @@ def spread_values(types: IntArray, lower: Array, upper: Array, count: int) -> Ar
         PRISMATIC, or another type.
     lower, upper : ndarray, shape (n,)
         Limits (rad or m), infinite where there is none.
-    count : int
 
     Returns
     -------

@@ -100,10 +100,6 @@ class Body:
 def combine_bodies(bodies: Iterable[Body]) -> Body | None:
     """Make one body of several that are fixed to each other, all seen in one frame.
 
-    Parameters
-    ----------
-    bodies : iterable of Body
-
     Returns
     -------
     Body or None

@@ -3,10 +3,6 @@
 The convention is the book's, identical to the usual "standard" one with d = b:
 ``T_i = Rz(theta_i) Tz(b_i) Tx(a_i) Rx(alpha_i)``, joint i about or along z_i, frame i + 1 fixed to
 link i.  A negative ``a`` is accepted although the book defines a distance.
-
-References
-----------
-Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.2.
 """
 
 from __future__ import annotations

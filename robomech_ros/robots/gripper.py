@@ -99,7 +99,6 @@ def gripper_model(
 
     Parameters
     ----------
-    description : RobotDescription
     chain : SerialChain
         The arm.
     names : sequence of str, optional

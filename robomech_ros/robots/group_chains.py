@@ -176,10 +176,6 @@ def groups_by_links(description: RobotDescription, entries: Iterable[str]) -> di
     entries : iterable of str
         Each ``name:tip_link`` or ``name:base_link:tip_link``; the base is the root by default.
 
-    Returns
-    -------
-    dict of str to Group
-
     Raises
     ------
     BadValueError

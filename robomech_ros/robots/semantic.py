@@ -142,7 +142,6 @@ class SemanticDescription(Printed):
         ----------
         chain : SerialChain
             Of n joints.
-        name : str
 
         Returns
         -------

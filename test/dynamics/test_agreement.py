@@ -79,6 +79,28 @@ def test_agree_pairwise_at_many_states(arm):
     agree_pairwise(arm, 1000)
 
 
+def test_formulations_are_chosen_by_name(arm):
+    q, qd, qdd = states(arm, 5)
+    given = {"gravity": GRAVITY, "tip_wrench": WRENCH}
+    names = ("orthogonal-complement", "lagrange", "kane")
+    for name, inverse in zip(names, INVERSE, strict=True):
+        torques = inverse_dynamics(arm, q, qd, qdd, method=name, **given)
+        np.testing.assert_array_equal(torques, inverse(arm, q, qd, qdd, **given))
+    names = ("reflections", "lagrange", "kane")
+    for name, forward in zip(names, FORWARD[1:], strict=True):
+        accelerations = forward_dynamics(arm, q, qd, qdd, method=name, **given)
+        np.testing.assert_array_equal(accelerations, forward(arm, q, qd, qdd, **given))
+
+
+def test_a_formulation_for_bases_at_rest_refuses_one_that_moves():
+    puma = load_robot("puma560")
+    q, qd, qdd = states(puma, 1)
+    with pytest.raises(BadValueError, match="method is 'kane'.*bases that move"):
+        inverse_dynamics(puma, q, qd, qdd, method="kane", base_twist=[0.1] * 6)
+    with pytest.raises(BadValueError, match="newton-euler.*kane"):
+        inverse_dynamics(puma, q, qd, qdd, method="euler")
+
+
 def test_agree_with_pinocchio(arm):
     model = pinocchio_of(arm, GRAVITY)
     data = model.createData()

@@ -1,9 +1,4 @@
-"""Inverse and forward dynamics by the natural orthogonal complement.
-
-References
-----------
-Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.5 and 7.6.
-"""
+"""Inverse and forward dynamics by the natural orthogonal complement."""
 
 from __future__ import annotations
 
@@ -49,27 +44,9 @@ def inverse_dynamics_by_orthogonal_complement(
     ndarray, shape (n,) or (..., n)
         Torques or forces that the drives exert on the joints (N m or N).
 
-    See Also
-    --------
-    inverse_dynamics_by_lagrange : from the energies.
-    inverse_dynamics_by_kane : by partial velocities.
-    natural_orthogonal_complement : the matrices and the formulas.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.5.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from robomech_ros.dynamics import inverse_dynamics_by_orthogonal_complement
-    >>> from robomech_ros.dynamics import inverse_dynamics
-    >>> from robomech_ros.robots import load_robot
-    >>> puma = load_robot("puma560")
-    >>> q, qd, qdd = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 6))
-    >>> expected = inverse_dynamics(puma, q, qd, qdd)
-    >>> np.allclose(inverse_dynamics_by_orthogonal_complement(puma, q, qd, qdd), expected)
-    True
     """
     q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}

@@ -115,25 +115,9 @@ def inverse_dynamics_by_lagrange(
     ndarray, shape (n,) or (..., n)
         Torques or forces that the drives exert on the joints (N m or N).
 
-    See Also
-    --------
-    inverse_dynamics_by_kane : by partial velocities.
-    inverse_dynamics_by_orthogonal_complement : by constraints and what they leave free.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.3.2.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from robomech_ros.dynamics import inverse_dynamics, inverse_dynamics_by_lagrange
-    >>> from robomech_ros.robots import load_robot
-    >>> puma = load_robot("puma560")
-    >>> q, qd, qdd = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 6))
-    >>> expected = inverse_dynamics(puma, q, qd, qdd)
-    >>> np.allclose(inverse_dynamics_by_lagrange(puma, q, qd, qdd), expected)
-    True
     """
     q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
     derivatives = _derivatives(chain, q)

@@ -1,9 +1,4 @@
-"""The natural orthogonal complement of planar arms: twists of three numbers instead of six.
-
-References
-----------
-Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.6.1.
-"""
+"""The natural orthogonal complement of planar arms: twists of three numbers instead of six."""
 
 from __future__ import annotations
 

@@ -53,10 +53,6 @@ def consistent_fit(found: Identification) -> ConsistentFit:
     with positive definite pseudo-inertias can: a convex program, whose minimum is the only one.
     Where the data leave a choice, the bodies stay near those known before.
 
-    Parameters
-    ----------
-    found : Identification
-
     References
     ----------
     Lee, Wensing, Park, "Geometric robot dynamic identification: a convex programming approach",

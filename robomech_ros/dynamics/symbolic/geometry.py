@@ -1,9 +1,4 @@
-"""The equations of chapters 4 and 9 as expressions, derived from the loop by SymPy.
-
-References
-----------
-Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 4.4 and 9.2.
-"""
+"""The equations of chapters 4 and 9 as expressions, derived from the loop by SymPy."""
 
 from __future__ import annotations
 

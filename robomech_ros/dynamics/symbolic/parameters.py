@@ -134,7 +134,6 @@ def symbolic_parameters(
         Of at least one joint; without bodies the masses are 0.
     gravity : sequence of float
         In the base (m/s^2).
-    by_name : bool
     """
     chain.require_uncoupled()
     table = chain.dh

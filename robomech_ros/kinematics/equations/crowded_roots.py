@@ -35,7 +35,6 @@ def angles_beside(equations: ClosureEquations, place: int, angle: complex) -> li
 
     Parameters
     ----------
-    equations : ClosureEquations
     place : int
         Which is known: 0 joint 3, 1 joint 4, 2 joint 5.
     angle : complex

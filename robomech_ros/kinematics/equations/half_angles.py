@@ -27,7 +27,6 @@ def sampled_determinants(matrix: Array, count: int) -> tuple[Array, Array]:
     ----------
     matrix : ndarray, shape (3, n, n)
         A, B and C: coefficients of x^2, x and 1.
-    count : int
 
     Returns
     -------

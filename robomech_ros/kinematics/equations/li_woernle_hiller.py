@@ -32,10 +32,6 @@ def half_angle_equations(equations: ClosureEquations) -> Array:
 
     Such e and f are a null vector of 18 equations in their twelve weights; there are four.
 
-    Parameters
-    ----------
-    equations : ClosureEquations
-
     Returns
     -------
     ndarray, shape (4, 2, 3, 3)
@@ -56,10 +52,6 @@ def li_woernle_hiller_matrix(equations: ClosureEquations) -> Array:
     The four equations linear in :math:`x_3 = \tan(\theta_3 / 2)` are quadratic in :math:`x_4` and
     :math:`x_5`.  Multiplied by :math:`x_4` they are four more, in the eight monomials
     :math:`x_4^i x_3^j`, i from 3, j from 1 down to 0.  The determinant has degree sixteen.
-
-    Parameters
-    ----------
-    equations : ClosureEquations
 
     Returns
     -------

@@ -1,9 +1,4 @@
-"""The orientation problem of decoupled arms: how a spherical wrist turns the tip.
-
-References
-----------
-Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.4.2.
-"""
+"""The orientation problem of decoupled arms: how a spherical wrist turns the tip."""
 
 from __future__ import annotations
 

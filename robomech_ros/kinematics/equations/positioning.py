@@ -1,9 +1,4 @@
-"""The positioning problem of decoupled arms: where the first three joints put the wrist centre.
-
-References
-----------
-Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.4.1.
-"""
+"""The positioning problem of decoupled arms: where the first three joints put the wrist centre."""
 
 from __future__ import annotations
 

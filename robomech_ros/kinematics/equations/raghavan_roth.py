@@ -28,10 +28,6 @@ def raghavan_roth_matrix(equations: ClosureEquations) -> Array:
        \Sigma = \begin{bmatrix} 0 & E_2 & E_1 & E_0 \\ E_2 & E_1 & E_0 & 0 \end{bmatrix}, \qquad
        \det \Sigma = (1 + x_3^2)^4\, P_{16}(x_3)
 
-    Parameters
-    ----------
-    equations : ClosureEquations
-
     Returns
     -------
     ndarray, shape (3, 12, 12)

@@ -42,10 +42,8 @@ def solve_closed_form(
 
     Parameters
     ----------
-    chain : SerialChain
     T : ndarray, shape (4, 4)
         Pose (m) as :func:`as_target` gives it; its entries are checked here.
-    request : Request
     family : Family
         One that lists all solutions.
     """

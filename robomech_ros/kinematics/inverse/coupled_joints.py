@@ -56,7 +56,6 @@ def solve_coupled_joints(
         With joints that follow others.
     T : ndarray, shape (4, 4)
         Wanted pose (m).
-    request : Request
 
     Returns
     -------

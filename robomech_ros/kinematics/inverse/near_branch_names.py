@@ -53,7 +53,6 @@ def named_branches(chain: SerialChain, q: Array, branch: IntArray) -> IntArray:
 
     Parameters
     ----------
-    chain : SerialChain
     q : ndarray, shape (k, 6)
         The postures (rad).
     branch : ndarray of int, shape (k,)

@@ -39,11 +39,8 @@ def add_nearest(
 
     Parameters
     ----------
-    chain : SerialChain
     T : ndarray, shape (4, 4)
         Target (m).
-    request : Request
-    result : InverseKinematicsResult
     started : float
         When the request came, by ``time.monotonic`` (s).
     """
@@ -85,7 +82,6 @@ def least_squares_posture(
 
     Parameters
     ----------
-    chain : SerialChain
     T : ndarray, shape (4, 4)
         ``T_base_tip`` wanted (m).
     request : Request

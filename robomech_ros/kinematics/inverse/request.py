@@ -61,7 +61,6 @@ def default_tolerances(chain: SerialChain, task: Task) -> tuple[float, float]:
 
     Parameters
     ----------
-    chain : SerialChain
     task : tuple of six bool
         Which components of the pose count.
     """

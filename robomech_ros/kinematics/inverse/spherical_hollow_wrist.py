@@ -114,7 +114,6 @@ def spherical_wrist_postures(wrist: SphericalHollowWrist, T: Array) -> tuple[Arr
 
     Parameters
     ----------
-    wrist : SphericalHollowWrist
     T : ndarray, shape (4, 4)
         Of the tip in the base (m).
     """

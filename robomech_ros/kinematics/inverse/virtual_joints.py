@@ -43,7 +43,6 @@ def solve_with_virtual_joints(
         Of n joints.
     T : ndarray, shape (4, 4)
         Wanted pose (m).
-    request : Request
 
     Returns
     -------

@@ -58,7 +58,6 @@ def map_cells(
     ----------
     chain : SerialChain
         That of the request.
-    request : MapRequest
     first, last : int
         Cells as the grid counts them.
     stopped : callable, optional

@@ -89,7 +89,6 @@ def by_dask(
     ----------
     chain, request
         Of the map.
-    chunks : iterator
     address : str
         Of the scheduler, such as ``tcp://10.0.0.1:8786``.
 

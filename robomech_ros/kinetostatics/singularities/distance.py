@@ -77,7 +77,6 @@ def singular_posture_from(chain: SerialChain, q: Array, length: float) -> Array 
 
     Parameters
     ----------
-    chain : SerialChain
     q : ndarray, shape (n,)
         Joint values (rad or m).
     length : float

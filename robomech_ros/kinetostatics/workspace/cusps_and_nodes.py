@@ -59,7 +59,6 @@ def cusps_of(section: WorkspaceSection, curve: Array) -> tuple[Array, IntArray, 
 
     Parameters
     ----------
-    section : WorkspaceSection
     curve : ndarray, shape (k, 2)
         Joint values (rad or m).
 
@@ -241,7 +240,6 @@ def _nodes(section: WorkspaceSection, joint: IntArray, q: Array) -> tuple[Array,
 
     Parameters
     ----------
-    section : WorkspaceSection
     joint : ndarray of int, shape (2, k)
         Of the branches, see :class:`Branch`.
     q : ndarray, shape (2, k, 2)

@@ -15,10 +15,6 @@ class DeflatedDeterminant:
 
     Where axes 2 and 3 are parallel the elbow is such a factor; the lines on which it vanishes may
     be so near to the other branches that no grid parts them.
-
-    Parameters
-    ----------
-    section : WorkspaceSection
     """
 
     def __init__(self, section: WorkspaceSection) -> None:

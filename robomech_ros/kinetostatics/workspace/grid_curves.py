@@ -24,10 +24,6 @@ NEWTON = 8
 def grid_curves(deflated: DeflatedDeterminant) -> list[Array]:
     """Find the curves on which a determinant vanishes.
 
-    Parameters
-    ----------
-    deflated : DeflatedDeterminant
-
     Returns
     -------
     list of ndarray, shape (k, 2)

@@ -53,7 +53,6 @@ def refined(
 
     Parameters
     ----------
-    section : WorkspaceSection
     curve : ndarray, shape (k, 2)
         Joint values (rad or m).
     onto : callable, optional

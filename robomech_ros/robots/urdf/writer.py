@@ -74,7 +74,6 @@ def written_urdf(
 
     Parameters
     ----------
-    description : RobotDescription
     given : mapping, optional
         Shapes of links in their frames, for parts that are to look otherwise than those made for
         any robot.

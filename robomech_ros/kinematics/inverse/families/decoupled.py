@@ -34,10 +34,6 @@ _KINDS = {
 def match(chain: SerialChain) -> Array | None:
     """Recognise an arm with a spherical wrist after any three joints.
 
-    Parameters
-    ----------
-    chain : SerialChain
-
     Returns
     -------
     ndarray or None

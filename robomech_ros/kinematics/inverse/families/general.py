@@ -42,10 +42,6 @@ _HOPELESS = 3
 def match(chain: SerialChain) -> Array | None:
     """Make the constants of an arm of six joints.
 
-    Parameters
-    ----------
-    chain : SerialChain
-
     Returns
     -------
     ndarray or None

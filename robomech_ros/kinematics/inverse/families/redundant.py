@@ -55,10 +55,6 @@ _ELIMINATIONS = 8
 def match(chain: SerialChain) -> Array | None:
     """Recognise a redundant arm with all postures known for each value of a parameter.
 
-    Parameters
-    ----------
-    chain : SerialChain
-
     Returns
     -------
     ndarray or None

@@ -110,10 +110,6 @@ def family_of(chain: SerialChain) -> Family:
     """Find the first family whose geometry a chain has; the iterative one takes what is left.
 
     An arm whose wrist axes miss each other by micrometres is a general one, where it can be.
-
-    Parameters
-    ----------
-    chain : SerialChain
     """
     for name, number, match in () if chain.coupling else _FAMILIES:
         data = match(chain)

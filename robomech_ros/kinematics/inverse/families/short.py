@@ -48,10 +48,6 @@ _IMAGINED = -1
 def match(chain: SerialChain) -> Array | None:
     """Complete an arm of one to five joints.
 
-    Parameters
-    ----------
-    chain : SerialChain
-
     Returns
     -------
     ndarray or None

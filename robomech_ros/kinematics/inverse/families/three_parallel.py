@@ -30,10 +30,6 @@ PARALLEL_SLACK = 1e-6
 def match(chain: SerialChain) -> Array | None:
     """Recognise an arm with three parallel axes next to each other.
 
-    Parameters
-    ----------
-    chain : SerialChain
-
     Returns
     -------
     ndarray or None
