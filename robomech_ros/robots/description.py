@@ -152,6 +152,10 @@ class RobotDescription(Printed):
         """How many joints are above each link."""
         return self._tree.depths
 
+    def links_below(self, link: str) -> Iterator[str]:
+        """List the links below a link, parents first."""
+        return self._tree.below(link)
+
     def joints_between(self, first: str, second: str) -> tuple[list[Joint], list[Joint]]:
         """List the joints on the way from one link to another, whatever their kind.
 

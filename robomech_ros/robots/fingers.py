@@ -54,7 +54,7 @@ def finger_joints(
     if names:
         return tuple(able[name] for name in dict.fromkeys(names))
     last = next(joint for joint in description.joints if joint.name == chain.joint_names[-1])
-    below = _links_below(description, [last.child])
+    below = {last.child, *description.links_below(last.child)}
     return tuple(joint for joint in able.values() if joint.parent in below)
 
 
@@ -68,19 +68,8 @@ def finger_ends(description: RobotDescription, joints: Sequence[Joint]) -> tuple
         if joint.name in names or leaders.get(joint.name) in names
     ]
     parents = {joint.parent for joint in description.joints}
-    return tuple(sorted(_links_below(description, children) - parents))
-
-
-def _links_below(description: RobotDescription, links: Sequence[str]) -> set[str]:
-    """Find these links and all that joints hang on them."""
-    found, waiting = set(links), list(links)
-    while waiting:
-        link = waiting.pop()
-        for joint in description.joints:
-            if joint.parent == link:
-                found.add(joint.child)
-                waiting.append(joint.child)
-    return found
+    moved = set(children).union(*map(description.links_below, children))
+    return tuple(sorted(moved - parents))
 
 
 @dataclass(frozen=True, eq=False)

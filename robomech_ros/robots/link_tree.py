@@ -51,12 +51,8 @@ class LinkTree:
         """How many joints are above each link."""
         root = next(link for link in self.links if link not in self.to_parent)
         depths = {root: 0}
-        waiting = [root]
-        while waiting:
-            link = waiting.pop()
-            for joint in self.to_children[link]:
-                depths[joint.child] = depths[link] + 1
-                waiting.append(joint.child)
+        for link in self.below(root):
+            depths[link] = depths[self.to_parent[link].parent] + 1
         return depths
 
     def way(self, first: str, second: str) -> tuple[list[Joint], list[Joint]]:
@@ -93,7 +89,7 @@ class LinkTree:
     def _leads_to(self, link: str, tip: str | None) -> bool:
         """Tell whether a tip is a link or below it; without a tip, whether a joint below moves."""
         if not tip:
-            below = (link, *self._below(link))
+            below = (link, *self.below(link))
             return any(j.type != "fixed" for one in below for j in self.to_children[one])
         while tip != link and tip in self.to_parent:
             tip = self.to_parent[tip].parent
@@ -105,7 +101,7 @@ class LinkTree:
         link = tip
         while link != above:
             if link not in self.to_parent:
-                below = _listed(list(self._below(base)))
+                below = _listed(list(self.below(base)))
                 why = f"link '{tip}' is not below link '{base}'; below it are: {below}"
                 raise RobotDescriptionError(self.where, why)
             path.append(self.to_parent[link])
@@ -130,7 +126,7 @@ class LinkTree:
             )
             raise RobotDescriptionError(where, why)
 
-    def _below(self, base: str) -> Iterator[str]:
+    def below(self, base: str) -> Iterator[str]:
         """Links below a link, parents first."""
         waiting = [base]
         while waiting:

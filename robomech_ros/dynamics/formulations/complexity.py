@@ -158,6 +158,7 @@ def plain_links(
     number : callable, optional
         Makes the numbers; default float.
     """
+    numbers = np.frompyfunc(number, 1, 1)
     links = []
     for i in range(len(a)):
         c, s = math.cos(alpha[i]), math.sin(alpha[i])
@@ -168,14 +169,11 @@ def plain_links(
             PlainLink(
                 turn=(number(math.cos(theta[i])), number(math.sin(theta[i]))),
                 twist=(number(c), number(s)),
-                step=[number(one) for one in step],
+                step=numbers(step),
                 mass=number(bodies[i, 0]),
-                com=[number(one) for one in step + bodies[i, 1:4]],
-                inertia=[[number(one) for one in row] for row in inertia],
-                root=[
-                    [number(one) if j >= k else 0 for j, one in enumerate(row)]
-                    for k, row in enumerate(root)
-                ],
+                com=numbers(step + bodies[i, 1:4]),
+                inertia=numbers(inertia),
+                root=np.where(np.tri(3, dtype=bool).T, numbers(root), 0),
                 mass_root=number(math.sqrt(bodies[i, 0])),
             )
         )

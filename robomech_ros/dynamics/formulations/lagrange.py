@@ -121,7 +121,7 @@ def inverse_dynamics_by_lagrange(
     """
     q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
     derivatives = _derivatives(chain, q)
-    bias = _bias(chain, derivatives, qd, gravity, tip_wrench)
+    bias = _bias(derivatives, qd, gravity, tip_wrench)
     return times(_mass_matrix(chain, derivatives), qdd) + bias
 
 
@@ -151,7 +151,7 @@ def forward_dynamics_by_lagrange(
     """
     q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     derivatives = _derivatives(chain, q)
-    moving = tau - _bias(chain, derivatives, qd, gravity, tip_wrench)
+    moving = tau - _bias(derivatives, qd, gravity, tip_wrench)
     return solve(_mass_matrix(chain, derivatives), moving)
 
 
@@ -222,11 +222,7 @@ def _symbols(gradient: Array) -> Array:
 
 
 def _bias(
-    chain: SerialChain,
-    derivatives: _Derivatives,
-    qd: Array,
-    gravity: ArrayLike,
-    tip_wrench: ArrayLike | None,
+    derivatives: _Derivatives, qd: Array, gravity: ArrayLike, tip_wrench: ArrayLike | None
 ) -> Array:
     """Torques for vanishing accelerations: of rates, weight and the tip's wrench."""
     symbols = _symbols(_gradient(derivatives))

@@ -15,10 +15,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 # Floats, counted numbers, and the whole numbers 0 and 1 where they are known beforehand.
 Number = Any
-Vector = list[Number]
-Matrix = list[Vector]
+# Arrays of objects, whose entries count what is done with them.
+Vector = NDArray[np.object_]
+Matrix = NDArray[np.object_]
+Rows = list[list[Number]]
 
 
 @dataclass(frozen=True)
@@ -45,11 +50,11 @@ class PlainLink:
 
     turn: tuple[Number, Number]
     twist: tuple[Number, Number]
-    step: Sequence[Number]
+    step: Vector
     mass: Number
-    com: Sequence[Number]
-    inertia: Sequence[Sequence[Number]]
-    root: Sequence[Sequence[Number]]
+    com: Vector
+    inertia: Matrix
+    root: Matrix
     mass_root: Number
 
 
@@ -58,7 +63,7 @@ def newton_euler(
     qd: Sequence[Number],
     qdd: Sequence[Number],
     gravity: Sequence[Number],
-) -> Vector:
+) -> list[Number]:
     """Compute the torques of a motion: twists outward, wrenches inward (section 7.4).
 
     Parameters
@@ -74,83 +79,78 @@ def newton_euler(
     list of numbers
         N m.
     """
-    omega: Vector = [0, 0, 0]
-    alpha: Vector = [0, 0, 0]
-    a: Vector = [-one for one in gravity]
+    omega, alpha = np.zeros((2, 3), object)
+    a = -np.array(gravity, object)
     forces, moments = [], []
     for link, rate, acceleration in zip(links, qd, qdd, strict=True):
-        spin = [omega[1] * rate, -(omega[0] * rate), acceleration]
-        alpha = _into(link, _added(alpha, spin))
+        spin = np.array([omega[1] * rate, -(omega[0] * rate), acceleration], object)
+        alpha = _into(link, alpha + spin)
         omega = _into(link, [omega[0], omega[1], omega[2] + rate])
         a = _into(link, a)
         change = _angular_acceleration(omega, alpha)
-        forces.append(_scaled(link.mass, _added(a, _times(change, link.com))))
-        moments.append(
-            _added(_times(link.inertia, alpha), _cross(omega, _times(link.inertia, omega)))
-        )
-        a = _added(a, _times(change, link.step))
-    tau: Vector = []
-    force: Vector = [0, 0, 0]
-    moment: Vector = [0, 0, 0]
+        forces.append((a + change @ link.com) * link.mass)
+        moments.append(link.inertia @ alpha + _cross(omega, link.inertia @ omega))
+        a = a + change @ link.step
+    tau: list[Number] = []
+    force, moment = np.zeros((2, 3), object)
     for i in range(len(links) - 1, -1, -1):
         link = links[i]
-        moment = _added(_added(moment, moments[i]), _cross(link.step, force))
-        moment = _added(moment, _cross(link.com, forces[i]))
-        force, moment = _out_of(link, _added(force, forces[i])), _out_of(link, moment)
+        moment = moment + moments[i] + _cross(link.step, force)
+        moment = moment + _cross(link.com, forces[i])
+        force, moment = _out_of(link, force + forces[i]), _out_of(link, moment)
         tau.append(moment[2])
     return tau[::-1]
 
 
-def composite_inertia(links: Sequence[PlainLink]) -> Matrix:
+def composite_inertia(links: Sequence[PlainLink]) -> Rows:
     """Compute the mass matrix from what each joint carries (Walker and Orin's third method)."""
     n = len(links)
-    matrix: Matrix = [[0] * n for _ in range(n)]
+    matrix: Rows = [[0] * n for _ in range(n)]
     mass: Number = 0
-    centre: Vector = [0, 0, 0]
-    inertia: Matrix = [[0] * 3 for _ in range(3)]
+    centre, inertia = np.zeros(3, object), np.zeros((3, 3), object)
     for k in range(n - 1, -1, -1):
         link = links[k]
         # What joint k carries, from the origin of frame k, in the axes of its link.
-        moved = _added(_scaled(mass, link.step), centre)
-        own = _scaled(link.mass, link.com)
+        moved = link.step * mass + centre
+        own = link.com * link.mass
         inertia = _summed(_shifted(inertia, mass, centre, link.step), link.inertia)
-        inertia = _summed(inertia, _point(link.mass, link.com, own))
-        mass, centre = mass + link.mass, _added(moved, own)
+        inertia = _summed(inertia, _point(link.com, own))
+        mass, centre = mass + link.mass, moved + own
         axis = _into(link, [0, 0, 1])
-        force, moment = _cross(axis, centre), _times(inertia, axis)
+        force, moment = _cross(axis, centre), inertia @ axis
         for j in range(k, -1, -1):
             if j < k:
-                moment = _added(moment, _cross(links[j].step, force))
+                moment = moment + _cross(links[j].step, force)
             moment, force = _out_of(links[j], moment), _out_of(links[j], force)
             matrix[j][k] = matrix[k][j] = moment[2]
         inertia, centre = _turned(link, inertia), _out_of(link, centre)
     return matrix
 
 
-def orthogonal_complement_inertia(links: Sequence[PlainLink]) -> Matrix:
+def orthogonal_complement_inertia(links: Sequence[PlainLink]) -> Rows:
     """Compute the mass matrix as ``P^T P`` with ``P = H T``, in link frames (section 7.6)."""
     n = len(links)
-    matrix: Matrix = [[0] * n for _ in range(n)]
+    matrix: Rows = [[0] * n for _ in range(n)]
     twists: list[tuple[Vector, Vector]] = []
     for i, link in enumerate(links):
         twists = [(_into(link, e), _into(link, v)) for e, v in twists]
-        twists.append((_into(link, [0, 0, 1]), [0, 0, 0]))
+        twists.append((_into(link, [0, 0, 1]), np.zeros(3, object)))
         rows = [
-            _times(link.root, e) + _scaled(link.mass_root, _added(v, _cross(e, link.com)))
+            np.concatenate((link.root @ e, (v + _cross(e, link.com)) * link.mass_root))
             for e, v in twists
         ]
         for j in range(i + 1):
             for k in range(j, i + 1):
-                matrix[j][k] = matrix[k][j] = matrix[j][k] + _dot(rows[j], rows[k])
-        twists = [(e, _added(v, _cross(e, link.step))) for e, v in twists]
+                matrix[j][k] = matrix[k][j] = matrix[j][k] + rows[j] @ rows[k]
+        twists = [(e, v + _cross(e, link.step)) for e, v in twists]
     return matrix
 
 
-def cholesky_solution(matrix: Matrix, right: Sequence[Number]) -> Vector:
+def cholesky_solution(matrix: Rows, right: Sequence[Number]) -> list[Number]:
     """Solve with a positive definite matrix by ``L D L^T``, without roots."""
     n = len(matrix)
-    L: Matrix = [[0] * n for _ in range(n)]
-    D: Vector = []
+    L: Rows = [[0] * n for _ in range(n)]
+    D: list[Number] = []
     for j in range(n):
         parts = [L[j][k] * D[k] for k in range(j)]
         pivot = matrix[j][j]
@@ -177,13 +177,13 @@ def _into(link: PlainLink, v: Sequence[Number]) -> Vector:
     """From the axes of frame i to those of frame i + 1."""
     (c, s), (lam, mu) = link.turn, link.twist
     x, y = c * v[0] + s * v[1], c * v[1] - s * v[0]
-    return [x, lam * y + mu * v[2], lam * v[2] - mu * y]
+    return np.array([x, lam * y + mu * v[2], lam * v[2] - mu * y], object)
 
 
 def _out_of(link: PlainLink, v: Sequence[Number]) -> Vector:
     (c, s), (lam, mu) = link.turn, link.twist
     y, z = lam * v[1] - mu * v[2], mu * v[1] + lam * v[2]
-    return [c * v[0] - s * y, s * v[0] + c * y, z]
+    return np.array([c * v[0] - s * y, s * v[0] + c * y, z], object)
 
 
 def _turned(link: PlainLink, matrix: Matrix) -> Matrix:
@@ -197,7 +197,7 @@ def _turned_in_plane(matrix: Matrix, i: int, j: int, c: Number, s: Number) -> Ma
     k = 3 - i - j
     square, product = s * s, c * s
     shift = square * (matrix[j][j] - matrix[i][i]) - (product + product) * matrix[i][j]
-    turned = [list(row) for row in matrix]
+    turned = matrix.copy()
     turned[i][i], turned[j][j] = matrix[i][i] + shift, matrix[j][j] - shift
     mixed = product * (matrix[i][i] - matrix[j][j]) + matrix[i][j]
     turned[i][j] = turned[j][i] = mixed - (square + square) * matrix[i][j]
@@ -210,57 +210,38 @@ def _angular_acceleration(omega: Vector, alpha: Vector) -> Matrix:
     """Form the matrix of omega-dot x r + omega x (omega x r)."""
     x, y, z = omega
     xx, yy, zz, xy, xz, yz = x * x, y * y, z * z, x * y, x * z, y * z
-    return [
+    rows = [
         [-(yy + zz), xy - alpha[2], xz + alpha[1]],
         [xy + alpha[2], -(xx + zz), yz - alpha[0]],
         [xz - alpha[1], yz + alpha[0], -(xx + yy)],
     ]
+    return np.array(rows, object)
 
 
-def _point(mass: Number, r: Sequence[Number], moment: Sequence[Number]) -> Matrix:
+def _point(r: Vector, moment: Vector) -> Matrix:
     """Inertia of a point mass at r, with its first moment m r at hand."""
-    x, y, z = (moment[i] * r[i] for i in range(3))
+    x, y, z = moment * r
     xy, xz, yz = moment[0] * r[1], moment[0] * r[2], moment[1] * r[2]
-    return [[y + z, -xy, -xz], [-xy, x + z, -yz], [-xz, -yz, x + y]]
+    return np.array([[y + z, -xy, -xz], [-xy, x + z, -yz], [-xz, -yz, x + y]], object)
 
 
-def _shifted(inertia: Matrix, mass: Number, first: Vector, p: Sequence[Number]) -> Matrix:
+def _shifted(inertia: Matrix, mass: Number, first: Vector, p: Vector) -> Matrix:
     """See an inertia from an origin from which its own lies at p."""
     # With h + m p / 2 in the place of h, 2 p.h + m p.p and its products need one pass.
-    half = [2 * h + mass * x for h, x in zip(first, p, strict=True)]
-    x, y, z = (half[i] * p[i] for i in range(3))
+    half = 2 * first + p * mass
+    x, y, z = half * p
     both = [p[i] * first[j] + half[i] * p[j] - first[i] * p[j] for i, j in ((0, 1), (0, 2), (1, 2))]
     more = [[y + z, -both[0], -both[1]], [-both[0], x + z, -both[2]], [-both[1], -both[2], x + y]]
-    return _summed(inertia, more)
+    return _summed(inertia, np.array(more, object))
 
 
-def _added(a: Sequence[Number], b: Sequence[Number]) -> Vector:
-    return [x + y for x, y in zip(a, b, strict=True)]
-
-
-def _summed(A: Sequence[Sequence[Number]], B: Sequence[Sequence[Number]]) -> Matrix:
+def _summed(A: Matrix, B: Matrix) -> Matrix:
     """Add symmetric matrices: six sums."""
-    total: Matrix = [[0] * 3 for _ in range(3)]
-    for i in range(3):
-        for j in range(i, 3):
-            total[i][j] = total[j][i] = A[i][j] + B[i][j]
-    return total
-
-
-def _scaled(factor: Number, v: Sequence[Number]) -> Vector:
-    return [factor * one for one in v]
-
-
-def _times(matrix: Sequence[Sequence[Number]], v: Sequence[Number]) -> Vector:
-    return [_dot(row, v) for row in matrix]
-
-
-def _dot(a: Sequence[Number], b: Sequence[Number]) -> Number:
-    total: Number = 0
-    for x, y in zip(a, b, strict=True):
-        total = total + x * y
+    total, (i, j) = np.zeros((3, 3), object), np.triu_indices(3)
+    total[i, j] = total[j, i] = A[i, j] + B[i, j]
     return total
 
 
 def _cross(a: Sequence[Number], b: Sequence[Number]) -> Vector:
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    parts = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    return np.array(parts, object)

@@ -105,12 +105,11 @@ class _Procedure:
     matrix: Callable[[ClosureEquations], Array]
     place: int
     columns: int
-    extraneous: int
 
 
 PROCEDURES = {
-    "raghavan-roth": _Procedure(raghavan_roth_matrix, 0, 3, 8),
-    "li-woernle-hiller": _Procedure(li_woernle_hiller_matrix, 2, 2, 0),
+    "raghavan-roth": _Procedure(raghavan_roth_matrix, 0, 3),
+    "li-woernle-hiller": _Procedure(li_woernle_hiller_matrix, 2, 2),
 }
 
 

@@ -38,6 +38,11 @@ SAME_NAMED = 1e-4
 
 _NAME = bit.SHOULDER_RIGHT | bit.ELBOW_DOWN | bit.WRIST_FLIP
 _NUMBER = bit.ARM_NUMBERED | bit.POSTURE_NUMBERED | bit.ARM_MASK
+# Families with named postures, and where in their constants it stands that they have names.
+_NAMED = (
+    (decoupled.match, DECOUPLED, decoupled_layout.NAMED),
+    (three_parallel.match, THREE_PARALLEL, parallel_layout.NAMED),
+)
 
 
 class _Namesake(NamedTuple):
@@ -80,12 +85,10 @@ def named_branches(chain: SerialChain, q: Array, branch: IntArray) -> IntArray:
 def _namesake(chain: SerialChain) -> _Namesake | None:
     """Find the arm with named postures that an arm nearly is."""
     meant = _straightened(chain)
-    data = decoupled.match(meant)
-    if data is not None and data[decoupled_layout.NAMED] != 0.0:
-        return _Namesake(meant, DECOUPLED, data)
-    data = three_parallel.match(meant)
-    if data is not None and data[parallel_layout.NAMED] != 0.0:
-        return _Namesake(meant, THREE_PARALLEL, data)
+    for match, family, named in _NAMED:
+        data = match(meant)
+        if data is not None and data[named] != 0.0:
+            return _Namesake(meant, family, data)
     return None
 
 

@@ -217,7 +217,7 @@ def offset_wrist_postures(wrist: OffsetHollowWrist, T: Array) -> tuple[Array, bo
         with np.errstate(all="ignore"):
             turned, raised, left, _ = _branches(wrist, foot, axis, np.array([cosine]))
         for k in np.flatnonzero(np.abs(left[:, 0]) < _SLACK):
-            arm = _arm_values(wrist, local, turned[k, 0], raised[k, 0], foot, axis, cosine)
+            arm = _arm_values(wrist, turned[k, 0], raised[k, 0], foot, axis, cosine)
             found, whole = _whole_postures(wrist, T, arm, math.acos(cosine))
             postures.extend(found)
             regular = regular and whole
@@ -227,7 +227,6 @@ def offset_wrist_postures(wrist: OffsetHollowWrist, T: Array) -> tuple[Array, bo
 
 def _arm_values(
     wrist: OffsetHollowWrist,
-    local: Array,
     turned: complex,
     raised: complex,
     foot: Array,

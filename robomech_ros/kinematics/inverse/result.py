@@ -253,25 +253,22 @@ class InverseKinematicsResult(Printed):
         measure(chain.packed, self.target, weights, chain.lower, chain.upper, self.q, out)
         return out
 
-    def _row(self, number: int) -> Array:
-        return self._measured[number]
-
     @property
     def position_error(self) -> Array:
         """Distance (m) between wanted and reached position, shape (k,)."""
-        return self._row(POSITION)
+        return self._measured[POSITION]
 
     @property
     def orientation_error(self) -> Array:
         """Angle (rad) between wanted and reached orientation, shape (k,)."""
-        return self._row(ORIENTATION)
+        return self._measured[ORIENTATION]
 
     @property
     def limit_margin(self) -> Array:
         """Distance (rad or m) of the joint nearest to a limit, shape (k,); negative is outside."""
-        return self._row(MARGIN)
+        return self._measured[MARGIN]
 
     @property
     def condition_number(self) -> Array:
         """Condition number of the Jacobian in SI units, shape (k,); infinite where singular."""
-        return self._row(CONDITION)
+        return self._measured[CONDITION]

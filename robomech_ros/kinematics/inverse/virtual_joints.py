@@ -65,7 +65,7 @@ def solve_with_virtual_joints(
     result = solve_closed_form(extended, T, whole, family)
     if not len(result):
         return None
-    q = _distinct(result.q[:, : chain.n], chain)
+    q = _distinct(result.q[:, : chain.n])
     return IterativeSearch(q, q[0], 0.0, 0.0, 0, False), result.complete
 
 
@@ -91,7 +91,7 @@ def _with_virtual_joints(chain: SerialChain, task: Task) -> SerialChain | None:
     )
 
 
-def _distinct(q: Array, chain: SerialChain) -> Array:
+def _distinct(q: Array) -> Array:
     """Return postures (k, n) without those that differ in virtual joints only."""
     kept: list[Array] = []
     for posture in q:

@@ -10,6 +10,7 @@ import numpy as np
 from robomech_ros.kinetostatics.workspace.curve_pieces import CurvePiece
 from robomech_ros.kinetostatics.workspace.nearest import NearestOnCurves
 from robomech_ros.kinetostatics.workspace.point_postures import PointPostures
+from robomech_ros.kinetostatics.workspace.reach import moved_by_joint
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 from robomech_ros.typing import Array, BoolArray
 
@@ -230,9 +231,7 @@ class LimitedBoundary:
             shift = np.zeros_like(vectors)
             shift[:, 2] = 0.0 if turns_only else first
             return vectors + shift
-        c, s = np.cos(first), np.sin(first)
-        x, y, z = vectors.T
-        return np.column_stack((c * x - s * y, s * x + c * y, z))
+        return moved_by_joint(True, first, vectors)
 
 
 def _unit(vectors: Array) -> Array:

@@ -60,7 +60,7 @@ def _descended(chain: SerialChain, sign: float) -> float:
         # Of every joint the tip as it stands beyond the joint, then the origin as seen before it.
         tips = [np.broadcast_to(C[-1][:3, 3], (_STARTS, 3))]
         for j in range(chain.n - 1, 0, -1):
-            moved = _moved(turns[j], q[:, j], tips[0])
+            moved = moved_by_joint(turns[j], q[:, j], tips[0])
             tips.insert(0, moved @ C[j][:3, :3].T + C[j][:3, 3])
         origin = np.zeros((_STARTS, 3))
         for j in range(chain.n):
@@ -68,7 +68,7 @@ def _descended(chain: SerialChain, sign: float) -> float:
                 origin = (origin - C[j][:3, 3]) @ C[j][:3, :3]
             limits = chain.lower[j], chain.upper[j]
             q[:, j] = (_angle if turns[j] else _slide)(q[:, j], origin, tips[j], limits, sign)
-            origin = _moved(turns[j], -q[:, j], origin)
+            origin = moved_by_joint(turns[j], -q[:, j], origin)
         distance = np.linalg.norm(origin - tips[-1], axis=1)
         scale = distance.max() + 1e-300
         if np.abs(distance - before).max() <= _SETTLED * scale:
@@ -95,7 +95,8 @@ def _descended_in_drives(chain: SerialChain, sign: float) -> float:
     return float(np.sqrt(max(sign * min(ends), 0.0)))
 
 
-def _moved(turns: bool, value: Array, points: Array) -> Array:
+def moved_by_joint(turns: bool, value: Array, points: Array) -> Array:
+    """Turn points (k, 3) about z by values (k,) (rad), or slide them along it (m)."""
     x, y, z = points.T
     if not turns:
         return np.column_stack((x, y, z + value))

@@ -5,13 +5,13 @@ what is allowed.
 """
 
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import replace
 
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.documents.guarded_xml import XmlElement, refuse_xacro, text_of_xml
 from robomech_ros.robots.joint import Joint
+from robomech_ros.robots.link_tree import LinkTree
 from robomech_ros.robots.mimic import mimic_faults
 from robomech_ros.robots.urdf.element_reader import parse_urdf
 from robomech_ros.robots.urdf.inertial import link_bodies
@@ -110,7 +110,6 @@ def _check_tree(links: list[str], joints: tuple[Joint, ...], where: str) -> None
     """Check that the joints make one tree of all links."""
     known = set(links)
     parents: dict[str, Joint] = {}
-    children: dict[str, list[str]] = {}
     for joint in joints:
         place = f"{where}: joint '{joint.name}'"
         for role, link in (("parent", joint.parent), ("child", joint.child)):
@@ -123,22 +122,12 @@ def _check_tree(links: list[str], joints: tuple[Joint, ...], where: str) -> None
             why = f"link '{joint.child}' is already the child of joint '{other}'"
             raise RobotDescriptionError(place, why)
         parents[joint.child] = joint
-        children.setdefault(joint.parent, []).append(joint.child)
     roots = [link for link in links if link not in parents]
     if len(roots) > 1:
         names = ", ".join(f"'{link}'" for link in roots[:10])
         raise RobotDescriptionError(where, f"several root links, expected one: {names}")
-    reached = _reached(roots, children.get)
+    tree = LinkTree(tuple(links), joints, where)
+    reached = set(roots).union(*map(tree.below, roots))
     if len(reached) < len(links):
         loop = next(link for link in links if link not in reached)
         raise RobotDescriptionError(where, f"link '{loop}' is on or below a loop of joints")
-
-
-def _reached(roots: list[str], children: Callable[[str, list[str]], list[str]]) -> set[str]:
-    reached = set(roots)
-    waiting = list(roots)
-    while waiting:
-        for child in children(waiting.pop(), []):
-            reached.add(child)
-            waiting.append(child)
-    return reached

@@ -116,11 +116,8 @@ def _without_closed_form(chain: SerialChain, size: float) -> tuple[SixJointArm, 
     """Complete an arm of four or five joints to one of no special geometry."""
     if chain.n < 4:
         return None
-    C, types = unpack_chain(chain.packed), chain.types.tolist()
     arms = []
-    for turned in (False, True):
-        links = list(reversed_transforms(C) if turned else C)
-        kinds = types[::-1] if turned else types
+    for turned, links, kinds in _both_ways(chain):
         completed = (links, kinds, list(range(chain.n)))
         for placed in _SKEW[chain.n - 6 :]:
             placed = placed.copy()
@@ -133,12 +130,9 @@ def _without_closed_form(chain: SerialChain, size: float) -> tuple[SixJointArm, 
 
 def _completions(chain: SerialChain, size: float) -> Iterator[Completed]:
     """List completed arms, the most natural first; not all have a closed form."""
-    C, types = unpack_chain(chain.packed), chain.types.tolist()
     n = chain.n
     for wrist in (3, 2, 1, 0):
-        for turned in (False, True):
-            links = list(reversed_transforms(C) if turned else C)
-            kinds = types[::-1] if turned else types
+        for turned, links, kinds in _both_ways(chain):
             if not max(0, n - 3) <= wrist <= n or any(kinds[n - wrist :]):
                 continue
             for points, slides in itertools.product(
@@ -148,11 +142,16 @@ def _completions(chain: SerialChain, size: float) -> Iterator[Completed]:
                 completed = _with_slides(completed, n - wrist, slides)
                 yield _turned(completed, n) if turned else completed
     if n == 5:
-        for turned in (False, True):
-            links = list(reversed_transforms(C) if turned else C)
-            kinds = types[::-1] if turned else types
+        for turned, links, kinds in _both_ways(chain):
             completed = _with_last((links, kinds, list(range(n))), turn_about_z(0.7) @ _turn_x(1.3))
             yield _turned(completed, n) if turned else completed
+
+
+def _both_ways(chain: SerialChain) -> Iterator[tuple[bool, list[Array], list[int]]]:
+    """Read an arm from its base, and turned: from its tip."""
+    C, types = unpack_chain(chain.packed), chain.types.tolist()
+    yield False, list(C), types
+    yield True, list(reversed_transforms(C)), types[::-1]
 
 
 def _turned(completed: Completed, n: int) -> Completed:
