@@ -85,8 +85,10 @@ def forward_dynamics(
             from robomech_ros.dynamics.formulations import table
 
             base = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
-            around = {"gravity": gravity, "tip_wrench": tip_wrench, "base": base}
-            return table.by_formulation(table.FORWARD, method, chain, q, qd, tau, **around)
+            state = chain, q, qd, tau
+            return table.by_formulation(
+                table.FORWARD, method, *state, base=base, gravity=gravity, tip_wrench=tip_wrench
+            )
     q, qd, tau = as_states(chain, ("q", "qd", "tau"), q, qd, tau)
     model, shape = dynamic_model(chain), q.shape
     around = surroundings(shape, gravity, tip_wrench, base_twist, base_twist_rate)

@@ -117,8 +117,10 @@ def inverse_dynamics(
             from robomech_ros.dynamics.formulations import table
 
             base = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
-            around = {"gravity": gravity, "tip_wrench": tip_wrench, "base": base}
-            return table.by_formulation(table.INVERSE, method, chain, q, qd, qdd, **around)
+            state = chain, q, qd, qdd
+            return table.by_formulation(
+                table.INVERSE, method, *state, base=base, gravity=gravity, tip_wrench=tip_wrench
+            )
     q, qd, qdd = as_states(chain, ("q", "qd", "qdd"), q, qd, qdd)
     model, shape = dynamic_model(chain), q.shape
     around = surroundings(shape, gravity, tip_wrench, base_twist, base_twist_rate)

@@ -23,6 +23,7 @@ Number = Any
 # Arrays of objects, whose entries count what is done with them.
 Vector = NDArray[np.object_]
 Matrix = NDArray[np.object_]
+Numbers = Vector | Sequence[Number]
 Rows = list[list[Number]]
 
 
@@ -173,14 +174,14 @@ def cholesky_solution(matrix: Rows, right: Sequence[Number]) -> list[Number]:
     return x
 
 
-def _into(link: PlainLink, v: Sequence[Number]) -> Vector:
+def _into(link: PlainLink, v: Numbers) -> Vector:
     """From the axes of frame i to those of frame i + 1."""
     (c, s), (lam, mu) = link.turn, link.twist
     x, y = c * v[0] + s * v[1], c * v[1] - s * v[0]
     return np.array([x, lam * y + mu * v[2], lam * v[2] - mu * y], object)
 
 
-def _out_of(link: PlainLink, v: Sequence[Number]) -> Vector:
+def _out_of(link: PlainLink, v: Numbers) -> Vector:
     (c, s), (lam, mu) = link.turn, link.twist
     y, z = lam * v[1] - mu * v[2], mu * v[1] + lam * v[2]
     return np.array([c * v[0] - s * y, s * v[0] + c * y, z], object)
@@ -242,6 +243,6 @@ def _summed(A: Matrix, B: Matrix) -> Matrix:
     return total
 
 
-def _cross(a: Sequence[Number], b: Sequence[Number]) -> Vector:
+def _cross(a: Numbers, b: Numbers) -> Vector:
     parts = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     return np.array(parts, object)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from robomech_ros.dynamics.complement.stacking import solve
 from robomech_ros.dynamics.simulation.equations_of_motion import EquationsOfMotion
 from robomech_ros.errors import RobomechError
 from robomech_ros.typing import Array
@@ -66,7 +67,7 @@ class MidpointSolver:
         reach, size = 1.0 + np.abs(middle).max(), 1.0 + np.abs(p).max()
         for _ in range(_ITERATIONS):
             posture = forces.posture(middle)
-            rate = np.linalg.solve(system.mass_matrix(posture), momentum)
+            rate = solve(system.mass_matrix(posture), momentum)
             tau = forces.drive_torque(self.t + 0.5 * h, posture, rate)
             lost = forces.friction_torque(posture, rate)
             held = system.inverse(posture, still, still, gravity=gravity, tip_wrench=wrench)
@@ -82,7 +83,7 @@ class MidpointSolver:
             if change < _ARRIVED:
                 power = float(tau @ rate) + forces.tip_power(forces.posture(middle), rate)
                 q_after, p_after = q + h * rate, p + h * force
-                qd_after = np.linalg.solve(system.mass_matrix(forces.posture(q_after)), p_after)
+                qd_after = solve(system.mass_matrix(forces.posture(q_after)), p_after)
                 return q_after, qd_after, power, float(lost @ rate)
         return None
 
