@@ -138,32 +138,19 @@ def servo_steps(
 ):
     """Let a controller drive a chain along what is wanted; return how many periods it could.
 
-    Parameters
-    ----------
-    plant, model : (n + 1, 24)
-        The chain that moves, and the one that the controller knows.
-    joints : (6, n)
-        Of the plant: viscous and Coulomb friction, the excess of the static one, and one over the
-        rate at which it decays; from STOPS on least and largest joint values, infinite where there
-        are none.
-    controller : (7, n)
-        The friction that it knows; from GAINS on those of errors and of their rates, accelerations
-        or, with PD_WITH_GRAVITY, torques; at EFFORT the largest torques, infinite where there is
-        no limit.
-    mode : int
-        COMPUTED_TORQUE or PD_WITH_GRAVITY.
-    share : float
-        Of what the model does not explain of a period, that is learned in it, 0 to 1.
-    around : (15,)
-        As ``dynamics.layout`` says.
-    wanted : (m, 3, n)
-        Joint values, rates and accelerations at the beginning of each period.
-    period : float
-        Of the controller, in s; the plant moves in ``substeps`` of it.
-    state : (3, n)
-        Joint values, rates and observed torques, brought to the end.
-    out : (m, 3, n)
-        Joint values and rates at the end of each period, and the torques in it.
+    ``plant`` and ``model`` (n + 1, 24) are the chain that moves, and the one that the controller
+    knows.  ``joints`` (6, n) have of the plant viscous and Coulomb friction, the excess of the
+    static one, and one over the rate at which it decays; from STOPS on least and largest joint
+    values, infinite where there are none.  ``controller`` (7, n) has the friction that it knows;
+    from GAINS on those of errors and of their rates, accelerations or, with PD_WITH_GRAVITY,
+    torques; at EFFORT the largest torques, infinite where there is no limit.  The ``mode`` is
+    COMPUTED_TORQUE or PD_WITH_GRAVITY, the ``share`` the part, 0 to 1, of what the model does not
+    explain of a period that is learned in it; ``around`` (15,) is as ``dynamics.layout`` says.
+
+    ``wanted`` (m, 3, n) are joint values, rates and accelerations at the beginning of each
+    ``period`` (s), in which the plant moves in ``substeps``.  The ``state`` (3, n), joint values,
+    rates and observed torques, is brought to the end; ``out`` (m, 3, n) gets joint values and
+    rates at the end of each period, and the torques in it.
     """
     tau = scratch(MOST_SERVO_JOINTS)
     before = scratch(2, MOST_SERVO_JOINTS)

@@ -26,9 +26,6 @@ from robomech_ros._kernels.compiling.jit import (
 )
 
 OPEN, CLOSED = 0, 1
-# Of a contact: position, normal, two tangents, how far each of three components may go for a unit
-# of normal force (friction, friction, and torsion as m).
-ROW = 15
 _MOST_STEPS = 120
 # A certain proof is a decrement below 1; the rest is left to rounding.
 _PROVEN = 0.9
@@ -72,17 +69,10 @@ def _cones(rows, origin, length, planar, cones):
 def wrench_cones(rows, origin, length, planar, cones):
     """Write the wrench of the normal and of three bounded components of each contact.
 
-    Parameters
-    ----------
-    rows : ndarray, shape (k, ROW)
-    origin : ndarray, shape (3,)
-        Moments are about it.
-    length : float
-        Moments are in this unit (m).
-    planar : bool
-        Whether wrenches have the moment about z and the force along x and y only.
-    cones : ndarray, shape (k, 4, 3 or 6)
-        Out.
+    ``rows`` (k, 15) are position, normal, and two tangents of the contacts, and how far each of
+    three components may go for a unit of normal force (friction, friction, and torsion as m).
+    Moments are about the ``origin`` (3,), in units of ``length`` (m).  Where ``planar``, wrenches
+    have the moment about z and the force along x and y only.  ``cones`` (k, 4, 3 or 6) are filled.
     """
     _cones(rows, origin, length, planar, cones)
     return 0
@@ -158,19 +148,10 @@ def _spans(H, d):
 
 @kernel(i8(IN2, IN1, f8, b1, OUT3, OUT1))
 def closed(rows, origin, length, planar, cones, u):
-    """Say whether the wrenches of the contacts surround the origin.
+    """Say whether the wrenches of the contacts surround the origin: CLOSED or OPEN.
 
-    Parameters
-    ----------
-    rows, origin, length, planar, cones
-        As for :func:`wrench_cones`.
-    u : ndarray, shape (3 or 6,)
-        Out: where the method ended; no wrench, or hardly any, is along that of an open grasp.
-
-    Returns
-    -------
-    int
-        CLOSED or OPEN.
+    The first five arguments are as for :func:`wrench_cones`.  u (3 or 6,) is filled with where the
+    method ended; no wrench, or hardly any, is along that of an open grasp.
     """
     _cones(rows, origin, length, planar, cones)
     d = cones.shape[2]

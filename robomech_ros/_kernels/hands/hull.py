@@ -47,21 +47,11 @@ def _measure(planes, f, d):
 
 @lean
 def begin(facets, planes, lists, d):
-    """Make the facets of a simplex of the points 0 to d, facet by facet without one of them.
+    """Make the facets of a simplex of the points 0 to d; return the number of free facets.
 
-    Parameters
-    ----------
-    facets : ndarray of int, shape (m, 2 d + 1)
-        Out: points, neighbours without each of them, and a mark.
-    planes : ndarray, shape (m, d + 1)
-        v of the first d + 1; out: their distances.
-    lists : ndarray of int, shape (3, m)
-        Out: facets that are free, and room for those that go and come.
-
-    Returns
-    -------
-    int
-        The number of free facets.
+    Filled are ``facets`` (m, 2 d + 1) with points, neighbours without each of them, and a mark;
+    ``planes`` (m, d + 1), which hold v of the first d + 1, with their distances; and ``lists`` (3,
+    m) with facets that are free, and room for those that go and come.
     """
     for f in range(d + 1):
         for j in range(d):
@@ -145,25 +135,11 @@ def _link(facets, f, j, d):
 
 @lean
 def join(facets, planes, lists, sizes, f, point, p):
-    """Let a point take the place of the facets below it that hang together with f.
+    """Let a point take the place of the facets below it that hang together with facet f.
 
-    Parameters
-    ----------
-    facets, planes, lists
-        As for :func:`begin`.
-    sizes : ndarray of int, shape (2,)
-        The number of free facets, and the last stamp.
-    f : int
-        A facet below p.
-    point : int
-        The number of the point.
-    p : ndarray, shape (d,)
-        Where it is.
-
-    Returns
-    -------
-    int
-        The number of new facets, in the third of the lists; FULL = no room, and the hull is spoilt.
+    ``facets``, ``planes`` and ``lists`` are as for :func:`begin`; ``sizes`` (2,) are the number of
+    free facets and the last stamp; p (d,) is where the point of this number is, above f.  Returns
+    the number of new facets, in the third of the lists; FULL = no room, and the hull is spoilt.
     """
     d = p.shape[0]
     sizes[1] += 1

@@ -63,19 +63,10 @@ def _regular(i, c, d):
 def enclosed(cones, points, planes):
     """Write d + 1 wrenches inside the hull of all, and the planes of the facets between them.
 
-    Parameters
-    ----------
-    cones : ndarray, shape (k, 4, d)
-    points : ndarray, shape (d + 1 or more, d)
-        Out.
-    planes : ndarray, shape (d + 1 or more, d or more)
-        Out: v of the plane v . x = 1 through all points but the one of the same number, a corner
-        of a simplex around the polar body.
-
-    Returns
-    -------
-    bool
-        False where rounding keeps it from that.
+    Of ``cones`` (k, 4, d) it fills rows of ``points`` (d + 1 or more, d) and of ``planes`` (d + 1
+    or more, d or more): v of the plane v . x = 1 through all points but the one of the same
+    number, a corner of a simplex around the polar body.  Returns False where rounding keeps it
+    from that.
     """
     d = cones.shape[2]
     u, H = scratch(6), scratch(6, 6)

@@ -145,27 +145,13 @@ def _lower_upper(cones, plane, found, best):
 
 @kernel(i8(IN3, f8, OUT2, IOUT2, OUT2, OUT2, IOUT2, OUT1))
 def grow(cones, close, points, facets, planes, heap, lists, found):
-    """Let the hull grow until the bounds are close.
+    """Let the hull of ``cones`` (k, 4, d) of a closed grasp grow until the bounds are ``close``.
 
-    Parameters
-    ----------
-    cones : ndarray, shape (k, 4, d)
-        Of a closed grasp.
-    close : float
-        How close the bounds are to be.
-    points : ndarray, shape (n, d)
-        Room for points; n of them end it.
-    facets, planes, lists
-        Room for facets, as for :func:`begin`; so many of them end it, too.
-    heap : ndarray, shape (m, 2)
-        Room for distances of facets and their numbers.
-    found : ndarray, shape (d + 2,)
-        Out: the lower and the upper bound, and the direction of the upper one.
-
-    Returns
-    -------
-    int
-        CLOSE; else the bounds hold, but are not close: USED_UP, or SPOILT by rounding.
+    ``points`` (n, d) is room for points, ``facets``, ``planes`` and ``lists`` for facets, as for
+    :func:`begin`; so many of either end it.  ``heap`` (m, 2) is room for distances of facets and
+    their numbers.  ``found`` (d + 2,) gets the lower and the upper bound, and the direction of the
+    upper one.  Returns CLOSE; else the bounds hold, but are not close: USED_UP, or SPOILT by
+    rounding.
     """
     d = cones.shape[2]
     best, sizes = scratch(6)[:d], scratch_integers(2)

@@ -196,7 +196,7 @@ def rank_body(request, q, branch, total, placed, order, away, ranked):
 
 
 @lean
-def _wound(turns, lower, upper, seed, number, q, wound):
+def _wound(turns, lower, upper, number, q, wound):
     """Write winding ``number`` of a placed solution; a joint without two limits keeps its own."""
     for i in range(q.shape[0]):
         wound[i] = q[i]
@@ -251,7 +251,7 @@ def rank(turns, lower, upper, seed, metric, bounded, winding, q, branch, ranked,
         if not place(turns, lower, upper, seed, bounded, q[k], one):
             continue
         for number in range(int(_count_windings(turns, lower, upper, one))):
-            _wound(turns, lower, upper, seed, number, one, wound)
+            _wound(turns, lower, upper, number, one, wound)
             distance = distance_from(wound, seed, metric)
             count = insert(none_turns, wound, branch[k], distance, count, into)
     return count

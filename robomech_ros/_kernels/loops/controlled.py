@@ -251,30 +251,20 @@ def servo_steps(
 ):
     """Let a controller of the m drives move chains along what is wanted; return a status.
 
-    Parameters
-    ----------
-    packed, starts, drives, weights
-        As for :func:`.closing.close`.
-    models : (2, n + limbs, 24)
-        The chains that move, and those that the controller knows, as for :mod:`.dynamics`.
-    tables : (2, 7, n)
-        Of the chains that move, and of the controller, the friction of all joints in the first four
-        rows, as for ``controlled_chain``.  Then least and largest values of the joints that move;
-        gains of errors and of rates, and the largest efforts, of those with drives.
-    how : (5,)
-        The scale of :mod:`.factors`, the mode and the share of ``controlled_chain``, the period (s)
-        and the number of steps of it.
-    around : (15,)
-        As ``dynamics.layout`` says.
-    wanted : (k, 3, m)
-        Values, rates and accelerations of the drives at the beginning of each period.
-    state : (n + 2 m,)
-        Values of all joints, rates of the drives, and efforts that have been learned, brought to
-        the end; where the status is not 0, to the last good state.
-    out : (k, n + 2 m)
-        Values and rates at the end of each period, and the efforts in it.
-    report : (1,)
-        How many periods were done.
+    ``packed``, ``starts``, ``drives`` and ``weights`` are as for :func:`.closing.close`,
+    ``models`` (2, n + limbs, 24) the chains that move, and those that the controller knows, as for
+    :mod:`.dynamics`.  ``tables`` (2, 7, n) have, of the chains that move and of the controller,
+    the friction of all joints in the first four rows, as for ``controlled_chain``; then least and
+    largest values of the joints that move; gains of errors and of rates, and the largest efforts,
+    of those with drives.  ``how`` (5,) has the scale of :mod:`.factors`, the mode and the share of
+    ``controlled_chain``, the period (s) and the number of steps of it; ``around`` (15,) is as
+    ``dynamics.layout`` says.
+
+    ``wanted`` (k, 3, m) are values, rates and accelerations of the drives at the beginning of each
+    period.  The ``state`` (n + 2 m,), values of all joints, rates of the drives, and efforts that
+    have been learned, is brought to the end; where the status is not 0, to the last good state.
+    ``out`` (k, n + 2 m) gets values and rates at the end of each period, and the efforts in it,
+    and ``report`` (1,) how many periods were done.
     """
     n, m, scale, share, period = drives.size, wanted.shape[2], how[0], how[2], how[3]
     mode, substeps = int(how[1]), int(how[4])

@@ -15,7 +15,6 @@ from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT2, i8, inline, kern
 # Rows of the axes: acceleration and deceleration forward, the same backward, jerk, and whether the
 # velocity goes through 0 only with the acceleration 0.
 FORTH_UP, FORTH_DOWN, BACK_UP, BACK_DOWN, JERK, STOPS = range(6)
-AXIS_ROWS = 6
 # Columns of pivots: place, rate per period, limits of the angle; what follows is state: the angle
 # and the direction of the wheel in the base.
 X, Y, TURN, LOWER, UPPER, ANGLE, COSINE, SINE = range(8)
@@ -286,25 +285,13 @@ def _advance(state, command, axes, forward, period, pivots, work):
 
 @kernel(i8(IN2, IN2, IN1, OUT2, OUT2, OUT2, OUT2))
 def limited_stream(commands, axes, forward, pivots, state, twists, angles):
-    """Follow commands, one a period.
+    """Follow commands (n, 3), twists that the base may have (rad/s, m/s), one a period.
 
-    Parameters
-    ----------
-    commands : ndarray, shape (n, 3)
-        Twists that the base may have (rad/s, m/s).
-    axes : ndarray, shape (AXIS_ROWS, 3)
-        Limits (per s^2 and s^3), and flags.
-    forward : ndarray, shape (4,)
-        What gives the velocity forward of a twist, zero for bases that may go anywhere; the period
-        (s).
-    pivots : ndarray, shape (s, PIVOT_COLUMNS)
-        Of steered wheels (m, rad); their state is changed.
-    state : ndarray, shape (3, 3)
-        Twist, acceleration, rest point: changed.
-    twists : ndarray, shape (n, 3)
-        Filled with twists after each period.
-    angles : ndarray, shape (n, s)
-        Filled with steering angles after each period (rad).
+    ``axes`` (6, 3) are limits (per s^2 and s^3), and flags; ``forward`` (4,) what gives the
+    velocity forward of a twist, zero for bases that may go anywhere, and the period (s).  The
+    state of the steered wheels in ``pivots`` (s, PIVOT_COLUMNS) (m, rad) is changed, and so is the
+    ``state`` (3, 3): twist, acceleration, rest point.  Filled are ``twists`` (n, 3) and ``angles``
+    (n, s), the steering angles (rad), with those after each period.
     """
     work = scratch(64, 3)[: pivots.shape[0] + 5]
     for n in range(commands.shape[0]):

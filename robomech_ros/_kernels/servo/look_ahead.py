@@ -8,18 +8,11 @@ CYCLE = 2e-3
 
 @kernel(i8(IN1, IN2, IN2, IN1, IN1, OUT2, OUT2))
 def postures_on_path(nodes, postures, slopes, places, rates, q, v):
-    """Fill in where joints are on a way, and how fast they move.
+    """Fill in where joints are on a way, and how fast they move, q and v (k, n).
 
-    Parameters
-    ----------
-    nodes : ndarray, shape (s,)
-        Places along the way, increasing.
-    postures, slopes : ndarray, shape (s, n)
-        Of the joints there, and by place; a cubic leads from each to the next.
-    places, rates : ndarray, shape (k,)
-        Where on the way, and how that changes; places do not decrease.
-    q, v : ndarray, shape (k, n)
-        Filled with positions and velocities.
+    ``nodes`` (s,) are places along the way, increasing, and ``postures`` and ``slopes`` (s, n)
+    those of the joints there, and by place; a cubic leads from each to the next.  ``places`` and
+    ``rates`` (k,) are where on the way, and how that changes; places do not decrease.
     """
     count, joints = postures.shape
     i = 0
@@ -47,20 +40,11 @@ def cubics_inside(widths, q, v, reached, limits, out):
     """Tell whether cubics between knots keep limits: 0, or 1 for rates, 2 for ranges.
 
     The control points of a cubic, and of its derivatives, bound it.  What ends with no velocity
-    rests from then on.
-
-    Parameters
-    ----------
-    widths : ndarray, shape (k - 1,)
-        Time between each two knots (s).
-    q, v : ndarray, shape (k, n)
-        Positions and velocities of knots (rad or m, and per s).
-    reached : ndarray, shape (2, n)
-        Acceleration and jerk with which the first knot was reached (per s^2 and s^3).
-    limits : ndarray, shape (5, n)
-        Lower and upper ends of ranges; largest velocities, accelerations and jerks.
-    out : ndarray, shape (n,)
-        Filled with 1 for joints that leave their ranges, if rates are kept, else 0.
+    rests from then on.  ``widths`` (k - 1,) are times between knots (s), q and v (k, n) positions
+    and velocities there (rad or m, and per s), and ``reached`` (2, n) acceleration and jerk with
+    which the first one was reached (per s^2 and s^3).  ``limits`` (5, n) are lower and upper ends
+    of ranges; largest velocities, accelerations and jerks.  ``out`` (n,) is filled with 1 for
+    joints that leave their ranges, if rates are kept, else 0.
     """
     status = 0
     for j in range(q.shape[1]):

@@ -35,16 +35,9 @@ def _square_peak(rate, size, x0, x1, theta, product):
 def joint_rates(local, spans, scales, rates):
     """Write the derivatives q' of the joints over their speed limits.
 
-    Parameters
-    ----------
-    local : ndarray, shape (m, n, d + 1)
-        As `local_path` gives them.
-    spans : ndarray, shape (m,)
-        Length of each cell.
-    scales : ndarray, shape (n,)
-        One over the speed limit of each joint.
-    rates : ndarray, shape (m, n, d)
-        Filled with powers of sigma, lowest first.
+    ``local`` (m, n, d + 1) is as `local_path` gives it, ``spans`` (m,) the length of each cell,
+    and ``scales`` (n,) one over the speed limit of each joint.  ``rates`` (m, n, d) are filled
+    with powers of sigma, lowest first.
     """
     for k in range(local.shape[0]):
         for j in range(local.shape[1]):
@@ -74,16 +67,10 @@ def _bound_at_nodes(rates, bounds):
 
 @kernel(i8(IN3, IN1, OUT1))
 def speed_bounds(rates, thetas, bounds):
-    """Lower bounds of x at the nodes until ``rate^2 x <= 1`` all along the cells.
+    """Lower ``bounds`` (m + 1,) of x at the nodes until ``rate^2 x <= 1`` all along the cells.
 
-    Parameters
-    ----------
-    rates : ndarray, shape (m, l, c)
-        Derivatives by the path coordinate over their speed limits, in powers of sigma.
-    thetas : ndarray, shape (m,)
-        Bend of each cell.
-    bounds : ndarray, shape (m + 1,)
-        Largest x at the nodes; lowered.
+    ``rates`` (m, l, c) are derivatives by the path coordinate over their speed limits, in powers
+    of sigma, and ``thetas`` (m,) the bend of each cell.
     """
     cells, size = rates.shape[0], rates.shape[2]
     _bound_at_nodes(rates, bounds)

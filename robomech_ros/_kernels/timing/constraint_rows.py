@@ -50,16 +50,9 @@ def _write_rows(a, size_a, b, size_b, theta, span, scale, degree, first, second)
 def local_path(breaks, coefficients, nodes, local):
     """Write the path cell by cell, in powers of the coordinate since the cell's beginning.
 
-    Parameters
-    ----------
-    breaks : ndarray, shape (s + 1,)
-        Path coordinates where its pieces begin and end.
-    coefficients : ndarray, shape (d + 1, s, n)
-        Its pieces, lowest power first.
-    nodes : ndarray, shape (m + 1,)
-        Where the cells begin and end, the breaks among them.
-    local : ndarray, shape (m, n, d + 1)
-        Filled.
+    ``breaks`` (s + 1,) are path coordinates where its pieces begin and end, ``coefficients`` (d +
+    1, s, n) its pieces, lowest power first, and ``nodes`` (m + 1,) where the cells begin and end,
+    the breaks among them.  Filled is ``local`` (m, n, d + 1).
     """
     size = coefficients.shape[0]
     piece = 0
@@ -81,16 +74,9 @@ def local_path(breaks, coefficients, nodes, local):
 def joint_rows(local, spans, thetas, scales, first, second):
     """Write the accelerations q' x'/2 + q'' x of the joints over their limits, as rows.
 
-    Parameters
-    ----------
-    local : ndarray, shape (m, n, d + 1)
-        As `local_path` gives them.
-    spans, thetas : ndarray, shape (m,)
-        Length and bend of each cell.
-    scales : ndarray, shape (n,)
-        One over the limit of each joint.
-    first, second : ndarray, shape (m, r) with r >= n (d + 1)
-        The first n (d + 1) columns are filled, d + 1 for each joint.
+    ``local`` (m, n, d + 1) is as `local_path` gives it, ``spans`` and ``thetas`` (m,) are length
+    and bend of each cell, and ``scales`` (n,) one over the limit of each joint.  Of ``first`` and
+    ``second`` (m, r) the first n (d + 1) columns are filled, d + 1 for each joint.
     """
     degree = local.shape[2] - 1
     rate = np.empty(degree)
@@ -129,18 +115,11 @@ def joint_rows(local, spans, thetas, scales, first, second):
 
 @kernel(i8(IN3, IN3, IN3, IN1, IN1, i8, OUT2, OUT2, OUT2))
 def other_rows(a, b, c, spans, thetas, start, first, second, rest):
-    """Write a x'/2 + b x + c as rows, from `start` on; all three are quartics in every cell.
+    """Write a x'/2 + b x + c as rows, from column ``start`` on: 7 for each of the l quantities.
 
-    Parameters
-    ----------
-    a, b, c : ndarray, shape (m, l, 5)
-        Powers of sigma, lowest first, scaled so that -1 and 1 are the limits.
-    spans, thetas : ndarray, shape (m,)
-        Length and bend of each cell.
-    start : int
-        First column to fill; 7 for each of the l quantities.
-    first, second, rest : ndarray, shape (m, r)
-        Filled from column `start` on.
+    All three (m, l, 5) are quartics in every cell: powers of sigma, lowest first, scaled so that
+    -1 and 1 are the limits.  ``spans`` and ``thetas`` (m,) are length and bend of each cell;
+    filled are ``first``, ``second`` and ``rest`` (m, r).
     """
     for k in range(a.shape[0]):
         for j in range(a.shape[1]):

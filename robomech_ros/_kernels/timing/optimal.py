@@ -81,28 +81,15 @@ def _find_ranges(first, second, rest, order, bounds, end, lowest, highest, where
 def speed_profile(first, second, rest, bounds, begin, end, lowest, highest, x, where):
     """Find the largest x at all nodes within the rows of the cells, from end to beginning and back.
 
-    Parameters
-    ----------
-    first, second : ndarray, shape (m, r)
-        In cell k, ``|first x_k + second x_k+1 + rest| <= 1``.
-    rest : ndarray, shape (m, r), or (1, r) of zeros
-        A single row where there is no drift.
-    bounds : ndarray, shape (m + 1,)
-        Largest x at the nodes.
-    begin, end : float
-        Wanted x at both ends; negative for any, and the nearest one possible at the beginning.
-    lowest, highest : ndarray, shape (m + 1,)
-        Filled with the range of x from which the end can be reached.
-    x : ndarray, shape (m + 1,)
-        Filled.
-    where : ndarray of int, shape (1,)
-        Filled with the cell at fault.
+    In cell k, with rows of ``first`` and ``second`` (m, r) and of ``rest`` (m, r), or (1, r) of
+    zeros where there is no drift, ``|first x_k + second x_k+1 + rest| <= 1``; ``bounds`` (m + 1,)
+    are the largest x at the nodes.  ``begin`` and ``end`` are the wanted x at both ends; negative
+    for any, and the nearest one possible at the beginning.
 
-    Returns
-    -------
-    status : int
-        DONE; BLOCKED: no x allows to pass a cell, or none that leads to the wanted end; STALLED:
-        a cell is entered and left at rest.
+    Filled are ``lowest`` and ``highest`` (m + 1,) with the range of x from which the end can be
+    reached, x (m + 1,), and ``where`` (1,) with the cell at fault.  Returns DONE; BLOCKED: no x
+    allows to pass a cell, or none that leads to the wanted end; STALLED: a cell is entered and
+    left at rest.
     """
     cells, rows = first.shape
     drift = rest.shape[0] == cells
@@ -130,15 +117,10 @@ def speed_profile(first, second, rest, bounds, begin, end, lowest, highest, x, w
 def binding_rows(first, second, rest, bounds, x, owners, binding):
     """Find what binds in each cell.
 
-    Parameters
-    ----------
-    first, second, rest, bounds, x
-        As for `speed_profile`.
-    owners : ndarray of int, shape (r,)
-        To which quantity each row belongs, counted from 1.
-    binding : ndarray of int, shape (m,)
-        Filled with the number of the quantity and the sign of its bound; 0 where x is at its
-        bounds instead, and a number of its own for each cell where nothing binds all along.
+    The first five arguments are as for `speed_profile`; ``owners`` (r,) say to which quantity each
+    row belongs, counted from 1.  ``binding`` (m,) is filled with the number of the quantity and
+    the sign of its bound; 0 where x is at its bounds instead, and a number of its own for each
+    cell where nothing binds all along.
     """
     drift = rest.shape[0] == first.shape[0]
     for k in range(first.shape[0]):

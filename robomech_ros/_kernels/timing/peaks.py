@@ -83,25 +83,11 @@ def _derivative(coefficients, k, j, order, span, scale, control):
 
 @kernel(f8(IN1, IN3, IN1, i8, f8))
 def peak_above(times, coefficients, scales, order, floor):
-    """Find the largest magnitude of a derivative over its limit.
+    """Find the largest magnitude of a derivative over its limit, ``floor`` at least.
 
-    Parameters
-    ----------
-    times : ndarray, shape (p + 1,)
-        Where the pieces begin and end, in s.
-    coefficients : ndarray, shape (c, p, n)
-        Powers of the time since the beginning of the piece, lowest first.
-    scales : ndarray, shape (n,)
-        One over the limit of each joint.
-    order : int
-        1 velocity, 2 acceleration, 3 jerk.
-    floor : float
-        What is below does not matter, and is not looked at closely.
-
-    Returns
-    -------
-    float
-        The largest ratio, `floor` at least.
+    ``times`` (p + 1,) are where the pieces begin and end (s), ``coefficients`` (c, p, n) powers of
+    the time since the beginning of the piece, lowest first, and ``scales`` (n,) one over the limit
+    of each joint.  The ``order`` is 1 for velocity, 2 for acceleration, 3 for jerk.
     """
     degree = max(coefficients.shape[0] - 1 - order, 0)
     control, stack = np.empty(degree + 1), np.empty((_HALVINGS + 3, degree + 2))
@@ -163,20 +149,14 @@ def _look_at_ends(spans, coefficients, order, slack, control, before, low, high,
 def piece_extremes(breaks, coefficients, slack, low, high, steps):
     """Find the extremes of the joints and of their first derivatives, and their largest steps.
 
-    Parameters
-    ----------
-    breaks : ndarray, shape (s + 1,)
-        Where the pieces begin and the last one ends, increasing.
-    coefficients : ndarray, shape (c, max(s, 1), n)
-        Powers of the time since the beginning of the piece, lowest first.
-    slack : ndarray, shape (d, max(s, 1), n)
-        By how much position, velocity and so on may be wrong in each piece; they count only as
-        far as they are certain.  d is 4 at most.
-    low, high : ndarray, shape (d, n)
-        Filled with extremes, to a part in 1e11 of the coefficients.
-    steps : ndarray, shape (d, n)
-        Filled with the largest magnitudes of steps from one piece to the next; infinite where
-        one is no number.
+    ``breaks`` (s + 1,) are where the pieces begin and the last one ends, increasing, and
+    ``coefficients`` (c, max(s, 1), n) powers of the time since the beginning of the piece, lowest
+    first.  By ``slack`` (d, max(s, 1), n) position, velocity and so on may be wrong in each piece;
+    they count only as far as they are certain; d is 4 at most.
+
+    ``low`` and ``high`` (d, n) are filled with extremes, to a part in 1e11 of the coefficients,
+    and ``steps`` (d, n) with the largest magnitudes of steps from one piece to the next; infinite
+    where one is no number.
     """
     spans = np.ones(coefficients.shape[1])
     for k in range(breaks.shape[0] - 1):

@@ -97,25 +97,11 @@ def total_time(spans, thetas, x):
 def piece_counts(local, spans, thetas, x, scales, accuracy, counts):
     """Count the pieces that each cell needs for the accelerations between them to be right.
 
-    Parameters
-    ----------
-    local : ndarray, shape (m, n, d + 1)
-        The path in each cell, in powers of the coordinate since its beginning.
-    spans, thetas : ndarray, shape (m,)
-        Length and bend of each cell.
-    x : ndarray, shape (m + 1,)
-        Squares of the speeds at the nodes.
-    scales : ndarray, shape (n,)
-        One over the acceleration that counts as one.
-    accuracy : float
-        Largest error of the acceleration in the middle of a piece.
-    counts : ndarray of int, shape (m,)
-        Filled.
-
-    Returns
-    -------
-    int
-        Their sum.
+    ``local`` (m, n, d + 1) is the path in each cell, in powers of the coordinate since its
+    beginning, ``spans`` and ``thetas`` (m,) are length and bend of each cell, x (m + 1,) the
+    squares of the speeds at the nodes, and ``scales`` (n,) one over the acceleration that counts
+    as one.  The ``accuracy`` is the largest error of the acceleration in the middle of a piece.
+    ``counts`` (m,) are filled; returned is their sum.
     """
     joints = local.shape[1]
     states = np.empty((3, 3, joints))
@@ -142,18 +128,12 @@ def piece_counts(local, spans, thetas, x, scales, accuracy, counts):
 
 @kernel(i8(IN3, IN1, IN1, IN1, IIN1, OUT1, OUT1, OUT1, OUT3))
 def write_pieces(local, spans, thetas, x, counts, times, coordinates, speeds, coefficients):
-    """Write the motion as quintic pieces.
+    """Write the motion as quintic pieces; the first five arguments are as for `piece_counts`.
 
-    Parameters
-    ----------
-    local, spans, thetas, x, counts
-        As for `piece_counts`.
-    times : ndarray, shape (p + 1,)
-        Filled with the instants at which pieces begin and end, from 0.
-    coordinates, speeds : ndarray, shape (p + 1,)
-        Filled with path coordinate since the beginning, and its rate, at these instants.
-    coefficients : ndarray, shape (6, p, n)
-        Filled with powers of the time since the beginning of the piece.
+    Filled are ``times`` (p + 1,) with the instants at which pieces begin and end, from 0,
+    ``coordinates`` and ``speeds`` (p + 1,) with path coordinate since the beginning, and its rate,
+    at these instants, and ``coefficients`` (6, p, n) with powers of the time since the beginning
+    of the piece.
     """
     joints = local.shape[1]
     before, after = np.empty((3, joints)), np.empty((3, joints))

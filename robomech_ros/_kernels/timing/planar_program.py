@@ -58,24 +58,12 @@ def _along(first, second, rest, order, rows, offset, slope, box):
 
 @inline
 def farthest(first, second, rest, order, box, sign):
-    """Find the largest `sign` x with ``|first x + second y + rest| <= 1`` inside a box.
+    """Find the largest ``sign`` x with ``|first x + second y + rest| <= 1`` inside a box.
 
-    Parameters
-    ----------
-    first, second, rest : ndarray, shape (r,)
-        The rows.
-    order : ndarray of int, shape (r,)
-        In which order to look at them; the rows that bind are moved to its front, so that they
-        come first the next time.
-    box : tuple of float
-        Least and largest x, least and largest y.
-    sign : float
-        1.0 for the largest x, -1.0 for the smallest.
-
-    Returns
-    -------
-    x : float
-        NaN where no point keeps to all rows.
+    ``order`` (r,) is the one in which the rows (r,) are looked at; those that bind are moved to
+    its front, so that they come first the next time.  The ``box`` is least and largest x, least
+    and largest y; the ``sign`` is -1.0 for the smallest x.  Returns NaN where no point keeps to
+    all rows.
     """
     x = box[1] if sign > 0.0 else box[0]
     y = box[3]

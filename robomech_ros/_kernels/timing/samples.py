@@ -20,18 +20,11 @@ def _piece(breaks, pieces, t, known):
 
 @kernel(i8(IN1, IN3, IN1, OUT3))
 def sample_pieces(breaks, coefficients, times, rates):
-    """Sample positions and three derivatives.
+    """Sample positions and three derivatives, ``rates`` (4, m, n), at ``times`` (m,).
 
-    Parameters
-    ----------
-    breaks : ndarray, shape (s + 1,)
-        Where the pieces begin and the last one ends, increasing.
-    coefficients : ndarray, shape (d + 1, max(s, 1), n)
-        Powers of the time since the beginning of the piece, lowest first.
-    times : ndarray, shape (m,)
-        Before the first break and after the last one the joints rest.
-    rates : ndarray, shape (4, m, n)
-        Filled with positions, velocities, accelerations and jerks.
+    ``breaks`` (s + 1,) are where the pieces begin and the last one ends, increasing; before and
+    after the joints rest.  ``coefficients`` (d + 1, max(s, 1), n) are powers of the time since the
+    beginning of the piece, lowest first.
     """
     size, pieces, joints = coefficients.shape
     last = breaks[breaks.shape[0] - 1]

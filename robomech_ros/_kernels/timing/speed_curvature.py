@@ -41,16 +41,8 @@ def _change(x, spans, binding, k):
 def bends(x, spans, binding, thetas):
     """Estimate the bend of x in every cell from the slopes in its neighbours.
 
-    Parameters
-    ----------
-    x : ndarray, shape (m + 1,)
-        At the nodes.
-    spans : ndarray, shape (m,)
-        Length of each cell.
-    binding : ndarray of int, shape (m,)
-        What binds in each cell; only cells of one arc are compared.
-    thetas : ndarray, shape (m,)
-        Filled.
+    x (m + 1,) is that at the nodes, ``spans`` (m,) the length of each cell and ``binding`` (m,)
+    what binds in it; only cells of one arc are compared.  Filled are ``thetas`` (m,).
     """
     for k in range(spans.shape[0]):
         total = x[k] + x[k + 1]
@@ -116,27 +108,12 @@ def _divide(begin, span, theta, parts, shortest, finer, finer_thetas, count):
 def refine(x, spans, binding, nodes, thetas, accuracy, shortest, finer, finer_thetas):
     """Divide the cells with the largest changes of the slope, and those where x switches inside.
 
-    Parameters
-    ----------
-    x : ndarray, shape (m + 1,)
-        At the nodes.
-    spans, thetas : ndarray, shape (m,)
-        Length and bend of each cell.
-    binding : ndarray of int, shape (m,)
-        What binds in each cell.
-    nodes : ndarray, shape (m + 1,)
-        Path coordinates.
-    accuracy : float
-        Part of the duration that a cell may cost; what costs more is divided.
-    shortest : float
-        No cell is made shorter.
-    finer, finer_thetas : ndarray, shape (2 PARTS m + 1,) and (2 PARTS m,)
-        Filled with the nodes and bends of all cells, old and new.
-
-    Returns
-    -------
-    count : int
-        How many cells there are then.
+    x (m + 1,) is that at the ``nodes`` (m + 1,), path coordinates; ``spans`` and ``thetas`` (m,)
+    are length and bend of each cell, and ``binding`` (m,) what binds in it.  The ``accuracy`` is
+    the part of the duration that a cell may cost; what costs more is divided, and none is made
+    shorter than ``shortest``.  ``finer`` (2 PARTS m + 1,) and ``finer_thetas`` (2 PARTS m,) are
+    filled with the nodes and bends of all cells, old and new.  Returns how many cells there are
+    then.
     """
     cells = spans.shape[0]
     allowed = 0.0

@@ -7,15 +7,7 @@ from robomech_ros._kernels.compiling.jit import IN1, IN2, f8, i8, kernel
 
 @kernel(i8(IN1, IN1, IN2))
 def both_within(start, goal, ranges):
-    """Tell whether two positions are within limits: 1 for yes, 0 for no or NaN.
-
-    Parameters
-    ----------
-    start, goal : ndarray, shape (n,)
-        Joint values, rad or m.
-    ranges : ndarray, shape (2, n)
-        Lowest and highest ones.
-    """
+    """Tell whether two positions (n,) are within ``ranges`` (2, n): 1 for yes, 0 for no or NaN."""
     for j in range(start.shape[0]):
         low, high = ranges[0, j], ranges[1, j]
         if not (low <= start[j] <= high and low <= goal[j] <= high):
@@ -25,16 +17,10 @@ def both_within(start, goal, ranges):
 
 @kernel(f8(IN1, IN1, IN2, f8, f8, f8))
 def shortest_duration(start, goal, inverses, velocity, acceleration, jerk):
-    """Find the shortest duration (s) within limits of a law of motion.
+    """Find the shortest duration (s) between positions (n,) within limits of a law of motion.
 
-    Parameters
-    ----------
-    start, goal : ndarray, shape (n,)
-        Joint values, rad or m.
-    inverses : ndarray, shape (3, n)
-        One over the limits of velocity, acceleration and jerk.
-    velocity, acceleration, jerk : float
-        Peaks of the law over a way and a duration of 1.
+    ``inverses`` (3, n) are one over the limits of velocity, acceleration and jerk; the other three
+    numbers are the peaks of the law over a way and a duration of 1.
     """
     first, second, third = 0.0, 0.0, 0.0
     for j in range(start.shape[0]):

@@ -2,7 +2,7 @@
 
 import math
 
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, i8, kernel, lean
+from robomech_ros._kernels.compiling.jit import IN2, OUT1, i8, kernel, lean
 
 
 @lean
@@ -49,13 +49,6 @@ def signed_margin(px, py, feet, count):
     if flat or inside < 0.0:
         return -outside
     return inside
-
-
-@kernel(i8(IN1, IN2, OUT1))
-def margin_one(point, feet, out):
-    """Margin of a point (2) over feet (n, 2) into out (1)."""
-    out[0] = signed_margin(point[0], point[1], feet, feet.shape[0])
-    return 0
 
 
 @kernel(i8(IN2, IN2, OUT1))

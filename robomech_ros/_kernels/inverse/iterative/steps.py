@@ -24,7 +24,7 @@ CONVERGED_FAR = 1e-30
 
 
 @inline
-def _correct_for_partial_orientation(J, e, weights, n):
+def _correct_for_partial_orientation(J, e, n):
     """Turn the angular rows of J into the rates of the rotation vector itself.
 
     For a full orientation the factor changes nothing in the step; where a component of the
@@ -169,7 +169,7 @@ def attempt(packed, T, q, lower, upper, weights, unit, stretch, iterations, stal
                 break
             damping = max(0.25 * damping, ATTEMPT_LEAST_DAMPING)
             if partial:
-                _correct_for_partial_orientation(J, e, weights, n)
+                _correct_for_partial_orientation(J, e, n)
             _fill_normal_equations(J, e, weights, unit, n, H, g)
         else:
             damping *= 8.0

@@ -188,7 +188,7 @@ def _needs_scatter(data, metric, known):
 
 
 @lean
-def _scatter(data, packed, T, request, bench, distance, count, starts):
+def _scatter(packed, T, request, bench, distance, count, starts):
     """Enter postures among the ``starts`` that steps from a box around the seed lead to.
 
     Half the width of the box is the ``distance`` of the nearest known posture.  Returns how many
@@ -260,7 +260,7 @@ def _solve_pose(data, T, request, nearest, traced, joints, bench, starts, ranked
     for _ in range(2):
         total, known = _take_samples(data, T, request, nearest, steps, bench, distance, starts)
         if traced and _needs_scatter(data, metric, known):
-            total, known = _scatter(data, packed, T, request, bench, known, total, starts)
+            total, known = _scatter(packed, T, request, bench, known, total, starts)
         if traced:
             for k in range(total if known < distance else 0):
                 if away[k] == known:

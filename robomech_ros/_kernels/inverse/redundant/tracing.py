@@ -16,6 +16,7 @@ from robomech_ros._kernels.compiling.jit import (
     OUT2,
     b1,
     f8,
+    flat,
     i8,
     lean,
     part,
@@ -264,6 +265,94 @@ def _rewind(request, ends):
     return moved
 
 
+@flat
+def _begin_trace(packed, T, bench, start, known, count, begin, ahead, push, weak):
+    """Put ``start`` (7,) on the pose, and return the least singular value there.
+
+    Writes that posture, the direction of its self-motion, the motion of the tip ``push`` (6,) and
+    the ``weak`` direction (7,).  Returns a negative number if it is lost or on a ``known`` step.
+    """
+    copy(start, begin)
+    for i in range(7):
+        ahead[i] = 0.0
+    for i in range(6):
+        push[i] = 1.0
+    if step_onto(packed, T, 1.0, bench, ahead, begin) > TRACE_ERROR:
+        return -1.0
+    size = weakest_direction(bench, push, weak)
+    if _off_known(known, count, begin) < min(TRACE_NEAR, APART * size):
+        return -1.0
+    return size
+
+
+@flat
+def _write_line(ends, q, g):
+    """Write a straight step through q (7,) along g (7,), by SMALL_ROOT each way, to ``ends``."""
+    for i in range(7):
+        ends[0, i], ends[1, i] = q[i] - SMALL_ROOT * g[i], g[i]
+        ends[2, i], ends[3, i] = q[i] + SMALL_ROOT * g[i], g[i]
+
+
+@flat
+def _trace_side(packed, T, request, bench, origin, size, traced, known, distance, best, queue):
+    """Trace one way from an ``origin``: posture, direction, weakest one and motion of the tip.
+
+    ``size`` is the least singular value there.  ``traced`` are the first step of this curve, how
+    many of its steps are near its beginning, and how many steps are known and starts queued.
+    Returns the last three, the least distance, and whether the curve has closed.
+    """
+    _, _, _, seed, metric, _ = request
+    q, g, weak, push = origin
+    first, closing, count, queued = traced
+    bent, weak_ahead = scratch(7), scratch(7)
+    for i in range(7):
+        bent[i] = 0.0
+    length, gone = TRACE_STEP, 0.0
+    before, past = 0.0, 1.0
+    for _ in range(TRACE_STEPS):
+        if count + 2 > known.shape[0]:
+            break
+        ends = known[count]
+        copy(q, ends[0])
+        copy(g, ends[1])
+        length, turned = _advance(packed, T, bench, ends, bent, length)
+        if length == 0.0:
+            break
+        size_ahead = weakest_direction(bench, push, weak_ahead)
+        if passes_crossing(before, size, size_ahead, past, length):
+            queued = enter_crossing(
+                packed, T, request, bench, ends[1], weak, ends[0], queue, queued
+            )
+        before, size, past = size, size_ahead, length
+        copy(weak_ahead, weak)
+        for i in range(7):
+            bent[i] = 0.5 * (ends[3, i] - ends[1, i]) / length
+        distance = _look_between(packed, T, request, bench, ends, distance, best)
+        closed = gone > 2.0 * CLOSING and _off_known(known[first:], closing, ends[2]) < TRACE_NEAR
+        gone += length
+        count += 1
+        if gone < CLOSING:
+            closing = count - first
+        for i in range(7):
+            for row in range(4):
+                known[count, row, i] = ends[row, i]
+        if _rewind(request, known[count]):
+            ends = known[count]
+            distance = _look_between(packed, T, request, bench, ends, distance, best)
+            count += 1
+        copy(ends[2], q)
+        copy(ends[3], g)
+        if closed:
+            return closing, count, queued, distance, True
+        if distance_from(q, seed, metric) > distance * BEYOND:
+            break
+        if turned < 0.5 * TRACE_BENT:
+            length = min(TRACE_STEP, 2.0 * length)
+    if length == 0.0 and size < CROSSING:
+        queued = enter_crossing(packed, T, request, bench, g, weak, q, queue, queued)
+    return closing, count, queued, distance, False
+
+
 @lean
 def _trace_from(packed, T, request, bench, start, known, count, distance, best, queue, queued):
     """Trace both ways from ``start`` (7,), and queue starts beside crossings.
@@ -272,81 +361,31 @@ def _trace_from(packed, T, request, bench, start, known, count, distance, best, 
     posture at that distance is ``best`` (7,) then.
     """
     _, _, _, seed, metric, _ = request
-    q, g, bent, first = scratch(7), scratch(7), scratch(7), count
-    closing = 1
-    begin, ahead = scratch(7), scratch(7)
-    push, weak, weak_ahead, weak_begin = scratch(6), scratch(7), scratch(7), scratch(7)
-    copy(start, begin)
-    for i in range(7):
-        ahead[i] = 0.0
-    for i in range(6):
-        push[i] = 1.0
-    if step_onto(packed, T, 1.0, bench, ahead, begin) > TRACE_ERROR:
-        return count, distance, queued
-    size_begin = weakest_direction(bench, push, weak_begin)
-    if _off_known(known, count, begin) < min(TRACE_NEAR, APART * size_begin):
+    begin, ahead, weak_begin, push = scratch(7), scratch(7), scratch(7), scratch(6)
+    size = _begin_trace(packed, T, bench, start, known, count, begin, ahead, push, weak_begin)
+    if size < 0.0:
         return count, distance, queued
     if distance_from(start, seed, metric) <= distance:
         distance = _improve(packed, T, request, bench, begin, ahead, distance, best)
         if distance < small_distance(metric):
             # So near it is a line, and another branch is not as near.
-            ends = known[count]
-            for i in range(7):
-                ends[0, i], ends[1, i] = begin[i] - SMALL_ROOT * ahead[i], ahead[i]
-                ends[2, i], ends[3, i] = begin[i] + SMALL_ROOT * ahead[i], ahead[i]
+            _write_line(known[count], begin, ahead)
             return count + 1, distance, queued
-    if size_begin < CROSSING:
+    if size < CROSSING:
         queued = enter_crossing(packed, T, request, bench, ahead, weak_begin, begin, queue, queued)
+    q, g, weak = scratch(7), scratch(7), scratch(7)
+    first, closing = count, 1
     for side in range(2):
         copy(begin, q)
         copy(weak_begin, weak)
         for i in range(7):
-            g[i], bent[i] = ahead[i] * (1.0 - 2.0 * side), 0.0
-        length, gone = TRACE_STEP, 0.0
-        before, size, past = 0.0, size_begin, 1.0
-        for _ in range(TRACE_STEPS):
-            if count + 2 > known.shape[0]:
-                break
-            ends = known[count]
-            copy(q, ends[0])
-            copy(g, ends[1])
-            length, turned = _advance(packed, T, bench, ends, bent, length)
-            if length == 0.0:
-                break
-            size_ahead = weakest_direction(bench, push, weak_ahead)
-            if passes_crossing(before, size, size_ahead, past, length):
-                queued = enter_crossing(
-                    packed, T, request, bench, ends[1], weak, ends[0], queue, queued
-                )
-            before, size, past = size, size_ahead, length
-            copy(weak_ahead, weak)
-            for i in range(7):
-                bent[i] = 0.5 * (ends[3, i] - ends[1, i]) / length
-            distance = _look_between(packed, T, request, bench, ends, distance, best)
-            closed = (
-                gone > 2.0 * CLOSING and _off_known(known[first:], closing, ends[2]) < TRACE_NEAR
-            )
-            gone += length
-            count += 1
-            if gone < CLOSING:
-                closing = count - first
-            for i in range(7):
-                for row in range(4):
-                    known[count, row, i] = ends[row, i]
-            if _rewind(request, known[count]):
-                ends = known[count]
-                distance = _look_between(packed, T, request, bench, ends, distance, best)
-                count += 1
-            copy(ends[2], q)
-            copy(ends[3], g)
-            if closed:
-                return count, distance, queued
-            if distance_from(q, seed, metric) > distance * BEYOND:
-                break
-            if turned < 0.5 * TRACE_BENT:
-                length = min(TRACE_STEP, 2.0 * length)
-        if length == 0.0 and size < CROSSING:
-            queued = enter_crossing(packed, T, request, bench, g, weak, q, queue, queued)
+            g[i] = ahead[i] * (1.0 - 2.0 * side)
+        origin, traced = (q, g, weak, push), (first, closing, count, queued)
+        closing, count, queued, distance, closed = _trace_side(
+            packed, T, request, bench, origin, size, traced, known, distance, best, queue
+        )
+        if closed:
+            break
     return count, distance, queued
 
 

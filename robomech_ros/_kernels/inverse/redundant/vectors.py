@@ -26,12 +26,6 @@ def back(packed, row, v):
 
 
 @inline
-def about_z(c, s, v):
-    """Turn v about z by the angle with cosine c and sine s."""
-    return c * v[0] - s * v[1], s * v[0] + c * v[1], v[2]
-
-
-@inline
 def dot(u, v):
     """Return the scalar product."""
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
