@@ -5,6 +5,7 @@ random complex points and lengths.  Run with ``.venv/bin/python tools/generic_pl
 """
 
 import json
+import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -24,19 +25,18 @@ first use.
 
 import numpy as np
 
-__all__ = ["LEGS", "POSES"]
-
-# Base point, platform point and squared length of each leg: real and imaginary parts in turn.
+# Base point, platform point and squared length of each leg, in ten-thousandths: real and imaginary
+# parts in turn.
 _LEGS = """
 {legs}
 """
-# Study parameters of each pose, of unit length.
+# Study parameters of each pose, of unit length, in ten-thousandths.
 _POSES = """
 {poses}
 """
 
-LEGS = np.array(_LEGS.split(), np.float64).view(np.complex128).reshape(6, 7)
-POSES = np.array(_POSES.split(), np.float64).view(np.complex128).reshape(40, 8)
+LEGS = (np.array(_LEGS.split(), np.float64) / 1e4).view(np.complex128).reshape(6, 7)
+POSES = (np.array(_POSES.split(), np.float64) / 1e4).view(np.complex128).reshape(40, 8)
 '''
 
 
@@ -57,11 +57,9 @@ def parameters_of_pose(rotation: NDArray, position: NDArray) -> NDArray:
 
 
 def lines(rows):
-    """Write complex rows as text, two lines each where they are long."""
-    for row in rows:
-        numbers = [f"{number:.4f}" for number in row.view(np.float64)]
-        for start in range(0, len(numbers), 8):
-            yield " ".join(numbers[start : start + 8])
+    """Write complex rows as text, in ten-thousandths."""
+    numbers = (str(round(1e4 * number)) for number in rows.view(np.float64).ravel())
+    return textwrap.fill(" ".join(numbers), 100, break_on_hyphens=False)
 
 
 def main():
@@ -79,7 +77,7 @@ def main():
     target = quadrics_of_platform(legs[:, :3], legs[:, 3:6], legs[:, 6])
     ends, times = np.zeros(40, np.int64), np.zeros(40)
     assert track(start, target, poses, ends, times) == 40
-    text = HEAD.format(legs="\n".join(lines(legs)), poses="\n".join(lines(poses)))
+    text = HEAD.format(legs=lines(legs), poses=lines(poses))
     TARGET.write_text(text, encoding="utf-8")
 
 

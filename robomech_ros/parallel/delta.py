@@ -145,10 +145,6 @@ class Delta:
             Downwards from the horizontal (rad).
         seed : array_like, shape (4, 4) or (3,), optional
             A place: the nearest one comes first; else the lower one.
-
-        Returns
-        -------
-        DirectKinematicsResult
         """
         given = actuated("q", q, 3)
         near = None if seed is None else translation_only(seed)

@@ -37,6 +37,7 @@ from robomech_ros.robots.documents.yaml_bodies import body_from_yaml, drive_from
 from robomech_ros.robots.robot_kinds import checked_document, source_of
 
 ParallelRobot = StewartGough | Delta | Planar3RPR | Planar3RRR | Spherical3RRR
+AnyParallelRobot = ParallelRobot | Mechanism
 
 # Of each type: what makes it, the keys that it needs, and those it may have.
 TYPES: dict[str, tuple[Any, tuple[str, ...], tuple[str, ...]]] = {
@@ -68,7 +69,7 @@ _PARTS = ("bodies", "drive")
 _KEYS = sorted({key for _, needed, more in TYPES.values() for key in (*needed, *more)})
 
 
-def load_parallel(name_or_path: str | os.PathLike[str]) -> ParallelRobot | Mechanism:
+def load_parallel(name_or_path: str | os.PathLike[str]) -> AnyParallelRobot:
     """Load a parallel robot.
 
     Parameters
@@ -96,7 +97,7 @@ def load_parallel(name_or_path: str | os.PathLike[str]) -> ParallelRobot | Mecha
     return parallel_from_yaml(*source_of("parallel", name_or_path))
 
 
-def parallel_from_yaml(text: str | bytes, where: str) -> ParallelRobot | Mechanism:
+def parallel_from_yaml(text: str | bytes, where: str) -> AnyParallelRobot:
     """Make a parallel robot of the text of a document.
 
     Parameters
@@ -105,11 +106,6 @@ def parallel_from_yaml(text: str | bytes, where: str) -> ParallelRobot | Mechani
         YAML.
     where : str
         What it is called in messages.
-
-    Raises
-    ------
-    RobotDescriptionError
-        It cannot be used: the message says where and why.
     """
     document = checked_document("parallel", text, where, ("type",), (*_PARTS, *_KEYS))
     check_choices(document, where, type=TYPES)

@@ -80,13 +80,6 @@ def mechanism_from_limbs(
         Bodies, and friction and rotors of drives.
     name : str, optional
         What it is called.
-
-    Raises
-    ------
-    RobotDescriptionError
-        A limb cannot be used: which, and why.
-    BadValueError, WrongSizeError
-        Limbs that do not fit together, or with the wrong number of drives.
     """
     if not isinstance(limbs, list) or len(limbs) < 2:
         raise RobotDescriptionError("limbs", "expected a list of two limbs or more")

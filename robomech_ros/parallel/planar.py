@@ -84,11 +84,6 @@ class Planar3RPR(_Planar):
     name : str, optional
         What it is called.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Not three different points each.
-
     References
     ----------
     Gosselin and Merlet, The direct kinematics of planar parallel manipulators, Mechanism and
@@ -103,9 +98,6 @@ class Planar3RPR(_Planar):
     """
 
     family = "planar 3-RPR"
-
-    # Bodies and what drives add to them: to be set before the mechanism is asked for.
-    parts = LinkBodies()
 
     def __init__(
         self,
@@ -152,10 +144,6 @@ class Planar3RPR(_Planar):
         seed : array_like, shape (4, 4) or (3,), optional
             A pose: the nearest one comes first.
 
-        Returns
-        -------
-        DirectKinematicsResult
-
         Raises
         ------
         BadValueError, WrongSizeError
@@ -163,9 +151,9 @@ class Planar3RPR(_Planar):
         """
         given = actuated("lengths", lengths, 3)
         for leg, length in enumerate(given.tolist()):
-            low, high = (0.0, LARGEST_LENGTH)
-            if self.strokes is not None:
-                low, high = self.strokes[leg].tolist()
+            low, high = (
+                (0.0, LARGEST_LENGTH) if self.strokes is None else self.strokes[leg].tolist()
+            )
             if not low <= length <= high or length <= 0.0:
                 what = f"length of leg {leg + 1}"
                 off = max(low - length, length - high)
@@ -204,9 +192,6 @@ class Planar3RRR(_Planar):
 
     family = "planar 3-RRR"
 
-    # Bodies and what drives add to them: to be set before the mechanism is asked for.
-    parts = LinkBodies()
-
     def __init__(
         self,
         base_points: ArrayLike,
@@ -241,10 +226,6 @@ class Planar3RRR(_Planar):
         seed : array_like, shape (3,), optional
             Angles (rad): the nearest posture comes first.
 
-        Returns
-        -------
-        LimbPostures
-
         Raises
         ------
         BadValueError
@@ -266,10 +247,6 @@ class Planar3RRR(_Planar):
             In rad.
         seed : array_like, shape (4, 4) or (3,), optional
             A pose: the nearest one comes first.
-
-        Returns
-        -------
-        DirectKinematicsResult
         """
         given = actuated("q", q, 3)
         arms = self.proximal[:, None] * np.stack((np.cos(given), np.sin(given)), axis=1)

@@ -115,10 +115,6 @@ class Spherical3RRR:
             ``T_base_platform`` without translation, or its rotation.
         seed : array_like, shape (3,), optional
             Angles (rad): the nearest posture comes first.
-
-        Returns
-        -------
-        LimbPostures
         """
         turned = self.platform_axes @ rotation_only(T).T
         limbs = [

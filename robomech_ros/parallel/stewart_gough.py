@@ -174,12 +174,7 @@ class StewartGough:
         return np.asarray(given - np.clip(given, self.strokes[:, 0], self.strokes[:, 1]))
 
     def cone_excess(self, T: ArrayLike) -> Array:
-        """Say by how much joints at the ends of the legs bend beyond their cones: 0 inside.
-
-        See Also
-        --------
-        cone_margins : the same, negative inside; with the same arguments.
-        """
+        """Say by how much joints at the ends of the legs bend beyond their cones: 0 inside."""
         return np.maximum(self.cone_margins(T), 0.0)
 
     def cone_margins(self, T: ArrayLike) -> Array:
@@ -220,19 +215,11 @@ class StewartGough:
         seed : array_like, shape (4, 4), optional
             A pose: the nearest one comes first.
 
-        Returns
-        -------
-        DirectKinematicsResult
-
         Raises
         ------
         BadValueError, WrongSizeError
             Not six lengths, one that is not positive, or outside its stroke: the leg and the amount
             are named.
-
-        See Also
-        --------
-        follow : the one pose into which a known one moves.
         """
         given = self._checked_lengths(lengths)
         near = None if seed is None else _one_pose("seed", seed)
@@ -257,15 +244,6 @@ class StewartGough:
             New leg lengths (m), within the strokes.
         T : array_like, shape (4, 4)
             The known pose ``T_base_platform``, of any lengths.
-
-        Returns
-        -------
-        FollowedPose
-
-        Raises
-        ------
-        BadValueError, WrongSizeError
-            As for :meth:`direct`.
 
         References
         ----------

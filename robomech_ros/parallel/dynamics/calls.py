@@ -29,15 +29,8 @@ def finite(result: Array) -> Array:
 
 
 def loop_arguments(mechanism: Mechanism) -> tuple[Array, IntArray, IntArray, float]:
-    """Return model, starts, drives and scale, as the kernels name them.
-
-    Raises
-    ------
-    MissingInertiaError
-        Nothing is known of the platform.
-    """
-    loops = mechanism.loops
-    return mechanism_model(mechanism), loops.starts, loops.drives, 1.0 / loops.size
+    """Return model, starts, drives and scale, as the kernels name them."""
+    return mechanism_model(mechanism), *mechanism.loops.chains[1:]
 
 
 def states(mechanism: Mechanism, q: ArrayLike, **of_drives: ArrayLike) -> list[Array]:

@@ -19,13 +19,7 @@ from robomech_ros.typing import Array
 
 
 def platform_body(mechanism: Mechanism) -> Body:
-    """Return the body of the platform.
-
-    Raises
-    ------
-    MissingInertiaError
-        Nothing is known of it.
-    """
+    """Return the body of the platform."""
     if mechanism.platform_body is None:
         last = mechanism.limbs[0].chain.joint_names[-1]
         raise MissingInertiaError([mechanism.platform_link], [last])
@@ -33,13 +27,7 @@ def platform_body(mechanism: Mechanism) -> Body:
 
 
 def limb_bodies(mechanism: Mechanism) -> list[list[Body | None]]:
-    """Return what moves with each joint of each limb, in its frame; the platform with the first.
-
-    Raises
-    ------
-    MissingInertiaError
-        Nothing is known of the platform.
-    """
+    """Return what moves with each joint of each limb, in its frame; the platform with the first."""
     body = platform_body(mechanism)
     rows: list[list[Body | None]] = [list(limb.chain.bodies) for limb in mechanism.limbs]
     first = mechanism.limbs[0].chain
@@ -58,11 +46,6 @@ def mechanism_model(mechanism: Mechanism) -> Array:
     Returns
     -------
     ndarray, shape (n + limbs, 24)
-
-    Raises
-    ------
-    MissingInertiaError
-        As :func:`limb_bodies`.
     """
     parts = []
     for limb, bodies in zip(mechanism.limbs, limb_bodies(mechanism), strict=True):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +15,7 @@ from robomech_ros.dynamics.friction import friction_model, friction_of_rates
 from robomech_ros.dynamics.model import GRAVITY, surroundings
 from robomech_ros.dynamics.systems import CompiledForward, LostPostureError
 from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.kinematics.posture_samples import spread_values
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.dynamics.calls import (
     as_rows,
@@ -28,13 +30,15 @@ from robomech_ros.parallel.dynamics.complement import (
     bodies_in_motion,
     joint_reactions,
 )
-from robomech_ros.parallel.dynamics.drive_control import loop_servo, mode_postures
+from robomech_ros.parallel.dynamics.drive_control import loop_servo
 from robomech_ros.parallel.dynamics.model import limb_totals, platform_body, refuse
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combine_bodies
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.typing import Array, IntArray
 
+# Number of spread postures: each costs as much as closing the loops.
+_MOST_POSTURES = 256
 # How far loops may be open by rounding (m over the robot's size, rad).
 _OPEN = 1e-6
 
@@ -215,15 +219,8 @@ class ParallelDynamics:
         BadValueError, WrongSizeError
             Not finite real numbers of these shapes, open loops, or a singular posture.
         """
-        q, rates, accelerations = states(
-            self.mechanism, q, rates=rates, accelerations=accelerations
-        )
-        around, out = surroundings(q.shape, gravity, tip_wrench), np.empty(rates.shape)
-        given = as_rows(q), as_rows(rates), as_rows(accelerations)
-        self._check(
-            kernels.inverse(*loop_arguments(self.mechanism), *given, around, as_rows(out)), q
-        )
-        return finite(out)
+        given = states(self.mechanism, q, rates=rates, accelerations=accelerations)
+        return self._of_drives(kernels.inverse, given, gravity, tip_wrench)
 
     def forward(
         self,
@@ -247,18 +244,17 @@ class ParallelDynamics:
         -------
         ndarray, shape (m,) or (..., m)
             Accelerations (rad/s^2 or m/s^2).
-
-        Raises
-        ------
-        BadValueError, WrongSizeError
-            As for :meth:`inverse`, or nothing resists some motion.
         """
-        q, rates, efforts = states(self.mechanism, q, rates=rates, efforts=efforts)
-        around, out = surroundings(q.shape, gravity, tip_wrench), np.empty(rates.shape)
-        given = as_rows(q), as_rows(rates), as_rows(efforts)
-        self._check(
-            kernels.forward(*loop_arguments(self.mechanism), *given, around, as_rows(out)), q
-        )
+        given = states(self.mechanism, q, rates=rates, efforts=efforts)
+        return self._of_drives(kernels.forward, given, gravity, tip_wrench)
+
+    def _of_drives(
+        self, kernel: Any, given: list[Array], gravity: ArrayLike, tip_wrench: ArrayLike | None
+    ) -> Array:
+        """Return what inverse or forward dynamics gives for the drives in some states."""
+        around, out = surroundings(given[0].shape, gravity, tip_wrench), np.empty(given[1].shape)
+        loops, rows = loop_arguments(self.mechanism), [as_rows(one) for one in (*given, out)]
+        self._check(kernel(*loops, *rows[:3], around, rows[3]), given[0])
         return finite(out)
 
     def compiled_forward(self, gravity: ArrayLike, tip_wrench: ArrayLike | None) -> CompiledForward:
@@ -271,19 +267,18 @@ class ParallelDynamics:
 
     def sampled_postures(self, count: int) -> Array:
         """Spread postures (k, n), at most count, over the assembly mode of home."""
-        return mode_postures(self.mechanism, count)
+        robot, drives = self.mechanism, self.drives_at
+        limits = robot.lower[drives], robot.upper[drives]
+        count = min(count, _MOST_POSTURES)
+        return robot.midway_postures(spread_values(robot.types[drives], *limits, count))
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """Compute the generalised inertia ``N^T M N``, shape (..., m, m), with the rotors."""
         (given,) = states(self.mechanism, q)
         m = self.mechanism.dof
         out = np.empty((*given.shape[:-1], m, m))
-        self._check(
-            kernels.inertias(
-                *loop_arguments(self.mechanism), as_rows(given), out.reshape(-1, m, m)
-            ),
-            given,
-        )
+        loops, rows = loop_arguments(self.mechanism), as_rows(given)
+        self._check(kernels.inertias(*loops, rows, out.reshape(-1, m, m)), given)
         return finite(out)
 
     def coriolis_matrix(self, q: ArrayLike, rates: ArrayLike) -> Array:
@@ -332,11 +327,6 @@ class ParallelDynamics:
         ConstrainedBodies
             The platform is the last link of the first limb; that of every other limb, and links
             of which nothing is known, have no mass.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError
-            As for :meth:`inverse`.
         """
         q, rates = states(self.mechanism, q, rates=rates)
         return bodies_in_motion(self.mechanism, *complements(self.mechanism, q, rates))[0]
@@ -356,15 +346,6 @@ class ParallelDynamics:
         ----------
         q, rates, accelerations, gravity, tip_wrench
             As for :meth:`inverse`, of one state.
-
-        Returns
-        -------
-        JointReactions
-
-        Raises
-        ------
-        BadValueError, WrongSizeError
-            As for :meth:`inverse`.
         """
         joints = self.checked_posture(q)
         joints, speeds, gains = states(

@@ -10,19 +10,12 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.kinetostatics.indices import as_length
-from robomech_ros.parallel.kinetostatics.limb_geometry import (
-    Arcs,
-    Legs,
-    drive_values,
-    limbs_at,
-    motions_of,
-    poses_of,
-)
+from robomech_ros.parallel.kinetostatics.limb_geometry import limbs_at, limbs_holding, motions_of
 from robomech_ros.parallel.kinetostatics.limb_wrenches import Wrenches
 from robomech_ros.parallel.kinetostatics.mechanism_length import mechanism_length
 from robomech_ros.parallel.kinetostatics.pose_samples import held_poses, size_of
 from robomech_ros.parallel.kinetostatics.square_systems import are_regular
-from robomech_ros.parallel.library import ParallelRobot
+from robomech_ros.parallel.library import AnyParallelRobot, ParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.typing import Array
@@ -42,8 +35,6 @@ class ScaledMatrices(NamedTuple):
         Columns of the motions that the platform has, angular ones divided by the length.
     J : ndarray, shape (..., m)
         Entries over the greatest that they can be: from -1 to 1, of legs 1.
-    lever : ndarray, shape (m,)
-        These greatest entries (1 or m).
     length : float
         In m.
     motions : ndarray, shape (..., 6, m)
@@ -56,7 +47,6 @@ class ScaledMatrices(NamedTuple):
 
     K: Array
     J: Array
-    lever: Array
     length: float
     motions: Array
     scale: float
@@ -64,30 +54,21 @@ class ScaledMatrices(NamedTuple):
 
 
 def scaled_matrices(
-    robot: ParallelRobot | Mechanism, T: ArrayLike, q: ArrayLike | None, length: float | None
+    robot: AnyParallelRobot, T: ArrayLike, q: ArrayLike | None, length: float | None
 ) -> ScaledMatrices:
     """Find K and J without units; arguments as for :func:`singularity_distances`."""
-    poses = poses_of(robot, T)
-    limbs = limbs_at(robot, poses, drive_values(robot, poses, q))
-    metres = platform_length(robot) if length is None else as_length(length)
-    return _scaled(robot, limbs, metres)
-
-
-def _scaled(
-    robot: ParallelRobot | Mechanism, limbs: Legs | Arcs | Wrenches, length: float
-) -> ScaledMatrices:
+    limbs = limbs_holding(robot, T, q)
+    length = platform_length(robot) if length is None else as_length(length)
     if isinstance(limbs, Wrenches):
         K, J, motions = limbs.borne, limbs.work, limbs.motions(length)
     else:
         (K, J), motions = limbs.rows(), np.eye(6)[:, list(motions_of(robot))]
     scale = length if np.abs(motions[..., _ANGULAR:, :]).max() > _ROUNDING else 1.0
     rows = K / np.repeat([scale, 1.0], _ANGULAR)
-    return ScaledMatrices(
-        rows @ motions, J / limbs.lever, limbs.lever, length, motions, scale, rows
-    )
+    return ScaledMatrices(rows @ motions, J / limbs.lever, length, motions, scale, rows)
 
 
-def platform_length(robot: ParallelRobot | Mechanism) -> float:
+def platform_length(robot: AnyParallelRobot) -> float:
     r"""Find the characteristic length: with it the best conditioned pose is nearest to isotropic.
 
     It makes the condition number by the Frobenius norm of K, angular columns divided by it, least
@@ -105,11 +86,6 @@ def platform_length(robot: ParallelRobot | Mechanism) -> float:
     float
         In m; 1 where the platform only translates or only turns and no length is needed, and the
         size of a platform that is singular in every pose.
-
-    Raises
-    ------
-    BadValueError
-        Not a parallel robot.
 
     References
     ----------
@@ -148,7 +124,7 @@ def _length_of(robot: ParallelRobot) -> float:
 
 
 def singularity_distances(
-    robot: ParallelRobot | Mechanism,
+    robot: AnyParallelRobot,
     T: ArrayLike,
     q: ArrayLike | None = None,
     *,
@@ -171,15 +147,6 @@ def singularity_distances(
         other limbs as they bend at the joint next to the drive; from
         type 2: the least singular value of K, angular columns divided by the length.  Both are
         without unit, and 0 where singular.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`velocity_matrices`, or the length is not from 1e-9 to 1e9 m.
-
-    See Also
-    --------
-    loop_singularity : what is lost or free there.
     """
     found = scaled_matrices(robot, T, q, length)
     second = np.linalg.svd(found.K, compute_uv=False)[..., -1]
@@ -187,7 +154,7 @@ def singularity_distances(
 
 
 def dexterity(
-    robot: ParallelRobot | Mechanism,
+    robot: AnyParallelRobot,
     T: ArrayLike,
     q: ArrayLike | None = None,
     *,
@@ -205,11 +172,6 @@ def dexterity(
     float or ndarray, shape (...)
         The reciprocal of the condition number of the map from drive rates to twists, both without
         units.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`singularity_distances`.
 
     References
     ----------

@@ -16,7 +16,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.parallel.argument_checks import platform_poses, pose_about_z
 from robomech_ros.parallel.delta import Delta
 from robomech_ros.parallel.kinetostatics.limb_wrenches import Wrenches, limb_wrenches
-from robomech_ros.parallel.library import ParallelRobot
+from robomech_ros.parallel.library import AnyParallelRobot, ParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
 from robomech_ros.parallel.spherical import Spherical3RRR
@@ -115,35 +115,25 @@ class Arcs:
         return np.concatenate((dc, np.zeros_like(dc)), axis=-1), (self.base * dc).sum(axis=-1)
 
 
-def motions_of(robot: ParallelRobot | Mechanism) -> tuple[int, ...]:
-    """Return the columns of a twist [angular; linear] that the platform has.
+Limbs = Legs | Arcs | Wrenches
 
-    Raises
-    ------
-    BadValueError
-        Not one of the robots with closed forms.
-    """
+
+def motions_of(robot: AnyParallelRobot) -> tuple[int, ...]:
+    """Return the columns of a twist [angular; linear] that the platform has."""
     found = _MOTIONS.get(type(robot))
     if found is None:
         raise BadValueError("robot", type(robot).__name__, f"one of {_KNOWN}")
     return found
 
 
-def drives_of(robot: ParallelRobot) -> int:
-    """Return the number of drives, which is that of the platform's degrees of freedom."""
-    return len(motions_of(robot))
-
-
-def motion_basis(robot: ParallelRobot | Mechanism, limbs: Legs | Arcs | Wrenches) -> Array:
+def motion_basis(robot: AnyParallelRobot, limbs: Limbs) -> Array:
     """Return twists (..., 6, m) that span those that the platform has (rad/s and m/s)."""
     if isinstance(limbs, Wrenches):
         return np.asarray(limbs.motions(limbs.size) / np.repeat([limbs.size, 1.0], 3)[:, None])
     return np.eye(6)[:, list(motions_of(robot))]
 
 
-def motion_entries(
-    robot: ParallelRobot | Mechanism, limbs: Legs | Arcs | Wrenches
-) -> tuple[int, ...]:
+def motion_entries(robot: AnyParallelRobot, limbs: Limbs) -> tuple[int, ...]:
     """Return the entries of a twist [angular; linear] that the platform has."""
     if not isinstance(limbs, Wrenches):
         return motions_of(robot)
@@ -151,30 +141,17 @@ def motion_entries(
     return tuple(int(k) for k in np.flatnonzero(sizes.max(axis=(0, 2)) > _ROUNDING))
 
 
-def poses_of(robot: ParallelRobot | Mechanism, T: ArrayLike) -> Array:
-    """Return poses (..., 4, 4) that the platform can have as to their kind.
+def poses_of(robot: AnyParallelRobot, T: ArrayLike) -> Array:
+    """Check poses (..., 4, 4), or a shorter form as :func:`velocity_matrices` takes it.
 
-    Parameters
-    ----------
-    T : array_like, shape (..., 4, 4)
-        ``T_base_platform``; also (..., 3), positions for a Delta and x, y and angle for planar
-        robots, and (..., 3, 3), rotations for a spherical one.  Those of a mechanism must be
-        poses that it has, which its joints say.
-
-    Raises
-    ------
-    BadValueError
-        Not poses, or with motions that the platform does not have.
+    All motions in them must be such as the platform has; those of a mechanism depend on its joints.
     """
     if isinstance(robot, Mechanism):
         return platform_poses(T)
     motions, given = motions_of(robot), real_array("pose", T)
-    if given.shape[-2:] != (4, 4):
-        given = _short_form(robot, given)
-    poses = platform_poses(given)
+    poses = platform_poses(given if given.shape[-2:] == (4, 4) else _short_form(robot, given))
     off = np.concatenate((_turns_off(poses, motions), poses[..., :3, 3]), axis=-1)
-    kept = [k for k in range(6) if k not in motions]
-    worst = float(np.abs(off[..., kept]).max(initial=0.0))
+    worst = float(np.abs(off[..., ~np.isin(range(6), motions)]).max(initial=0.0))
     if worst > _OFF:
         what = "motion in the pose that the platform does not have"
         raise BadValueError(what, worst, "0 rad and m")
@@ -201,17 +178,9 @@ def _turns_off(poses: Array, motions: tuple[int, ...]) -> Array:
     return np.repeat(off.reshape(*poses.shape[:-2], -1).max(axis=-1, keepdims=True), 3, axis=-1)
 
 
-def drive_values(
-    robot: ParallelRobot | Mechanism, poses: Array, q: ArrayLike | None
-) -> Array | None:
-    """Check values of the drives (..., m), or of all joints of a mechanism, for poses.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        They are needed, as the limbs have branches, or are not m for each pose.
-    """
-    count = robot.n if isinstance(robot, Mechanism) else drives_of(robot)
+def drive_values(robot: AnyParallelRobot, poses: Array, q: ArrayLike | None) -> Array | None:
+    """Check values of the drives (..., m), or of all joints of a mechanism, for poses."""
+    count = robot.n if isinstance(robot, Mechanism) else len(motions_of(robot))
     if q is None and isinstance(robot, Mechanism):
         raise BadValueError("q", None, "the positions of all joints of the mechanism in a pose")
     if q is None:
@@ -224,28 +193,18 @@ def drive_values(
     return values
 
 
-def limbs_at(
-    robot: ParallelRobot | Mechanism, poses: Array, q: Array | None
-) -> Legs | Arcs | Wrenches:
-    """Find where the limbs hold the platform.
-
-    Parameters
-    ----------
-    poses : ndarray, shape (..., 4, 4)
-        From :func:`poses_of`.
-    q : ndarray, shape (..., m), or None
-        From :func:`drive_values`.
-
-    Raises
-    ------
-    BadValueError
-        Drives that do not hold the platform there, or a leg without length.
-    """
+def limbs_at(robot: AnyParallelRobot, poses: Array, q: Array | None) -> Limbs:
+    """Find where the limbs hold the platform, for checked poses (..., 4, 4) and drives."""
     if isinstance(robot, Mechanism):
         return limb_wrenches(robot, poses, np.asarray(q))
-    at = _AT[type(robot)]
-    found: Legs | Arcs = at(robot, poses, q)
+    found: Legs | Arcs = _AT[type(robot)](robot, poses, q)
     return found
+
+
+def limbs_holding(robot: AnyParallelRobot, T: ArrayLike, q: ArrayLike | None) -> Limbs:
+    """Check poses and drives, and find where the limbs hold the platform."""
+    poses = poses_of(robot, T)
+    return limbs_at(robot, poses, drive_values(robot, poses, q))
 
 
 def leg_lengths(robot: StewartGough | Planar3RPR, poses: Array) -> Array:

@@ -15,6 +15,7 @@ import numpy as np
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics import jacobian, jacobian_rate
+from robomech_ros.parallel.mechanism.mobility import limb_twists
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.typing import Array, BoolArray, IntArray
@@ -98,11 +99,6 @@ def limb_wrenches(mechanism: Mechanism, poses: Array, q: Array) -> Wrenches:
         ``T_base_platform`` (m).
     q : ndarray, shape (..., n)
         All joints there (rad or m).
-
-    Raises
-    ------
-    BadValueError
-        A limb does not hold the platform in the pose, or can move by itself.
     """
     _check_held(mechanism, poses, q)
     return wrenches_of_limbs(mechanism, q)
@@ -116,17 +112,11 @@ def wrenches_of_limbs(mechanism: Mechanism, q: Array) -> Wrenches:
     mechanism : Mechanism
     q : ndarray, shape (..., n)
         All joints (rad or m); loops need not be closed.
-
-    Raises
-    ------
-    BadValueError
-        A limb can move by itself.
     """
     lead, q = q.shape[:-1], q.reshape(-1, mechanism.n)
     drives, carried, numbers = list[tuple[Array, Array, Array]](), list[Array](), list[int]()
     for i, limb in enumerate(mechanism.limbs):
-        own = slice(mechanism.loops.starts[i], mechanism.loops.starts[i + 1])
-        screws = jacobian(limb.chain, q[..., own])
+        screws = jacobian(limb.chain, q[..., mechanism.loops.joints_of(i)])
         screws[..., _ANGULAR:, :] /= mechanism.size
         driven = [k for k, name in enumerate(limb.chain.joint_names) if name in limb.actuated]
         if not driven:
@@ -196,7 +186,7 @@ def _begins(
 ) -> Array:
     """Return the coordinates (w,) in W of the wrench whose work on a drive is about to begin."""
     i, k = joint
-    own = slice(mechanism.loops.starts[i], mechanism.loops.starts[i + 1])
+    own = mechanism.loops.joints_of(i)
     others = np.delete(screws, k, axis=-1)
     c = np.linalg.lstsq(others, screws[:, k], rcond=None)[0]
     changes = []
@@ -209,12 +199,7 @@ def _begins(
 
 def _tangents(mechanism: Mechanism, q: Array) -> Array:
     """Return the rates (r, n) of all joints that keep the loops closed."""
-    ends = np.zeros((len(mechanism.limbs), _TWIST, mechanism.n))
-    for i, limb in enumerate(mechanism.limbs):
-        own = slice(mechanism.loops.starts[i], mechanism.loops.starts[i + 1])
-        ends[i, :, own] = jacobian(limb.chain, q[own])
-    ends[:, _ANGULAR:] /= mechanism.size
-    ends /= mechanism.loops.weights
+    ends = limb_twists([limb.chain for limb in mechanism.limbs], mechanism.loops, q)
     values, basis = np.linalg.svd((ends[1:] - ends[0]).reshape(-1, mechanism.n))[1:]
     rank = int((values > RANK * values[0]).sum())
     return np.asarray(basis[rank:] / mechanism.loops.weights)

@@ -78,7 +78,7 @@ def _stop(mechanism: Mechanism, q: Array, joint: int) -> str:
     """Say what ends the branch of the limb of a joint."""
     limb = int(np.searchsorted(mechanism.loops.starts, joint, side="right")) - 1
     left = np.minimum(q - mechanism.lower, mechanism.upper - q) * mechanism.loops.weights
-    own = slice(mechanism.loops.starts[limb], mechanism.loops.starts[limb + 1])
+    own = mechanism.loops.joints_of(limb)
     nearest = int(own.start) + int(left[own].argmin())
     at_limit = left[nearest] <= _AT_LIMIT
     why = f"limits of {mechanism.joint_names[nearest]}" if at_limit else "out of reach"

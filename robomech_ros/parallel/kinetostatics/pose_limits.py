@@ -15,7 +15,7 @@ from robomech_ros.parallel.delta import Delta
 from robomech_ros.parallel.kinetostatics.limb_geometry import leg_lengths, poses_of
 from robomech_ros.parallel.kinetostatics.mechanism_poses import exclusion
 from robomech_ros.parallel.kinetostatics.pose_samples import size_of
-from robomech_ros.parallel.library import ParallelRobot
+from robomech_ros.parallel.library import AnyParallelRobot
 from robomech_ros.parallel.limbs import into_limits
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
@@ -53,7 +53,7 @@ class PoseLimits:
 
 
 def pose_limits(
-    robot: ParallelRobot | Mechanism, T: ArrayLike, *, branches: str | None = None
+    robot: AnyParallelRobot, T: ArrayLike, *, branches: str | None = None
 ) -> PoseLimits:
     """Say which poses a robot takes within its limits, and which limb excludes the others.
 
@@ -66,18 +66,10 @@ def pose_limits(
         Of the limbs, such as "---", as ``inverse`` names them; default any.  Robots with legs have
         none, and of a mechanism the posture nearest to its home is given.
 
-    Returns
-    -------
-    PoseLimits
-
     Raises
     ------
     BadValueError
         Not poses that the platform can have, or not branches of its limbs.
-
-    See Also
-    --------
-    platform_position_workspace : all places around a pose, to their boundary.
 
     Examples
     --------
@@ -98,7 +90,7 @@ def pose_limits(
     )
 
 
-def as_branches(robot: ParallelRobot | Mechanism, branches: object) -> str | None:
+def as_branches(robot: AnyParallelRobot, branches: object) -> str | None:
     """Check branches of the limbs."""
     if branches is None:
         return None
@@ -111,7 +103,7 @@ def as_branches(robot: ParallelRobot | Mechanism, branches: object) -> str | Non
     return str(branches)
 
 
-def limits_at(robot: ParallelRobot | Mechanism, poses: Array, branches: str | None) -> PoseLimits:
+def limits_at(robot: AnyParallelRobot, poses: Array, branches: str | None) -> PoseLimits:
     """Return :func:`pose_limits` of checked poses (k, 4, 4)."""
     if isinstance(robot, StewartGough | Planar3RPR):
         return _of_legs(robot, poses)

@@ -12,7 +12,7 @@ from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.parallel.kinetostatics.conditioning import inverse_condition, scaled_matrices
 from robomech_ros.parallel.kinetostatics.limb_geometry import poses_of
-from robomech_ros.parallel.library import ParallelRobot
+from robomech_ros.parallel.library import AnyParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.typing import Array, IntArray
@@ -94,7 +94,7 @@ class LoopSingularity:
 
 
 def loop_singularity(
-    robot: ParallelRobot | Mechanism,
+    robot: AnyParallelRobot,
     T: ArrayLike,
     q: ArrayLike | None = None,
     *,
@@ -117,19 +117,6 @@ def loop_singularity(
         legs need none.  Of a mechanism all joints (rad or m), shape (n,), with closed loops.
     length : float, optional
         What makes linear and angular motions comparable (m); default :func:`platform_length`.
-
-    Returns
-    -------
-    LoopSingularity
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`singularity_distances`, or more than one pose.
-
-    See Also
-    --------
-    singularity_distances : the distances alone, for many poses at once.
 
     References
     ----------
@@ -207,7 +194,7 @@ def _wrenches(scaled: Array, motions: Array, length: float) -> Array:
     return out
 
 
-def _numbers(robot: ParallelRobot | Mechanism, drives: IntArray) -> tuple[int, ...]:
+def _numbers(robot: AnyParallelRobot, drives: IntArray) -> tuple[int, ...]:
     """Return the limbs of drives, from 1."""
     if isinstance(robot, Mechanism):
         where = robot.drive_index[drives]

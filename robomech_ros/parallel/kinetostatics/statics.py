@@ -7,25 +7,19 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.parallel.kinetostatics.limb_geometry import (
-    drive_values,
-    limbs_at,
+    limbs_holding,
     motion_basis,
     motion_entries,
-    poses_of,
 )
 from robomech_ros.parallel.kinetostatics.square_systems import one_each, solved_columns
-from robomech_ros.parallel.library import ParallelRobot
-from robomech_ros.parallel.mechanism.model import Mechanism
+from robomech_ros.parallel.library import AnyParallelRobot
 from robomech_ros.typing import Array
 
 _WRENCH = 6
 
 
 def drive_forces(
-    robot: ParallelRobot | Mechanism,
-    T: ArrayLike,
-    exerted_wrench: ArrayLike,
-    q: ArrayLike | None = None,
+    robot: AnyParallelRobot, T: ArrayLike, exerted_wrench: ArrayLike, q: ArrayLike | None = None
 ) -> Array:
     r"""Compute the forces of the drives with which a resting platform exerts a wrench.
 
@@ -49,15 +43,6 @@ def drive_forces(
         Forces of legs, pushing, or torques (N or N m), as the drives exert them; NaN where the pose
         is singular, so that the limbs hold no wrench of some direction.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`velocity_matrices`.
-
-    See Also
-    --------
-    platform_wrench : the inverse.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.2.
@@ -71,8 +56,7 @@ def drive_forces(
     >>> np.round(drive_forces(hexapod, T, [0.0, 0.0, 0.0, 0.0, 0.0, 100.0]), 3)
     array([24.789, 24.789, 24.789, 24.789, 24.789, 24.789])
     """
-    poses = poses_of(robot, T)
-    limbs = limbs_at(robot, poses, drive_values(robot, poses, q))
+    limbs = limbs_holding(robot, T, q)
     K, J = limbs.rows()
     w = one_each("exerted_wrench", exerted_wrench, _WRENCH, J)
     S = motion_basis(robot, limbs)
@@ -81,7 +65,7 @@ def drive_forces(
 
 
 def platform_wrench(
-    robot: ParallelRobot | Mechanism, T: ArrayLike, forces: ArrayLike, q: ArrayLike | None = None
+    robot: AnyParallelRobot, T: ArrayLike, forces: ArrayLike, q: ArrayLike | None = None
 ) -> Array:
     """Compute the wrench that a resting platform exerts with given forces of the drives.
 
@@ -99,18 +83,8 @@ def platform_wrench(
     ndarray, shape (..., 6)
         Moment about the platform's origin, then force, of the platform on its surroundings, in the
         base (N m and N); NaN where a limb is singular and would hold every load.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`velocity_matrices`, or not m forces, for all poses or for each.
-
-    See Also
-    --------
-    drive_forces : the inverse.
     """
-    poses = poses_of(robot, T)
-    limbs = limbs_at(robot, poses, drive_values(robot, poses, q))
+    limbs = limbs_holding(robot, T, q)
     K, J = limbs.rows()
     tau = one_each("forces", forces, J.shape[-1], J)
     regular = (np.abs(J) > RANK * limbs.lever).all(axis=-1, keepdims=True)

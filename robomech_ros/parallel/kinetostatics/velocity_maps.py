@@ -10,23 +10,20 @@ from numpy.typing import ArrayLike
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import BadValueError
 from robomech_ros.parallel.kinetostatics.limb_geometry import (
-    Arcs,
-    Legs,
-    drive_values,
-    limbs_at,
+    Limbs,
+    limbs_holding,
     motion_basis,
     motion_entries,
     motions_of,
-    poses_of,
 )
 from robomech_ros.parallel.kinetostatics.limb_wrenches import Wrenches
-from robomech_ros.parallel.kinetostatics.mechanism_accelerations import (
+from robomech_ros.parallel.kinetostatics.mechanism_motion import (
     mechanism_drive_accelerations,
+    mechanism_matrix_rates,
     mechanism_platform_acceleration,
 )
-from robomech_ros.parallel.kinetostatics.mechanism_rates import mechanism_matrix_rates
 from robomech_ros.parallel.kinetostatics.square_systems import one_each, solved_columns
-from robomech_ros.parallel.library import ParallelRobot
+from robomech_ros.parallel.library import AnyParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.typing import Array
 
@@ -57,7 +54,7 @@ class VelocityMatrices(NamedTuple):
 
 
 def velocity_matrices(
-    robot: ParallelRobot | Mechanism, T: ArrayLike, q: ArrayLike | None = None
+    robot: AnyParallelRobot, T: ArrayLike, q: ArrayLike | None = None
 ) -> VelocityMatrices:
     r"""Find the matrices of :math:`K t = J \dot q`, a row for each limb.
 
@@ -88,10 +85,6 @@ def velocity_matrices(
         Angles of the drives there (rad), one of the postures that ``inverse`` finds; robots with
         legs need none.  Of a mechanism all joints (rad or m), shape (..., n), with closed loops.
 
-    Returns
-    -------
-    VelocityMatrices
-
     Raises
     ------
     BadValueError
@@ -111,13 +104,13 @@ def velocity_matrices(
     >>> np.round(np.linalg.solve(J, K[:, motions] @ [0.0, 0.0, 0.1]), 4)
     array([-0.2583, -0.2583, -0.2583])
     """
-    limbs = _limbs(robot, T, q)
+    limbs = limbs_holding(robot, T, q)
     K, J = limbs.rows()
     return VelocityMatrices(K, _diagonal(J), motion_entries(robot, limbs))
 
 
 def velocity_matrix_rates(
-    robot: ParallelRobot | Mechanism, T: ArrayLike, twist: ArrayLike, q: ArrayLike | None = None
+    robot: AnyParallelRobot, T: ArrayLike, twist: ArrayLike, q: ArrayLike | None = None
 ) -> VelocityMatrices:
     r"""Find the time derivatives of both :func:`velocity_matrices` while the platform moves.
 
@@ -136,16 +129,11 @@ def velocity_matrix_rates(
         NaN where a limb is singular, so that its drive has no rate.  Of a mechanism found by
         differences, to 1e-9 or so of the largest entry, and NaN in all singular postures.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`velocity_matrices`, or a twist that the platform does not have.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.2.1.
     """
-    limbs = _limbs(robot, T, q)
+    limbs = limbs_holding(robot, T, q)
     K, J = limbs.rows()
     t = _twist(robot, "twist", twist, limbs)
     rates = _divided(_times(K, t), J, limbs.lever)
@@ -158,7 +146,7 @@ def velocity_matrix_rates(
 
 
 def drive_rates(
-    robot: ParallelRobot | Mechanism, T: ArrayLike, twist: ArrayLike, q: ArrayLike | None = None
+    robot: AnyParallelRobot, T: ArrayLike, twist: ArrayLike, q: ArrayLike | None = None
 ) -> Array:
     r"""Find the rates of the drives for a twist of the platform: :math:`\dot q = J^{-1} K t`.
 
@@ -173,23 +161,14 @@ def drive_rates(
     -------
     ndarray, shape (..., m)
         In m/s or rad/s; NaN for a drive whose limb is singular.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`velocity_matrix_rates`.
-
-    See Also
-    --------
-    platform_twist : the inverse.
     """
-    limbs = _limbs(robot, T, q)
+    limbs = limbs_holding(robot, T, q)
     K, J = limbs.rows()
     return _divided(_times(K, _twist(robot, "twist", twist, limbs)), J, limbs.lever)
 
 
 def platform_twist(
-    robot: ParallelRobot | Mechanism, T: ArrayLike, rates: ArrayLike, q: ArrayLike | None = None
+    robot: AnyParallelRobot, T: ArrayLike, rates: ArrayLike, q: ArrayLike | None = None
 ) -> Array:
     r"""Find the platform's twist for rates of the drives: :math:`t = K^{-1} J \dot q`.
 
@@ -205,23 +184,14 @@ def platform_twist(
     ndarray, shape (..., 6)
         Angular velocity, then velocity of the platform's origin, in the base (rad/s and m/s); NaN
         where the pose is singular, so that the drives do not determine it.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`velocity_matrices`, or not m rates for each pose.
-
-    See Also
-    --------
-    drive_rates : the inverse.
     """
-    limbs = _limbs(robot, T, q)
+    limbs = limbs_holding(robot, T, q)
     J = limbs.rows()[1]
-    return _solved(robot, limbs, J * _drives("rates", rates, J))
+    return _solved(robot, limbs, J * one_each("rates", rates, J.shape[-1], J))
 
 
 def drive_accelerations(
-    robot: ParallelRobot | Mechanism,
+    robot: AnyParallelRobot,
     T: ArrayLike,
     twist: ArrayLike,
     twist_rate: ArrayLike,
@@ -242,13 +212,8 @@ def drive_accelerations(
     -------
     ndarray, shape (..., m)
         In m/s^2 or rad/s^2; NaN for a drive whose limb is singular.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`velocity_matrix_rates`.
     """
-    limbs = _limbs(robot, T, q)
+    limbs = limbs_holding(robot, T, q)
     K, J = limbs.rows()
     t = _twist(robot, "twist", twist, limbs)
     if isinstance(limbs, Wrenches):
@@ -262,7 +227,7 @@ def drive_accelerations(
 
 
 def platform_acceleration(
-    robot: ParallelRobot | Mechanism,
+    robot: AnyParallelRobot,
     T: ArrayLike,
     rates: ArrayLike,
     accelerations: ArrayLike,
@@ -284,28 +249,17 @@ def platform_acceleration(
     ndarray, shape (..., 6)
         Angular acceleration, then acceleration of the platform's origin (rad/s^2 and m/s^2); NaN
         where the pose is singular.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`platform_twist`.
     """
-    limbs = _limbs(robot, T, q)
+    limbs = limbs_holding(robot, T, q)
     J = limbs.rows()[1]
-    qd, qdd = _drives("rates", rates, J), _drives("accelerations", accelerations, J)
+    qd = one_each("rates", rates, J.shape[-1], J)
+    qdd = one_each("accelerations", accelerations, J.shape[-1], J)
     t = _solved(robot, limbs, J * qd)
     if isinstance(limbs, Wrenches):
         work, rest = mechanism_platform_acceleration(robot, q, limbs, t)
         return rest + _solved(robot, limbs, J * qdd + work)
     dK, dJ = limbs.row_rates(t, qd)
     return _solved(robot, limbs, J * qdd + dJ * qd - _times(dK, t))
-
-
-def _limbs(
-    robot: ParallelRobot | Mechanism, T: ArrayLike, q: ArrayLike | None
-) -> Legs | Arcs | Wrenches:
-    poses = poses_of(robot, T)
-    return limbs_at(robot, poses, drive_values(robot, poses, q))
 
 
 def _diagonal(entries: Array) -> Array:
@@ -323,28 +277,22 @@ def _divided(values: Array, J: Array, lever: Array) -> Array:
         return np.where(regular, values / J, np.nan)
 
 
-def _solved(
-    robot: ParallelRobot | Mechanism, limbs: Legs | Arcs | Wrenches, values: Array
-) -> Array:
+def _solved(robot: AnyParallelRobot, limbs: Limbs, values: Array) -> Array:
     """Solve K t = values for the motions that the platform has; NaN where it is singular."""
     S = motion_basis(robot, limbs)
     found = _times(S, solved_columns(limbs.rows()[0] @ S, values))
-    others = [k for k in range(_TWIST) if k not in motion_entries(robot, limbs)]
-    found[..., others] = 0.0
+    found[..., ~np.isin(range(_TWIST), motion_entries(robot, limbs))] = 0.0
     return found
 
 
-def _twist(
-    robot: ParallelRobot | Mechanism, what: str, twist: ArrayLike, limbs: Legs | Arcs | Wrenches
-) -> Array:
+def _twist(robot: AnyParallelRobot, what: str, twist: ArrayLike, limbs: Limbs) -> Array:
     """Check twists: one for all poses or one for each, only with motions that there are."""
     t = one_each(what, twist, _TWIST, limbs.rows()[1])
     if isinstance(limbs, Wrenches):
         _check_allowed(what, t, limbs)
         return t
     motions = motions_of(robot)
-    others = [k for k in range(_TWIST) if k not in motions]
-    worst = float(np.abs(t[..., others]).max(initial=0.0))
+    worst = float(np.abs(t[..., ~np.isin(range(_TWIST), motions)]).max(initial=0.0))
     if worst > _ROUNDING * float(np.abs(t).max(initial=0.0)):
         why = f"0 except in entries {', '.join(str(k + 1) for k in motions)}: the platform moves so"
         raise BadValueError(f"{what}, an entry of it", worst, why)
@@ -360,7 +308,3 @@ def _check_allowed(what: str, t: Array, limbs: Wrenches) -> None:
     if worst > _PREVENTED * float(np.abs(scaled).max(initial=0.0)):
         why = "0: the platform does not have it in this posture"
         raise BadValueError(f"{what}, the part of it that limbs prevent (m/s)", worst, why)
-
-
-def _drives(what: str, values: ArrayLike, J: Array) -> Array:
-    return one_each(what, values, J.shape[-1], J)

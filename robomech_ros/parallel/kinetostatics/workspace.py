@@ -24,7 +24,7 @@ from robomech_ros.parallel.kinetostatics.pose_limits import (
     together,
 )
 from robomech_ros.parallel.kinetostatics.pose_samples import size_of
-from robomech_ros.parallel.library import ParallelRobot
+from robomech_ros.parallel.library import AnyParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.planar import Planar3RPR
 from robomech_ros.parallel.stewart_gough import StewartGough
@@ -90,7 +90,7 @@ class PlatformWorkspace:
 
 
 def platform_position_workspace(
-    robot: ParallelRobot | Mechanism,
+    robot: AnyParallelRobot,
     T: ArrayLike,
     *,
     branches: str | None = None,
@@ -116,20 +116,11 @@ def platform_position_workspace(
         How many, evenly all round in the space or the plane in which it moves, or which, in the
         base; a platform that moves along a line does so both ways.
 
-    Returns
-    -------
-    PlatformWorkspace
-
     Raises
     ------
-    BadValueError, WrongSizeError
-        As for :func:`pose_limits`; the pose is excluded itself, or singular; a robot that only
-        turns, or moves only as it turns; not directions, or such as the platform does not have.
-
-    See Also
-    --------
-    platform_orientation_workspace : turns about a position.
-    pose_limits : single poses.
+    BadValueError
+        The pose is excluded itself, or singular; a robot that only turns, or moves only as it
+        turns; directions that the platform does not have.
 
     Examples
     --------
@@ -145,7 +136,7 @@ def platform_position_workspace(
 
 
 def platform_orientation_workspace(
-    robot: ParallelRobot | Mechanism,
+    robot: AnyParallelRobot,
     T: ArrayLike,
     *,
     branches: str | None = None,
@@ -168,19 +159,11 @@ def platform_orientation_workspace(
         Axes of the turns in the base: how many, evenly all round, or which; a platform that turns
         about one axis, as of planar robots, does so both ways.
 
-    Returns
-    -------
-    PlatformWorkspace
-
     Raises
     ------
     BadValueError, WrongSizeError
         As for :func:`platform_position_workspace`; a robot that only translates, or turns only as
         it moves, as ``tripod_3prs``.
-
-    See Also
-    --------
-    platform_position_workspace : places with one orientation.
     """
     return _explored(robot, T, branches, directions, turns=True)
 
@@ -189,7 +172,7 @@ def _pose(centre: Array, turns: bool, direction: Array, distance: float) -> Arra
     return np.asarray(_poses(centre, turns, direction[None], np.array([distance]))[0])
 
 
-def _axes(robot: ParallelRobot | Mechanism, centre: Array, first: PoseLimits, turns: bool) -> Array:
+def _axes(robot: AnyParallelRobot, centre: Array, first: PoseLimits, turns: bool) -> Array:
     """Return axes (3, d) along which a platform moves or about which it turns, one at least."""
     name = type(robot).__name__
     if isinstance(robot, Mechanism):
@@ -245,7 +228,7 @@ def _poses(centre: Array, turns: bool, directions: Array, distances: Array) -> A
 
 
 def _explored(
-    robot: ParallelRobot | Mechanism,
+    robot: AnyParallelRobot,
     T: ArrayLike,
     branches: str | None,
     directions: int | ArrayLike,
@@ -295,7 +278,7 @@ def _explored(
     return PlatformWorkspace(centre, turns, rays, distances, causes)
 
 
-def _far(robot: ParallelRobot | Mechanism, centre: Array) -> float:
+def _far(robot: AnyParallelRobot, centre: Array) -> float:
     """Return how far places are looked at (m)."""
     if isinstance(robot, StewartGough | Planar3RPR) and robot.strokes is None:
         return _FARTHEST * size_of(robot)
@@ -303,9 +286,7 @@ def _far(robot: ParallelRobot | Mechanism, centre: Array) -> float:
     return far + float(np.linalg.norm(centre[:3, 3]))
 
 
-def _side(
-    robot: ParallelRobot | Mechanism, poses: Array, found: PoseLimits, first: PoseLimits
-) -> Array:
+def _side(robot: AnyParallelRobot, poses: Array, found: PoseLimits, first: PoseLimits) -> Array:
     """Return the sign (k,) of the determinant of K for the platform's motions."""
     if isinstance(robot, Mechanism):
         return side_of_mechanism(robot, poses, found.q, first.q[0])

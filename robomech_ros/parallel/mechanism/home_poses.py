@@ -20,21 +20,32 @@ _SHORTEST = 0.2
 
 
 def platform_home(
-    a: Array, b: Array, strokes: Array | None, allowed: Callable[[Array], BoolArray] | None = None
+    a: Array, b: Array, strokes: Array | None, allowed: Callable[[Array], BoolArray]
 ) -> Array:
-    """Choose a pose (4, 4) of a platform on legs: upright if that is regular, within strokes.
+    """Choose a pose (4, 4) of a platform on legs: upright if that is regular, within strokes (m).
 
-    Parameters
-    ----------
-    a, b : ndarray, shape (k, 3)
-        Base and platform points (m).
-    strokes : ndarray, shape (k, 2), or None
-        Least and greatest lengths (m).
-    allowed : callable, optional
-        Says which of poses (k, 4, 4) are allowed by other limits.
+    a and b (k, 3) are base and platform points (m); other limits say which poses are ``allowed``.
     """
     middle, centre = a.mean(axis=0), b.mean(axis=0)
     size = float(np.sqrt(((a - middle) ** 2).sum() + ((b - centre) ** 2).sum()) / len(a) ** 0.5)
+
+    def regular_one(poses: Array) -> tuple[Array, float]:
+        """Return the pose with the best ratio of singular values, if some are allowed."""
+        poses = np.ascontiguousarray(poses)
+        lengths, rows = np.empty((len(poses), 6)), np.zeros((len(poses), 6, 6))
+        leg_lengths(a, b, poses, lengths)
+        inside = (lengths.min(axis=1) > _SHORTEST * size) & allowed(poses)
+        if strokes is not None:
+            inside &= ((lengths >= strokes[:, 0]) & (lengths <= strokes[:, 1])).all(axis=1)
+        scores = np.full(len(poses), -1.0)
+        for k in np.flatnonzero(inside).tolist():
+            jacobians(a, b, poses[k : k + 1], rows[k : k + 1])
+            rows[k, :, :3] /= size
+            values = np.linalg.svd(rows[k], compute_uv=False)
+            scores[k] = values[-1] / values[0]
+        best = int(np.argmax(scores))
+        return poses[best], float(scores[best])
+
     normal = np.linalg.svd(a - middle)[2][2]
     normal = -normal if normal[2] < 0.0 else normal
     far = size * np.linspace(0.5, 3.0, _HEIGHTS)
@@ -42,42 +53,15 @@ def platform_home(
         far = np.linspace(0.0, strokes.max(), 4 * _HEIGHTS)
     R = np.broadcast_to(np.eye(3), (len(far), 3, 3))
     upright = assembled(R, middle + far[:, None] * normal - centre)
-    best, score = _best(a, b, strokes, allowed, upright, size)
+    best, score = regular_one(upright)
     if score > _UPRIGHT:
         return best
     rng = np.random.default_rng(6)
     R = matrix_from_rotation_vector(rng.normal(size=(64 * _TRIED, 3)))
     reach = size if strokes is None else float(strokes.mean())
     p = middle + reach * rng.normal(size=(64 * _TRIED, 3)) - R @ centre
-    tilted, better = _best(a, b, strokes, allowed, assembled(R, p), size)
+    tilted, better = regular_one(assembled(R, p))
     return tilted if better > score else best
-
-
-def _best(
-    a: Array,
-    b: Array,
-    strokes: Array | None,
-    allowed: Callable[[Array], BoolArray] | None,
-    poses: Array,
-    size: float,
-) -> tuple[Array, float]:
-    """Return the pose with the best ratio of singular values, if some are within the strokes."""
-    poses = np.ascontiguousarray(poses)
-    lengths, rows = np.empty((len(poses), 6)), np.zeros((len(poses), 6, 6))
-    leg_lengths(a, b, poses, lengths)
-    inside = lengths.min(axis=1) > _SHORTEST * size
-    if strokes is not None:
-        inside &= ((lengths >= strokes[:, 0]) & (lengths <= strokes[:, 1])).all(axis=1)
-    if allowed is not None:
-        inside &= allowed(poses)
-    scores = np.full(len(poses), -1.0)
-    for k in np.flatnonzero(inside).tolist():
-        jacobians(a, b, poses[k : k + 1], rows[k : k + 1])
-        rows[k, :, :3] /= size
-        values = np.linalg.svd(rows[k], compute_uv=False)
-        scores[k] = values[-1] / values[0]
-    best = int(np.argmax(scores))
-    return poses[best], float(scores[best])
 
 
 def planar_homes(base_points: Array, platform_points: Array) -> Array:

@@ -236,11 +236,6 @@ def checked_drive_limits(
         Of ``velocity``, ``acceleration``, ``jerk`` and ``effort`` (rad or m, and s; N m or N).
     count : int
         Number of drives.
-
-    Raises
-    ------
-    BadValueError
-        Another key, or values that are no limits.
     """
     if limits is not None and not isinstance(limits, Mapping):
         expected = "a mapping with keys among " + ", ".join(_DRIVE_LIMITS)

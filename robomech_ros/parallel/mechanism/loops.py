@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -55,6 +56,15 @@ class Loops:
         slides = np.concatenate([chain.types for chain in chains]) == PRISMATIC
         return cls(packed, starts, drives, size, np.where(slides, 1.0 / size, 1.0))
 
+    @cached_property
+    def chains(self) -> tuple[Array, IntArray, IntArray, float]:
+        """The first arguments of all kernels of loops."""
+        return self.packed, self.starts, self.drives, 1.0 / self.size
+
+    def joints_of(self, limb: int) -> slice:
+        """Return where the joints of a limb are among all joints."""
+        return slice(self.starts[limb], self.starts[limb + 1])
+
     def limb_poses(self, q: Array) -> Array:
         """Return where each limb of postures (..., n) holds the platform, (..., limbs, 4, 4)."""
         out = np.empty((*q.shape[:-1], len(self.starts) - 1, 4, 4))
@@ -69,43 +79,25 @@ class Loops:
         tail = given.shape[-2:]
         out = np.empty((*lead, q.shape[-1], tail[1]))
         twists = np.empty((*lead, 6, tail[1]))
-        status = rates.rates(
-            self.packed,
-            self.starts,
-            self.drives,
-            1.0 / self.size,
-            _flat(q, lead, q.shape[-1:]),
-            _flat(given, lead, tail),
-            out.reshape(-1, *out.shape[-2:]),
-            twists.reshape(-1, 6, tail[1]),
-        )
-        refuse_status(status, q)
+        rows = _flat(q, lead, q.shape[-1:]), _flat(given, lead, tail)
+        found = out.reshape(-1, *out.shape[-2:]), twists.reshape(-1, 6, tail[1])
+        refuse_status(rates.rates(*self.chains, *rows, *found), q)
         return out, twists
 
     def accelerations(self, q: Array, qd: Array, given: Array) -> tuple[Array, Array]:
         """Return accelerations of joints (..., n) and platform (..., 6) for those of drives."""
         lead = np.broadcast_shapes(q.shape[:-1], qd.shape[:-1], given.shape[:-1])
         out, platform = np.empty((*lead, q.shape[-1])), np.empty((*lead, 6))
-        status = rates.accelerations(
-            self.packed,
-            self.starts,
-            self.drives,
-            1.0 / self.size,
-            _flat(q, lead, q.shape[-1:]),
-            _flat(qd, lead, q.shape[-1:]),
-            _flat(given, lead, given.shape[-1:])[..., None],
-            out.reshape(-1, q.shape[-1], 1),
-            platform.reshape(-1, 6, 1),
-        )
-        refuse_status(status, q)
+        joints = (_flat(row, lead, q.shape[-1:]) for row in (q, qd))
+        drives = _flat(given, lead, given.shape[-1:])[..., None]
+        found = out.reshape(-1, q.shape[-1], 1), platform.reshape(-1, 6, 1)
+        refuse_status(rates.accelerations(*self.chains, *joints, drives, *found), q)
         return out, platform
 
     def close(self, target: Array, near: Array) -> LoopClosure:
         """Move the drives (m,) of a posture (n,) to a target, all joints following."""
         q, report = near.copy(), np.empty(2)
-        status = loop_closure.close(
-            self.packed, self.starts, self.drives, 1.0 / self.size, self.weights, target, q, report
-        )
+        status = loop_closure.close(*self.chains, self.weights, target, q, report)
         part, error = report.tolist()
         if status == 0:
             return LoopClosure(q, Code.NONE, 1.0, error)
@@ -127,12 +119,9 @@ def refuse_status(status: int, q: Array) -> None:
     """Raise the error for a status of a kernel that is not 0."""
     if status == NOT_FINITE:
         if np.isfinite(q).all():
-            raise NonFiniteError(
-                "motion or force that follows from the numbers given, too large ones,", np.nan
-            )
+            what = "motion or force that follows from the numbers given, too large ones,"
+            raise NonFiniteError(what, np.nan)
         raise NonFiniteError("posture", q)
     if status:
-        expected = "one in which the drives hold the platform"
-        if status == FREE:
-            expected = "one in which no limb can move by itself"
-        raise SingularPostureError("posture", q.tolist(), expected)
+        free = "no limb can move by itself" if status == FREE else "the drives hold the platform"
+        raise SingularPostureError("posture", q.tolist(), f"one in which {free}")

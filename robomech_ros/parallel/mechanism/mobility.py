@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from robomech_ros.errors import BadValueError
@@ -17,26 +19,20 @@ _ZERO = 1e-8
 _REACHES = (0.1, 0.03, 0.01, 0.001)
 
 
-def freedoms(chains: list[SerialChain], loops: Loops, q: Array) -> tuple[int, int]:
-    """Count the freedoms of all joints in a posture, and those that move the platform.
-
-    Parameters
-    ----------
-    chains : sequence of SerialChain
-    loops : Loops
-        Of these chains.
-    q : ndarray, shape (n,)
-        All joints (rad or m), loops closed.
-    """
-    n = len(q)
-    ends = np.zeros((len(chains), 6, n))
+def limb_twists(chains: Sequence[SerialChain], loops: Loops, q: Array) -> Array:
+    """Return how joints (n,) move the ends of limbs, (limbs, 6, n), lengths over the size."""
+    ends = np.zeros((len(chains), 6, len(q)))
     for i, chain in enumerate(chains):
-        own = slice(loops.starts[i], loops.starts[i + 1])
+        own = loops.joints_of(i)
         ends[i, :, own] = jacobian(chain, q[own])
     ends[:, 3:] /= loops.size
-    ends /= loops.weights
-    conditions = (ends[1:] - ends[0]).reshape(-1, n)
-    values, rows = np.linalg.svd(conditions)[1:]
+    return ends / loops.weights
+
+
+def freedoms(chains: list[SerialChain], loops: Loops, q: Array) -> tuple[int, int]:
+    """Count the freedoms of a closed posture (n,), and those that move the platform."""
+    n, ends = len(q), limb_twists(chains, loops, q)
+    values, rows = np.linalg.svd((ends[1:] - ends[0]).reshape(-1, n))[1:]
     rank = int((values > _ZERO * values[0]).sum())
     free = rows[rank:]
     moves = np.linalg.svd(ends[0] @ free.T, compute_uv=False)
@@ -44,21 +40,7 @@ def freedoms(chains: list[SerialChain], loops: Loops, q: Array) -> tuple[int, in
 
 
 def check_drives(chains: list[SerialChain], loops: Loops, home: Array) -> None:
-    """Refuse limbs with more or fewer drives than freedoms, and drives that hold no platform.
-
-    Parameters
-    ----------
-    chains : sequence of SerialChain
-    loops : Loops
-        Of these chains.
-    home : ndarray, shape (n,)
-        All joints (rad or m), loops closed.
-
-    Raises
-    ------
-    BadValueError
-        The message says how many freedoms there are, and of how many of them the platform moves.
-    """
+    """Refuse limbs with more or fewer drives than freedoms, and drives that hold no platform."""
     count = int(loops.drives.max()) + 1
     q = _beside(loops, home)
     free, moving = freedoms(chains, loops, q)

@@ -26,7 +26,7 @@ from robomech_ros.parallel.mechanism.postures import joints_of_mode, limb_postur
 from robomech_ros.parallel.mechanism.result import AssemblyModes, MechanismPostures
 from robomech_ros.parallel.mechanism.search import AssemblySearch
 from robomech_ros.parallel.mechanism.shapes import shapes_of_limbs
-from robomech_ros.parallel.mechanism.tree import tree_of_limbs
+from robomech_ros.parallel.mechanism.tree import LIMITS, tree_of_limbs
 from robomech_ros.parallel.result import DirectKinematicsResult
 from robomech_ros.robots import Body, RobotDescription
 from robomech_ros.typing import Array
@@ -98,8 +98,9 @@ class Mechanism(LoopMotion):
         driven = {name for limb in self.limbs for name in limb.actuated}
         self.actuated = tuple(name for name in self.joint_names if name in driven)
         self.passive = tuple(name for name in self.joint_names if name not in driven)
-        for limit in ("lower", "upper", "velocity", "acceleration", "jerk", "effort"):
-            setattr(self, limit, np.concatenate([getattr(chain, limit) for chain in chains]))
+        self.lower, self.upper, self.velocity, self.acceleration, self.jerk, self.effort = (
+            np.concatenate([getattr(chain, limit) for chain in chains]) for limit in LIMITS
+        )
         self.types = np.concatenate([chain.types for chain in chains])
         self.units = tuple(unit for chain in chains for unit in chain.units)
         # Where the drives stand among all joints.
@@ -122,13 +123,6 @@ class Mechanism(LoopMotion):
         limited = with_drive_limits(limbs, robot.drive_limits)
         given = {"name": robot.name, "direct": robot.direct, "parts": robot.parts, "robot": robot}
         return cls(limited, home_poses=home_poses, **given)
-
-    lower: Array
-    upper: Array
-    velocity: Array
-    acceleration: Array
-    jerk: Array
-    effort: Array
 
     def with_platform_body(self, body: Body) -> Mechanism:
         """Return the mechanism whose platform has another body, seen in its frame."""
@@ -191,12 +185,7 @@ class Mechanism(LoopMotion):
         return limit_margins(self._all_joints("q", q), self, *self.bent)
 
     def limit_excess(self, q: ArrayLike) -> Array:
-        """Say by how much joints are outside their limits and cones: 0 inside.
-
-        See Also
-        --------
-        limit_margin : negative there, and the distance inside; with the same arguments.
-        """
+        """Say by how much joints are outside their limits and cones: 0 inside."""
         return np.maximum(-self.limit_margin(q), 0.0)
 
     def postures(
@@ -212,10 +201,6 @@ class Mechanism(LoopMotion):
             All joints (rad or m): the nearest posture comes first.
         ignore_limits : bool, optional
             Also give postures outside the limits of joints.
-
-        Returns
-        -------
-        MechanismPostures
 
         Raises
         ------
@@ -237,15 +222,6 @@ class Mechanism(LoopMotion):
             Of the drives (rad or m).
         seed : array_like, shape (4, 4) or (n,), optional
             A pose, or all joints: the nearest mode comes first.
-
-        Returns
-        -------
-        AssemblyModes
-
-        Raises
-        ------
-        BadValueError, WrongSizeError
-            Not m positions of drives.
         """
         given = checked_drives("actuated", actuated, self.dof)
         near = None
@@ -308,10 +284,13 @@ class Mechanism(LoopMotion):
     def _regularity(self, q: Array) -> float:
         """Return the ratio of least to greatest singular value of the twists of the drives."""
         try:
-            twists = self.twist_matrix(q) / self.loops.weights[self.drive_index]
+            values = np.linalg.svd(self.scaled_twists(q), compute_uv=False)
         except BadValueError:
             return 0.0
-        twists[3:] /= self.size
-        values = np.linalg.svd(twists, compute_uv=False)
-        ratio: float = values[-1] / values[0]
-        return ratio
+        return float(values[-1] / values[0])
+
+    def scaled_twists(self, q: Array) -> Array:
+        """Return :meth:`twist_matrix` with lengths of platform and drives over the size."""
+        twists = self.twist_matrix(q) / self.loops.weights[self.drive_index]
+        twists[..., 3:, :] /= self.size
+        return twists

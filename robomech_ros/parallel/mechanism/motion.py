@@ -105,10 +105,6 @@ class LoopMotion:
             Of the drives (rad or m).
         near : array_like, shape (n,)
             All joints (rad or m), loops closed or nearly.
-
-        Returns
-        -------
-        LoopClosure
         """
         target = checked_drives("actuated", actuated, self.dof)
         return self.loops.close(target, checked_drives("near", near, self.n))

@@ -34,11 +34,6 @@ class LinkBodies:
         the joint, as nearly as it can.
     drive : Drive, optional
         Friction and rotor of every drive.
-
-    Raises
-    ------
-    BadValueError
-        Something else than bodies and a drive, or numbers that no body can have.
     """
 
     bodies: Mapping[str, Body] = field(default_factory=dict)
@@ -62,11 +57,6 @@ def limbs_with_parts(
     """Return limbs with the bodies of their links, and the body of the platform.
 
     The last joint of a limb moves the platform, so a limb has no body there.
-
-    Raises
-    ------
-    UnknownLinkError
-        A body of a link that there is not.
     """
     left = {name: body for name, body in parts.bodies.items() if name != platform}
     known, found = [platform], []

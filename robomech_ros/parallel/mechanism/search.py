@@ -63,9 +63,7 @@ class AssemblySearch:
         q[::2] = rng.uniform(-self._widest, self._widest, q[::2].shape)
         q[:, loops.drives >= 0] = drives[loops.drives[loops.drives >= 0]]
         settled = np.empty(count, np.int64)
-        search(
-            loops.packed, loops.starts, loops.drives, 1.0 / loops.size, loops.weights, q, settled
-        )
+        search(*loops.chains, loops.weights, q, settled)
         q = q[(settled == 1) & np.isfinite(q).all(axis=1)]
         turns = np.where(self._slides | (loops.drives >= 0), 0.0, np.round(q / (2.0 * np.pi)))
         q = q - 2.0 * np.pi * turns

@@ -11,7 +11,7 @@ from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.robots.urdf.shapes import Shape
 from robomech_ros.robots.urdf.writer import written_urdf
 
-_LIMITS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
+LIMITS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 
 
 def tree_of_limbs(
@@ -52,7 +52,7 @@ def _joints(chain: SerialChain) -> list[Joint]:
     links = [chain.base, *links_of_joints(chain)]
     joints = []
     for i, name in enumerate(chain.joint_names):
-        limits: dict[str, Any] = {key: float(getattr(chain, key)[i]) for key in _LIMITS}
+        limits: dict[str, Any] = {key: float(getattr(chain, key)[i]) for key in LIMITS}
         kind = "prismatic" if chain.types[i] == PRISMATIC else "revolute"
         joints.append(
             Joint(

@@ -73,10 +73,6 @@ def follow_drives(
         Condition number of the twists of the platform, lengths over the size, above which a
         posture counts as singular.
 
-    Returns
-    -------
-    DrivePath
-
     Raises
     ------
     BadValueError
@@ -125,13 +121,7 @@ def follow_drives(
 
 
 def require_closed(mechanism: Mechanism, q: ArrayLike, what: str = "start") -> Array:
-    """Check a posture (n,): its loops are closed, to rounding of messages.
-
-    Raises
-    ------
-    BadValueError
-        A loop is open: the limb and the amounts are named.
-    """
+    """Check a posture (n,): its loops are closed, to rounding of messages."""
     if not isinstance(mechanism, Mechanism):
         raise BadValueError("mechanism", mechanism, "a Mechanism")
     posture = as_finite(what, q, (mechanism.n,))

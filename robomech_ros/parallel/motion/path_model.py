@@ -43,11 +43,6 @@ class MechanismPathModel:
         Of all its joints, rad or m.
     timed : tuple of int
         Numbers of the joints whose motion over time is planned.
-
-    Raises
-    ------
-    BadValueError
-        Not a mechanism, or limits of other joints.
     """
 
     def __init__(self, mechanism: Mechanism, limits: JointLimits | Any = None) -> None:

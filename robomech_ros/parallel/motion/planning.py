@@ -9,11 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.cartesian import CartesianPlan, PathStopLimits, Sampling, StopReason, plan_along
+from robomech_ros.cartesian import (
+    CartesianPlan,
+    PathCheck,
+    PathStopLimits,
+    Sampling,
+    StopReason,
+    plan_along,
+)
 from robomech_ros.errors import BadValueError, DurationTooShortError, WrongSizeError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.mechanism.model import Mechanism
-from robomech_ros.parallel.motion.cone_limits import cone_cut
 from robomech_ros.parallel.motion.drive_paths import (
     LARGEST_CONDITION,
     DrivePath,
@@ -25,7 +31,10 @@ from robomech_ros.parallel.motion.singularity_check import crossing_cut, require
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.trajectory import (
     JointLimits,
+    JointPath,
     Limits,
+    PathCut,
+    PathTrackingStatus,
     PiecewisePolynomial,
     PosePath,
     SampledPlan,
@@ -34,13 +43,19 @@ from robomech_ros.trajectory import (
     verify,
 )
 from robomech_ros.trajectory.curves.motion_to_rest import MotionToRest
+from robomech_ros.trajectory.paths.path_cuts import last_valid_coordinate
 from robomech_ros.trajectory.plans.fitting_plan import fitting_plan
+from robomech_ros.trajectory.tolerances import POSITION_SLACK
 from robomech_ros.typing import Array
 
 # Passive joints may be so much over their limits, as a part: rounding.
 _ROUNDING = 1e-9
 # How often a motion is slowed down for passive joints, and by which part more than needed.
 _ROUNDS, _SLOWER = 5, 1e-3
+# How far outside its cone a joint may be at the places looked at (rad).
+_SLACK = 1e-9
+# How far beyond its last good place a path is looked at for the joint to blame, as its part.
+_BEYOND = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +144,7 @@ def plan_platform(
     known = PathStopLimits() if bounds is None else bounds
     if isinstance(known, PathStopLimits):
         most = min(known.condition, LARGEST_CONDITION)
-        checks = (crossing_cut(mechanism, most), cone_cut(mechanism), *known.checks)
+        checks = (crossing_cut(mechanism, most), _cone_cut(mechanism), *known.checks)
         known = replace(known, condition=most, checks=checks)
     plan = plan_along(
         follower,
@@ -147,6 +162,33 @@ def plan_platform(
         return plan
     told = StopReason(stop.index, stop.joint, stop.kind, f"{stop.text}; {missed[stop.index]}")
     return replace(plan, followed=replace(plan.followed, stop=told))
+
+
+def _cone_cut(mechanism: Mechanism) -> PathCheck:
+    """End a joint path where a joint bends beyond its cone, which each joint's own limits enclose.
+
+    A start that is outside by no more than the slack of a start may stay where it is.
+    """
+    columns = (mechanism.bent[0][:, None] + [0, 1]).ravel()
+
+    def check(joints: JointPath) -> PathCut | None:
+        if not len(columns):
+            return None
+        first = mechanism.limit_excess(joints.derivatives(0.0)[0])[columns]
+        allowed = np.where(first <= POSITION_SLACK, first, 0.0) + _SLACK
+
+        def excess(q: Array) -> Array:
+            return np.asarray(mechanism.limit_excess(q)[..., columns] - allowed)
+
+        s = last_valid_coordinate(joints, lambda q: np.asarray((excess(q) > 0.0).any(axis=1)))
+        if s is None:
+            return None
+        beyond = min(s + _BEYOND * joints.length, joints.length)
+        joint = int(columns[np.argmax(excess(joints.derivatives(beyond)[0]))])
+        text = f"joint '{mechanism.joint_names[joint]}' would leave its limits"
+        return PathCut(s, PathTrackingStatus.LIMIT, text, joint)
+
+    return check
 
 
 def _of_drives(follower: MechanismPathModel, plan: CartesianPlan) -> CartesianPlan:
@@ -263,13 +305,7 @@ def _passive_excess(
 
 
 def _missed(mechanism: Mechanism, pose: Array, k: int, near: Array) -> str:
-    """Say why no posture holds the platform in a pose of a path; empty where one does.
-
-    Raises
-    ------
-    BadValueError
-        The platform cannot turn or move so at all.
-    """
+    """Say why no posture holds the platform in a pose of a path; empty where one does."""
     try:
         found = mechanism.postures(pose, seed=near)
     except BadValueError as error:

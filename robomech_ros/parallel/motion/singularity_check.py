@@ -20,24 +20,13 @@ _ROUNDING = 1e-6
 
 
 def singular_values(mechanism: Mechanism, q: Array) -> Array:
-    """Find the singular values of the twists that the drives give the platform.
+    """Find the singular values (k, m), largest first, of the twists that the drives give.
 
-    Linear rows are divided by the mechanism's size, and so are drives that slide.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Of n joints and m drives.
-    q : ndarray, shape (k, n)
-        All joints (rad or m), loops closed.
-
-    Returns
-    -------
-    ndarray, shape (k, m)
-        Largest first.  Infinite and zero where the drives do not hold the platform at all.
+    Linear rows are divided by the size, and so are drives that slide.  Where drives do not hold
+    the platform at all in a closed posture of q (k, n), they are infinite and zero.
     """
     try:
-        return np.asarray(np.linalg.svd(_scaled_twists(mechanism, q), compute_uv=False))
+        return np.asarray(np.linalg.svd(mechanism.scaled_twists(q), compute_uv=False))
     except BadValueError:
         if len(q) == 1:
             return np.array([[np.inf] + [0.0] * (mechanism.dof - 1)])
@@ -45,25 +34,12 @@ def singular_values(mechanism: Mechanism, q: Array) -> Array:
 
 
 def named_singularity(mechanism: Mechanism, start: Array, q: Array) -> str:
-    """Say what is singular, or nearly, in a posture.
+    """Say against which motion the drives hardly hold the platform, or which they hardly give it.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Of n joints.
-    start : ndarray, shape (n,)
-        A posture (rad or m) further from the singularity.
-    q : ndarray, shape (n,)
-        A posture near it.
-
-    Returns
-    -------
-    str
-        Against which motion of the platform the drives hardly hold it, or which motion they hardly
-        give it.
+    That is in a posture q (n,); the start (n,) is one further from the singularity.
     """
     try:
-        before, here = (_scaled_twists(mechanism, row) for row in (start, q))
+        before, here = (mechanism.scaled_twists(row) for row in (start, q))
     except BadValueError:
         return "the drives do not hold the platform"
     usual = np.linalg.svd(before, compute_uv=False)
@@ -74,35 +50,14 @@ def named_singularity(mechanism: Mechanism, start: Array, q: Array) -> str:
 
 
 def require_possible(mechanism: Mechanism, q: Array, twist: Array) -> None:
-    """Check that the platform has a motion, in a posture (n,) that is not singular.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    q : ndarray, shape (n,)
-        All joints (rad or m).
-    twist : ndarray, shape (6,)
-        [angular; linear] in the base (rad and m, over anything).
-
-    Raises
-    ------
-    BadValueError
-        A part of it is none of the freedoms of the platform.
-    """
-    given, wanted = _scaled_twists(mechanism, q), twist.copy()
+    """Check that the platform has a motion (6,) in the base, in a regular posture (n,)."""
+    given, wanted = mechanism.scaled_twists(q), twist.copy()
     wanted[3:] /= mechanism.size
     left = wanted - given @ np.linalg.lstsq(given, wanted, rcond=None)[0]
     if np.linalg.norm(left) > _ROUNDING * np.linalg.norm(wanted):
         what = f"motion of the platform of '{mechanism.name}'"
         expected = f"one of its {mechanism.dof} freedoms"
         raise BadValueError(what, _motion(left), expected)
-
-
-def _scaled_twists(mechanism: Mechanism, q: Array) -> Array:
-    slides = np.array(mechanism.units)[mechanism.drive_index] == "m"
-    twists = mechanism.twist_matrix(q) * np.where(slides, mechanism.size, 1.0)
-    twists[..., 3:, :] /= mechanism.size
-    return np.asarray(twists)
 
 
 def _motion(twist: Array) -> str:
@@ -124,20 +79,15 @@ def _axis(direction: Array) -> str:
 def crossing_cut(mechanism: Mechanism, most: float) -> PathCheck:
     """End a joint path before a singularity that it crosses between two places.
 
-    There the drives give the platform twists whose determinant changes its sign.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    most : float
-        Condition number up to which the path is kept.
+    There the drives give the platform twists whose determinant changes its sign.  Up to ``most``
+    of the condition number the path is kept.
     """
 
     def check(joints: JointPath) -> PathCut | None:
         places = np.linspace(0.0, joints.length, PLACES + 1)
         q = joints.derivatives(places)[0]
         try:
-            twists = _scaled_twists(mechanism, q)
+            twists = mechanism.scaled_twists(q)
         except BadValueError:  # a place is singular to rounding
             return None
         turned = np.linalg.det(np.linalg.pinv(twists[:-1]) @ twists[1:]) <= 0.0
@@ -149,7 +99,7 @@ def crossing_cut(mechanism: Mechanism, most: float) -> PathCheck:
         def beyond(rows: Array) -> BoolArray:
             values = singular_values(mechanism, rows)
             above = values[:, 0] > most * values[:, -1]
-            flips = [np.linalg.det(before @ _scaled_twists(mechanism, row)) <= 0.0 for row in rows]
+            flips = [np.linalg.det(before @ mechanism.scaled_twists(row)) <= 0.0 for row in rows]
             return np.asarray(above | flips)
 
         part = (float(places[k]), float(places[k + 1]))

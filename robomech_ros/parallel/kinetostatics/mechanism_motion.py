@@ -1,4 +1,9 @@
-"""Accelerations of platform and drives with limbs of any kind.
+"""Rates of the matrices of K t = J qd, and accelerations, with limbs of any kind.
+
+Both matrices are functions of the joints, which are smooth in singular postures, too: all joints go
+on straight at their rates, and central differences of fourth order are taken, to 1e-9 or so of the
+largest entry.  Loops stay closed to first order, which is all that a derivative asks for, while the
+joints of loops that are closed move like a root in front of a singular posture.
 
 A limb moves the platform with ``J qdd + dJ qd``.  Wrenches that do no work on its passive joints
 leave ``w (dt - dJ qd) = w j qdd`` of the drive, and 0 of those that the limb bears by itself.
@@ -13,11 +18,52 @@ from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics import jacobian, jacobian_rate
-from robomech_ros.parallel.kinetostatics.limb_wrenches import Wrenches
+from robomech_ros.parallel.kinetostatics.limb_wrenches import Wrenches, wrenches_of_limbs
+from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.typing import Array
 
+# The longest move of a joint from one place to the next (rad; of the size).
+_STEP = 1e-3
+# Places, in steps, and their weights.
+_PLACES = (-2, -1, 1, 2)
+_WEIGHTS = np.array([1.0, -8.0, 8.0, -1.0]) / 12.0
 # Part of an acceleration that limbs prevent and that is rounding, of what it is made of.
 _PREVENTED = 1e-6
+
+
+def mechanism_matrix_rates(mechanism: Mechanism, q: Array, rates: Array) -> tuple[Array, Array]:
+    """Return the rates of K (..., m, 6) and of the diagonal of J (..., m).
+
+    All joints (..., n) close the loops.  Both are NaN where one of the rates (..., m) of the drives
+    is, and in singular postures.
+    """
+    m = mechanism.dof
+    lead, flat = q.shape[:-1], q.reshape(-1, mechanism.n)
+    dK, dJ = np.full((len(flat), m, 6), np.nan), np.full((len(flat), m), np.nan)
+    for k, (posture, own) in enumerate(zip(flat, rates.reshape(-1, m), strict=True)):
+        if not np.isfinite(own).all():
+            continue
+        found = _differences(mechanism, posture, own)
+        if found is not None:
+            dK[k], dJ[k] = found
+    return dK.reshape(*lead, m, 6), dJ.reshape(*lead, m)
+
+
+def _differences(mechanism: Mechanism, q: Array, rates: Array) -> tuple[Array, Array] | None:
+    try:
+        speeds = mechanism.rates(q, rates)[0]
+    except BadValueError:
+        return None
+    speed = np.abs(speeds * mechanism.loops.weights).max()
+    if not speed > 0.0:
+        return np.zeros((mechanism.dof, 6)), np.zeros(mechanism.dof)
+    time = _STEP / speed
+    K, J = wrenches_of_limbs(mechanism, q + np.outer(_PLACES, time * speeds)).rows()
+    # A row changes its sign where J goes through zero: all count as in the posture itself.
+    here = wrenches_of_limbs(mechanism, q).rows()[0]
+    signs = np.where((K * here).sum(axis=-1) < 0.0, -1.0, 1.0)
+    weights = _WEIGHTS / time
+    return np.tensordot(weights, K * signs[..., None], 1), np.tensordot(weights, J * signs, 1)
 
 
 def mechanism_drive_accelerations(
@@ -25,27 +71,15 @@ def mechanism_drive_accelerations(
 ) -> Array:
     """Return what the entries of J times the accelerations of the drives are, (..., m).
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-    q : array_like, shape (..., n)
-        All joints (rad or m).
-    limbs : Wrenches
-        There.
-    t, dt : ndarray, shape (..., 6)
-        Twist of the platform and its rate.
-
-    Raises
-    ------
-    BadValueError
-        A rate that limbs prevent.
+    The limbs are those for all joints q (..., n), and t and dt (..., 6) the twist of the platform
+    and its rate; a rate that limbs prevent is refused.
     """
     bias, carried = _biases(mechanism, q, limbs, t)
     scaled = dt * np.repeat([1.0, 1.0 / limbs.size], 3)
     off = np.abs((limbs.carried @ scaled[..., None])[..., 0] - carried).max(initial=0.0)
     if off > _PREVENTED * max(np.abs(scaled).max(initial=0.0), np.abs(carried).max(initial=0.0)):
-        why = "0: the platform does not have it with this twist"
-        raise BadValueError("twist_rate, the part of it that limbs prevent", float(off), why)
+        what = "twist_rate, the part of it that limbs prevent"
+        raise BadValueError(what, float(off), "0: the platform does not have it with this twist")
     return np.asarray((limbs.borne @ dt[..., None])[..., 0] - bias)
 
 
@@ -71,7 +105,7 @@ def _biases(mechanism: Any, q: ArrayLike | None, limbs: Wrenches, t: Array) -> t
     joints = np.asarray(q, dtype=float)
     drifts = []
     for i, limb in enumerate(mechanism.limbs):
-        own = slice(mechanism.loops.starts[i], mechanism.loops.starts[i + 1])
+        own = mechanism.loops.joints_of(i)
         units = np.repeat([1.0, 1.0 / limbs.size], 3)
         J = jacobian(limb.chain, joints[..., own]) * units[:, None]
         rates = (np.linalg.pinv(J, rcond=_PREVENTED) @ (t * units)[..., None])[..., 0]
