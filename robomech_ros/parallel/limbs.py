@@ -52,7 +52,7 @@ def planar_limb(x: float, y: float, proximal: float, distal: float) -> Limb:
     if abs(cosine) > 1.0 + _ROUNDING:
         return Limb((), max(reach - size, abs(proximal - distal) - reach))
     half, middle = math.acos(max(-1.0, min(1.0, cosine))), math.atan2(y, x)
-    return Limb((_wrapped(middle - half), _wrapped(middle + half)))
+    return Limb((wrapped(middle - half), wrapped(middle + half)))
 
 
 def turning_limb(base: Array, middle: Array, target: Array, angle: float) -> Limb:
@@ -82,10 +82,11 @@ def turning_limb(base: Array, middle: Array, target: Array, angle: float) -> Lim
         far = min(first + second, 2.0 * math.pi - first - second)
         return Limb((), max(abs(first - second) - angle, angle - far))
     half, centre = math.acos(max(-1.0, min(1.0, d / size))), math.atan2(b, a)
-    return Limb((_wrapped(centre - half), _wrapped(centre + half)))
+    return Limb((wrapped(centre - half), wrapped(centre + half)))
 
 
-def _wrapped(angle: float) -> float:
+def wrapped(angle: float) -> float:
+    """Return an angle within half a turn of zero."""
     return math.atan2(math.sin(angle), math.cos(angle))
 
 
@@ -118,7 +119,7 @@ def postures(
     choices = []
     for i, limb in enumerate(limbs):
         named = list(zip(limb.angles, "-+", strict=True))
-        if abs(_wrapped(limb.angles[1] - limb.angles[0])) <= _SAME:
+        if abs(wrapped(limb.angles[1] - limb.angles[0])) <= _SAME:
             named = [(limb.angles[0], "0")]
         placed = [(*into_limits(angle, *limits[i].tolist()), sign) for angle, sign in named]
         inside = [(angle, sign) for angle, off, sign in placed if off == 0.0]

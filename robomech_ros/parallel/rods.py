@@ -27,14 +27,7 @@ _LEGS = 6
 
 @dataclass(frozen=True, eq=False)
 class SixRods:
-    """All poses of a platform on six rods.
-
-    Parameters
-    ----------
-    limbs : tuple of Limb
-    feet : tuple of int
-        Of each limb the first joint of its universal one.
-    """
+    """All poses of a platform on six rods; a foot is the first joint of a universal one."""
 
     limbs: tuple[Limb, ...]
     feet: tuple[int, ...]

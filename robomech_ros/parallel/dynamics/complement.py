@@ -49,16 +49,8 @@ def bodies_in_motion(
 ) -> tuple[ConstrainedBodies, list[PosedBodies]]:
     """Form the matrices of all links, one for each joint; the platform is the last of limb 1.
 
-    The last link of every other limb has no mass: it is where the platform is.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Of n joints and m drives.
-    q, qd : ndarray, shape (..., n)
-        All joints and their rates (rad or m; per s).
-    N, N_dot : ndarray, shape (..., n, m)
-        Complement of the loops, and its rate.
+    The last link of every other limb has no mass: it is where the platform is.  With all joints
+    and their rates, q and qd (..., n), the complement of the loops and its rate are (..., n, m).
     """
     n, batch = mechanism.n, q.shape[:-1]
     T, T_dot, A = (np.zeros((*batch, 6 * n, n)) for _ in range(3))
@@ -108,16 +100,10 @@ def _posed(chain: SerialChain, given: list[Body | None], q: Array) -> PosedBodie
 def joint_reactions(
     mechanism: Mechanism, q: Array, qd: Array, N: Array, N_dot: Array, gains: Array, around: Array
 ) -> JointReactions:
-    """Find the wrenches in all joints, in one state.
+    """Find the wrenches in all joints, in one state of :func:`bodies_in_motion`.
 
-    Parameters
-    ----------
-    mechanism, q, qd, N, N_dot
-        As for :func:`bodies_in_motion`, of one state.
-    gains : ndarray, shape (m,)
-        Accelerations of the drives (rad/s^2 or m/s^2).
-    around : ndarray, shape (15,)
-        What surrounds it: :func:`robomech_ros.dynamics.model.surroundings`.
+    The gains (m,) are accelerations of the drives, and ``around`` (15,) is what surrounds the
+    mechanism: :func:`robomech_ros.dynamics.model.surroundings`.
     """
     system, posed = bodies_in_motion(mechanism, q, qd, N, N_dot)
     platform = int(mechanism.loops.starts[1]) - 1
@@ -129,10 +115,10 @@ def joint_reactions(
     kept = system.constraint_wrenches(gains, applied.ravel())
     efforts = system.generalised(system.inertia_wrenches(gains) - applied.ravel())
     n, weights = mechanism.n, np.array([mechanism.size] * 3 + [1.0] * 3)
-    axes = np.concatenate([one.axes for one in posed])
-    origins = np.concatenate([one.origins for one in posed])
-    centres = np.concatenate([one.centres for one in posed])
-    turns = np.concatenate([one.revolute for one in posed])
+    axes, origins, centres, turns = (
+        np.concatenate([getattr(one, key) for one in posed])
+        for key in ("axes", "origins", "centres", "revolute")
+    )
     before = np.arange(-1, n - 1)
     before[mechanism.loops.starts[:-1]] = -1
     # A wrench [n; f] at a joint acts on the body behind it, and reversed on that before it; a loop
@@ -145,9 +131,7 @@ def joint_reactions(
     for end in mechanism.loops.starts[2:].tolist():
         rows.append(_acting(np.diag(weights), centres[end - 1], centres, end - 1, platform))
     found = constraint_reactions(np.concatenate(rows), kept)
-    joints = np.zeros((n, 6))
-    for j in range(n):
-        joints[j] = found.multipliers[5 * j : 5 * j + 5] @ spans[j]
+    joints = np.array([found.multipliers[5 * j : 5 * j + 5] @ spans[j] for j in range(n)])
     for j, effort in zip(mechanism.drive_index.tolist(), efforts.tolist(), strict=True):
         joints[j, slice(0, 3) if turns[j] else slice(3, 6)] += effort * axes[j]
     return JointReactions(joints, found.unique, found.redundant)

@@ -300,21 +300,21 @@ def _ends(
     """Find the first place along each of some rays that is excluded, and why."""
     near, beyond = np.zeros(count), np.full(count, far)
     causes = np.full(count, "", dtype=_CAUSE)
-    open_rays = np.arange(count)
-    for k in range(1, _SAMPLES + 1):
-        here = np.full(len(open_rays), far * k / _SAMPLES)
-        found = verdict(open_rays, here)
+
+    def kept(rays: IntArray, places: Array) -> IntArray:
+        """Look at a place on each ray, and return the rays that are not ended there."""
+        found = verdict(rays, places)
         ended = found != ""
-        beyond[open_rays[ended]], causes[open_rays[ended]] = here[ended], found[ended]
-        near[open_rays[~ended]] = here[~ended]
-        open_rays = open_rays[~ended]
-        if not len(open_rays):
+        beyond[rays[ended]], causes[rays[ended]] = places[ended], found[ended]
+        near[rays[~ended]] = places[~ended]
+        return rays[~ended]
+
+    rays = np.arange(count)
+    for k in range(1, _SAMPLES + 1):
+        rays = kept(rays, np.full(len(rays), far * k / _SAMPLES))
+        if not len(rays):
             break
     rays = np.flatnonzero(causes != "")
     for _ in range(_HALVINGS if len(rays) else 0):
-        middle = 0.5 * (near[rays] + beyond[rays])
-        found = verdict(rays, middle)
-        ended = found != ""
-        beyond[rays[ended]], causes[rays[ended]] = middle[ended], found[ended]
-        near[rays[~ended]] = middle[~ended]
+        kept(rays, 0.5 * (near[rays] + beyond[rays]))
     return near, causes

@@ -7,6 +7,7 @@ translate in the same way.
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 
@@ -21,18 +22,9 @@ _HALF = 0.5 * math.pi
 
 
 def delta_limbs(name: str, geometry: Array, azimuths: Array, limits: Array) -> list[Limb]:
-    """Make the limbs R U U.
+    """Make the limbs R U U at azimuths (3,) about z (rad), with limits (3, 2) of the arms (rad).
 
-    Parameters
-    ----------
-    name : str
-        Of the robot.
-    geometry : ndarray, shape (4,)
-        Radius of base and platform, arm and forearm (m).
-    azimuths : ndarray, shape (3,)
-        Of the limbs about z (rad).
-    limits : ndarray, shape (3, 2)
-        Of the arms, downwards from the horizontal (rad).
+    The geometry (4,) is the radius of base and platform, arm and forearm (m).
     """
     base, platform, arm, forearm = geometry.tolist()
     limbs = []
@@ -54,35 +46,30 @@ def delta_limbs(name: str, geometry: Array, azimuths: Array, limits: Array) -> l
         T = assembled(np.eye(3), ankle - platform * r)
         tip = "platform" if i == 0 else f"{leg}_end"
         chain = chain_of_axes(name, axes, T, tip)
-        limbs.append(Limb(chain, (f"{leg}_base",), _Solver(geometry, azimuths, i)))
+        limbs.append(Limb(chain, (f"{leg}_base",), partial(_solved, geometry, azimuths, i)))
     return limbs
 
 
-class _Solver:
-    def __init__(self, geometry: Array, azimuths: Array, limb: int) -> None:
-        self.geometry, self.azimuths, self.limb = geometry, azimuths, limb
-
-    def __call__(self, T: Array, drives: Array | None) -> LimbBranches:
-        point, angles, excess = translation_only(T), np.empty((3, 2)), np.empty(3)
-        if drives is not None:
-            return self._folded(point, drives)
-        if delta_angles(self.geometry, self.azimuths, point, angles, excess) < 0:
+def _solved(
+    geometry: Array, azimuths: Array, limb: int, T: Array, drives: Array | None
+) -> LimbBranches:
+    point, angles, excess = translation_only(T), np.empty((3, 2)), np.empty(3)
+    if drives is None:
+        if delta_angles(geometry, azimuths, point, angles, excess) < 0:
             return LimbBranches(np.empty((0, 5)), (), continuum=True)
-        if excess[self.limb]:
-            return LimbBranches(np.empty((0, 5)), (), float(excess[self.limb]))
-        return self._folded(point, angles[self.limb])
-
-    def _folded(self, point: Array, arms: Array) -> LimbBranches:
-        base, platform, arm, _ = self.geometry.tolist()
-        azimuth = float(self.azimuths[self.limb])
-        r = np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
-        rows = []
-        for q in arms.tolist():
-            elbow = (base + arm * math.cos(q)) * r - [0.0, 0.0, arm * math.sin(q)]
-            way = point + platform * r - elbow
-            out, down = float(way @ r), -float(way[2])
-            swing = math.atan2(-out, down)
-            tilt = math.atan2(way[1] * r[0] - way[0] * r[1], math.hypot(out, down))
-            turn = math.atan2(math.sin(swing - q), math.cos(swing - q))
-            rows.append([q, turn, tilt, -tilt, -swing])
-        return one_or_two(np.array(rows))
+        if excess[limb]:
+            return LimbBranches(np.empty((0, 5)), (), float(excess[limb]))
+        drives = angles[limb]
+    base, platform, arm, _ = geometry.tolist()
+    azimuth = float(azimuths[limb])
+    r = np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
+    rows = []
+    for q in drives.tolist():
+        elbow = (base + arm * math.cos(q)) * r - [0.0, 0.0, arm * math.sin(q)]
+        way = point + platform * r - elbow
+        out, down = float(way @ r), -float(way[2])
+        swing = math.atan2(-out, down)
+        tilt = math.atan2(way[1] * r[0] - way[0] * r[1], math.hypot(out, down))
+        turn = math.atan2(math.sin(swing - q), math.cos(swing - q))
+        rows.append([q, turn, tilt, -tilt, -swing])
+    return one_or_two(np.array(rows))

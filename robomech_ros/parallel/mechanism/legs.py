@@ -20,25 +20,16 @@ def extending_legs(
     platform_points: Array,
     strokes: Array | None,
     home: Array,
-    cones: tuple[JointCones | None, JointCones | None] = (None, None),
+    cones: tuple[JointCones | None, JointCones | None],
 ) -> list[Limb]:
     """Make the limbs U P S of a platform on legs that extend.
 
     Their passive joints are at zero where legs are in the middle of their cones; without cones,
     where the platform is at home.
 
-    Parameters
-    ----------
-    name : str
-        Of the robot.
-    base_points, platform_points : ndarray, shape (k, 3)
-        In the frames of base and platform (m).
-    strokes : ndarray, shape (k, 2), or None
-        Least and greatest lengths (m).
-    home : ndarray, shape (4, 4)
-        ``T_base_platform`` (m), in which no leg has length 0.
-    cones : tuple of JointCones or None, optional
-        Of the joints on the base and on the platform.
+    Points (k, 3) are in the frames of base and platform (m), strokes (k, 2) least and greatest
+    lengths (m).  At home, ``T_base_platform`` (m), no leg has length 0.  The cones are those of the
+    joints on the base and on the platform.
     """
     return [
         _leg(

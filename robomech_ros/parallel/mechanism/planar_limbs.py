@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 
-from robomech_ros.parallel.limbs import planar_limb
+from robomech_ros.parallel.limbs import planar_limb, wrapped
 from robomech_ros.parallel.mechanism.limb import Axis, Limb, LimbBranches, chain_of_axes
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial.poses import assembled
@@ -30,8 +31,8 @@ def sliding_limbs(
             Axis(f"{leg}_length", f"{leg}_rod", _X, point, True, (low, high)),
             Axis(f"{leg}_platform", f"{leg}_stud", _Z, point),
         ]
-        solver = _Sliding(a, b)
-        limbs.append(Limb(_chain(name, i, axes, a, b), (f"{leg}_length",), solver))
+        chain = _chain(name, i, axes, a, b)
+        limbs.append(Limb(chain, (f"{leg}_length",), partial(_slid, a, b)))
     return limbs
 
 
@@ -55,7 +56,7 @@ def folding_limbs(
             Axis(f"{leg}_platform", f"{leg}_stud", _Z, points[2]),
         ]
         chain = _chain(name, i, axes, points[2][:2], b)
-        limbs.append(Limb(chain, (f"{leg}_base",), _Folding(a, b, one, two)))
+        limbs.append(Limb(chain, (f"{leg}_base",), partial(_folded, a, b, (one, two))))
     return limbs
 
 
@@ -65,36 +66,29 @@ def _chain(name: str, i: int, axes: list[Axis], corner: Array, b: Array) -> Seri
     return chain_of_axes(name, axes, T, "platform" if i == 0 else f"leg{i + 1}_end")
 
 
-class _Sliding:
-    def __init__(self, a: Array, b: Array) -> None:
-        self.a, self.b = a, b
-
-    def __call__(self, T: Array, _: Array | None) -> LimbBranches:
-        x, y = (T[:2, :2] @ self.b + T[:2, 3] - self.a).tolist()
-        if x == 0.0 and y == 0.0:
-            return LimbBranches(np.empty((0, 3)), (), continuum=True)
-        angle = math.atan2(y, x)
-        turn = _wrapped(math.atan2(T[1, 0], T[0, 0]) - angle)
-        return LimbBranches(np.array([[angle, math.hypot(x, y), turn]]), ("0",))
+def _slid(a: Array, b: Array, T: Array, _: Array | None) -> LimbBranches:
+    x, y = (T[:2, :2] @ b + T[:2, 3] - a).tolist()
+    if x == 0.0 and y == 0.0:
+        return LimbBranches(np.empty((0, 3)), (), continuum=True)
+    angle = math.atan2(y, x)
+    turn = wrapped(math.atan2(T[1, 0], T[0, 0]) - angle)
+    return LimbBranches(np.array([[angle, math.hypot(x, y), turn]]), ("0",))
 
 
-class _Folding:
-    def __init__(self, a: Array, b: Array, proximal: float, distal: float) -> None:
-        self.a, self.b, self.proximal, self.distal = a, b, proximal, distal
-
-    def __call__(self, T: Array, drives: Array | None) -> LimbBranches:
-        x, y = (T[:2, :2] @ self.b + T[:2, 3] - self.a).tolist()
-        found = planar_limb(x, y, self.proximal, self.distal)
-        angles = found.angles if drives is None else drives.tolist()
-        if not angles:
-            return LimbBranches(np.empty((0, 3)), (), found.excess, found.any_angle)
-        rows = []
-        for base in angles:
-            u, v = x - self.proximal * math.cos(base), y - self.proximal * math.sin(base)
-            second = math.atan2(v, u)
-            turn = math.atan2(T[1, 0], T[0, 0])
-            rows.append([base, _wrapped(second - base), _wrapped(turn - second)])
-        return one_or_two(np.array(rows))
+def _folded(
+    a: Array, b: Array, links: tuple[float, float], T: Array, drives: Array | None
+) -> LimbBranches:
+    x, y = (T[:2, :2] @ b + T[:2, 3] - a).tolist()
+    found = planar_limb(x, y, *links)
+    angles = found.angles if drives is None else drives.tolist()
+    if not angles:
+        return LimbBranches(np.empty((0, 3)), (), found.excess, found.any_angle)
+    rows = []
+    for base in angles:
+        second = math.atan2(y - links[0] * math.sin(base), x - links[0] * math.cos(base))
+        turn = math.atan2(T[1, 0], T[0, 0])
+        rows.append([base, wrapped(second - base), wrapped(turn - second)])
+    return one_or_two(np.array(rows))
 
 
 def one_or_two(rows: Array) -> LimbBranches:
@@ -105,7 +99,3 @@ def one_or_two(rows: Array) -> LimbBranches:
     if apart.max() <= _SAME:
         return LimbBranches(rows[:1], ("0",))
     return LimbBranches(rows, ("-", "+"))
-
-
-def _wrapped(angle: float) -> float:
-    return math.atan2(math.sin(angle), math.cos(angle))

@@ -7,41 +7,26 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel.result import DirectKinematicsResult
+from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
 from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)
-class MechanismPostures:
+class MechanismPostures(LimbPostures):
     """All joints of a mechanism for a pose of its platform, in all branches of its limbs.
 
     Parameters
     ----------
     q : ndarray, shape (k, n)
         All joints (rad or m), nearest to the seed first if there was one.
-    branches : tuple of str
-        Of each row: the branch of each limb, ``+``, ``-``, ``0`` where both meet, or a number.
-    status : Code
-        ``NONE``, ``OUT_OF_REACH`` where a limb does not reach the pose, ``LIMITS_EXCLUDE_ALL``
-        where limits exclude all branches of a limb, ``SINGULAR_CONTINUUM`` where joints of a limb
-        can move while the platform stays.
-    reason : str
-        Which limb or joint, and by how much; empty where there is nothing to say.
-    excess : ndarray, shape (limbs,)
-        By how much each limb misses the pose (m or rad), or the joint its limit; 0 where none does.
+    branches, status, reason, excess
+        As those of :class:`LimbPostures`; other branches have numbers, and the excess of a limb is
+        that of the joint that its limit excludes.
     blocking : tuple of str
         The joint of each limb whose limit excludes the pose, empty where none does.
     """
 
-    q: Array
-    branches: tuple[str, ...]
-    status: Code
-    reason: str
-    excess: Array
     blocking: tuple[str, ...]
-
-    def __len__(self) -> int:
-        return len(self.q)
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,13 +24,7 @@ _CLOSED = 1e-9
 
 
 class AssemblySearch:
-    """A search for all poses of the platform for given drives.
-
-    Parameters
-    ----------
-    chains : sequence of SerialChain
-    loops : Loops
-    """
+    """A search for all poses of the platform for given drives."""
 
     def __init__(self, chains: list[SerialChain], loops: Loops) -> None:
         self.loops = loops

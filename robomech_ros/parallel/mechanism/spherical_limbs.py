@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 
@@ -44,30 +45,27 @@ def spherical_limbs(
         ]
         tip = "platform" if i == 0 else f"{leg}_end"
         chain = chain_of_axes(name, axes, assembled(R, centre), tip)
-        limbs.append(Limb(chain, (f"{leg}_base",), _Solver(w, m, v, u, R)))
+        limbs.append(Limb(chain, (f"{leg}_base",), partial(_turned, (w, m, v, u, R))))
     return limbs
 
 
-class _Solver:
-    def __init__(self, w: Array, m: Array, v: Array, u: Array, R: Array) -> None:
-        self.w, self.m, self.v, self.u, self.R = w, m, v, u, R
-
-    def __call__(self, T: Array, drives: Array | None) -> LimbBranches:
-        R = rotation_only(T)
-        angle = math.atan2(float(np.linalg.norm(np.cross(self.m, self.u))), float(self.m @ self.u))
-        found = turning_limb(self.w, self.m, R @ self.v, angle)
-        angles = found.angles if drives is None else drives.tolist()
-        if not angles:
-            return LimbBranches(np.empty((0, 3)), (), found.excess, found.any_angle)
-        rows = []
-        for base in angles:
-            one = matrix_from_rotation_vector(base * self.w)
-            elbow = _turn_about(self.m, self.u, one.T @ R @ self.v)
-            turned = one @ matrix_from_rotation_vector(elbow * self.m)
-            left = turned.T @ R @ self.R.T
-            across = np.cross(self.u, self.m)
-            rows.append([base, elbow, _turn_about(self.u, across, left @ across)])
-        return one_or_two(np.array(rows))
+def _turned(
+    limb: tuple[Array, Array, Array, Array, Array], T: Array, drives: Array | None
+) -> LimbBranches:
+    """Solve a limb of axes w, m, v and u and a rotation R0, all joints at zero there."""
+    R, (w, m, v, u, R0) = rotation_only(T), limb
+    angle = math.atan2(float(np.linalg.norm(np.cross(m, u))), float(m @ u))
+    found = turning_limb(w, m, R @ v, angle)
+    angles = found.angles if drives is None else drives.tolist()
+    if not angles:
+        return LimbBranches(np.empty((0, 3)), (), found.excess, found.any_angle)
+    rows, across = [], np.cross(u, m)
+    for base in angles:
+        one = matrix_from_rotation_vector(base * w)
+        elbow = _turn_about(m, u, one.T @ R @ v)
+        turned = one @ matrix_from_rotation_vector(elbow * m)
+        rows.append([base, elbow, _turn_about(u, across, turned.T @ R @ R0.T @ across)])
+    return one_or_two(np.array(rows))
 
 
 def _turn_about(axis: Array, start: Array, end: Array) -> float:
