@@ -31,16 +31,9 @@ _NUDGE, _STILL_CLOSED = 0.02, 1e-10
 class SingularEnds:
     """Outcome of homotopy paths without a regular end.
 
-    Parameters
-    ----------
-    poses : list of ndarray, shape (12,)
-        Real poses in which modes meet.
-    multiplicity : list of int
-        How many do.
-    movable : list of bool
-        Whether the platform can move there with locked legs.
-    unexplained : int
-        Paths of which nothing is known.
+    For each real pose (12,) in which modes meet, ``multiplicity`` says how many do, and
+    ``movable`` whether the platform can move there with locked legs.  Of ``unexplained`` paths
+    nothing is known.
     """
 
     poses: list[Array] = field(default_factory=list)
@@ -94,18 +87,8 @@ def truncated_newton(
 ) -> float:
     """Improve a pose (12,) in place in the directions that the legs hold; give its error.
 
-    Parameters
-    ----------
-    a, b : ndarray, shape (6, 3)
-        Anchors of order one.
-    squares : ndarray, shape (6,)
-        Squared lengths.
-    pose : ndarray, shape (12,)
-        Rotation row by row, position.
-    frozen : ndarray, shape (6,), optional
-        A direction in which it may not move.
-    rank : float, optional
-        Least singular value, of the largest, of a direction that the legs hold.
+    Anchors a and b (6, 3) are of order one.  Along a ``frozen`` direction (6,) the pose may not
+    move; ``rank`` is the least singular value, of the largest, of a direction that the legs hold.
     """
     for _ in range(_STEPS):
         J, r = _residual(a, b, squares, pose)
@@ -144,14 +127,9 @@ def least_squares(a: Array, b: Array, lengths: Array, pose: Array) -> Array:
 def _vertex(a: Array, b: Array, squares: Array, pose: Array) -> tuple[float, Array]:
     """Move a pose (12,) in place to where two modes meet, or would if the lengths were right.
 
-    Along the direction in which the legs give way the error is a parabola, and this its vertex.
-
-    Returns
-    -------
-    float
-        Square of how far each of the two modes is from here, negative where they are complex.
-    ndarray, shape (6,)
-        The direction.
+    Along the direction (6,) in which the legs give way the error is a parabola, and this its
+    vertex.  Returns the square of how far each of the two modes is from here, negative where they
+    are complex, and the direction.
     """
     square, free = 0.0, np.zeros(6)
     for _ in range(_VERTEX_STEPS):

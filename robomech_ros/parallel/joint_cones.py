@@ -21,30 +21,18 @@ _LEAST_AXIS = 1e-9
 class JointCones:
     """Cones in which the directions of six legs must stay.
 
-    Parameters
-    ----------
-    axes : ndarray, shape (6, 3)
-        Unit vectors from the anchors along the legs where the joints are not bent, those of base
-        joints in the base, those of platform joints in the platform and so towards the base.
-    angles : ndarray, shape (6,)
-        How far each leg may bend from its axis (rad), up to pi.
+    The axes (6, 3) are unit vectors from the anchors along the legs where the joints are not bent,
+    those of base joints in the base, those of platform joints in the platform and so towards the
+    base.  The angles (6,) say how far each leg may bend from its axis (rad), up to pi.
     """
 
     axes: Array
     angles: Array
 
     def excess(self, directions: Array) -> Array:
-        """Say by how much legs bend beyond their cones.
+        """Say by how much directions (..., 6, 3) bend beyond the cones (rad), negative inside.
 
-        Parameters
-        ----------
-        directions : ndarray, shape (..., 6, 3)
-            Of the legs from the anchors, of any length, in the frame of the axes.
-
-        Returns
-        -------
-        ndarray, shape (..., 6)
-            In rad, negative inside.
+        They are those of the legs from the anchors, of any length, in the frame of the axes.
         """
         along = (directions * self.axes).sum(axis=-1)
         across = np.linalg.norm(np.cross(self.axes, directions), axis=-1)

@@ -98,15 +98,7 @@ def load_parallel(name_or_path: str | os.PathLike[str]) -> AnyParallelRobot:
 
 
 def parallel_from_yaml(text: str | bytes, where: str) -> AnyParallelRobot:
-    """Make a parallel robot of the text of a document.
-
-    Parameters
-    ----------
-    text : str or bytes
-        YAML.
-    where : str
-        What it is called in messages.
-    """
+    """Make a parallel robot of the text of a document, called ``where`` in messages."""
     document = checked_document("parallel", text, where, ("type",), (*_PARTS, *_KEYS))
     check_choices(document, where, type=TYPES)
     make, needed, more = TYPES[document["type"]]

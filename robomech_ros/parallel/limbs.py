@@ -56,16 +56,9 @@ def planar_limb(x: float, y: float, proximal: float, distal: float) -> Limb:
 
 
 def turning_limb(base: Array, middle: Array, target: Array, angle: float) -> Limb:
-    """Solve a limb of two arcs: a middle axis turned about the base's, at an angle to a third.
+    """Solve a limb of two arcs: a middle axis turned about the base's, at an angle to a target.
 
-    Parameters
-    ----------
-    base, middle : ndarray, shape (3,)
-        Unit vectors, the second where the joint is zero.
-    target : ndarray, shape (3,)
-        Unit vector of the platform's axis.
-    angle : float
-        Between the turned middle axis and the target (rad).
+    All three are unit vectors, the middle one where the joint is zero.
     """
     along = float(base @ middle)
     a = float((middle - along * base) @ target)

@@ -65,21 +65,10 @@ def mechanism_from_limbs(
     parts: LinkBodies | None = None,
     name: str = "mechanism",
 ) -> Mechanism:
-    """Make a mechanism from the limbs of a document.
+    """Make a mechanism from the limbs of a document, as the module describes them.
 
-    Parameters
-    ----------
-    limbs : list of mappings
-        See the module.
-    platform : mapping, optional
-        Pose of the platform, ``xyz`` (m) and ``rpy`` (rad): the one in which joints with an
-        ``axis`` are all at zero, or the one to begin with.
-    drive_limits : mapping, optional
-        Of all drives or of each, in the order of the limbs.
-    parts : LinkBodies, optional
-        Bodies, and friction and rotors of drives.
-    name : str, optional
-        What it is called.
+    The platform is the pose in which joints with an ``axis`` are all at zero, or the one to begin
+    with.  Limits are those of all drives or of each, in the order of the limbs.
     """
     if not isinstance(limbs, list) or len(limbs) < 2:
         raise RobotDescriptionError("limbs", "expected a list of two limbs or more")

@@ -27,15 +27,7 @@ _TURN = (0.3, 0.7, -0.5)
 
 @dataclass(frozen=True, eq=False)
 class ScaledPlatform:
-    """The same platform about its centres, of order one, its own frame turned.
-
-    Parameters
-    ----------
-    a, b : ndarray, shape (6, 3)
-        Base and platform points.
-    scale : float
-        By what lengths (m) are multiplied.
-    """
+    """The same platform about its centres, its own frame turned, and lengths (m) times a scale."""
 
     a: Array
     b: Array

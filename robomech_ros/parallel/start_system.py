@@ -31,14 +31,8 @@ _SMALLEST, _LARGEST = 0.4, 1.8
 class StartSystem:
     """All poses of a platform for generic complex lengths.
 
-    Parameters
-    ----------
-    squares : ndarray of complex, shape (6,)
-        Squared lengths.
-    poses : ndarray of complex, shape (n, 8)
-        Study parameters, of unit length.
-    doubt : str
-        Why poses may be missing; empty where two draws agree on their number.
+    The squares (6,) are squared lengths, and the poses (n, 8) Study parameters of unit length.
+    The doubt says why poses may be missing; it is empty where two draws agree on their number.
     """
 
     squares: ComplexArray
@@ -64,14 +58,9 @@ def unlike(poses: ComplexArray) -> bool:
 
 
 def start_system(a: NDArray, b: NDArray, typical: NDArray) -> StartSystem:
-    """Find all poses for complex lengths drawn near typical ones.
+    """Find all poses for complex squared lengths drawn near typical ones (6,).
 
-    Parameters
-    ----------
-    a, b : ndarray, shape (6, 3)
-        Base and platform points, about their centres, of order one.
-    typical : ndarray, shape (6,)
-        Squared lengths.
+    Base and platform points (6, 3) are about their centres, and of order one.
     """
     generic, poses = _generic()
     rng = np.random.default_rng(1965)

@@ -15,15 +15,7 @@ _AT_INFINITY = 1e-5
 def quadrics_of_platform(
     base_points: NDArray, platform_points: NDArray, squares: NDArray
 ) -> ComplexArray:
-    """Return the seven quadrics (7, 30) of a platform, those of the legs orthonormal.
-
-    Parameters
-    ----------
-    base_points, platform_points : ndarray, shape (6, 3)
-        Real or complex.
-    squares : ndarray, shape (6,)
-        Squared lengths.
-    """
+    """Return the seven quadrics (7, 30) of a platform, those of the legs orthonormal."""
     return quadrics_between(base_points, platform_points, squares, squares)[1]
 
 

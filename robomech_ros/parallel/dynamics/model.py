@@ -39,13 +39,9 @@ def limb_bodies(mechanism: Mechanism) -> list[list[Body | None]]:
 
 @lru_cache(maxsize=64)
 def mechanism_model(mechanism: Mechanism) -> Array:
-    """Lay out all limbs one after another, as ``_kernels.dynamics.layout`` says.
+    """Lay out all limbs, (n + limbs, 24), as ``_kernels.dynamics.layout`` says.
 
     Links of which nothing is known have no mass.
-
-    Returns
-    -------
-    ndarray, shape (n + limbs, 24)
     """
     parts = []
     for limb, bodies in zip(mechanism.limbs, limb_bodies(mechanism), strict=True):
@@ -66,14 +62,7 @@ def mechanism_model(mechanism: Mechanism) -> Array:
 
 
 def limb_totals(mechanism: Mechanism, q: Array, qd: Array) -> Array:
-    """Add up mass, first moment (3), momentum (6) and kinetic energy of all limbs, (..., 11).
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    q, qd : ndarray, shape (..., n)
-        All joints and their rates (rad or m; per s).
-    """
+    """Add up mass, first moment (3), momentum (6) and kinetic energy of all limbs, (..., 11)."""
     model, n = mechanism_model(mechanism), mechanism.n
     joints, rates = q.reshape(-1, n), qd.reshape(-1, n)
     out, part = np.zeros((len(joints), 11)), np.empty((len(joints), 11))

@@ -29,20 +29,11 @@ _POSES = 2048
 class ScaledMatrices(NamedTuple):
     """K and J without units, for poses (...).
 
-    Attributes
-    ----------
-    K : ndarray, shape (..., m, m)
-        Columns of the motions that the platform has, angular ones divided by the length.
-    J : ndarray, shape (..., m)
-        Entries over the greatest that they can be: from -1 to 1, of legs 1.
-    length : float
-        In m.
-    motions : ndarray, shape (..., 6, m)
-        The motions that the platform has, angular parts multiplied by the length: orthonormal.
-    scale : float
-        The length, 1 where the platform only turns.
-    rows : ndarray, shape (..., m, 6)
-        Of K for all twists, angular columns divided by the scale.
+    K (..., m, m) has the columns of the motions that the platform has, angular ones divided by the
+    length (m), and J (..., m) the entries over the greatest that they can be: from -1 to 1, of
+    legs 1.  These motions (..., 6, m) are orthonormal, with angular parts multiplied by the
+    length.  The scale is the length, 1 where the platform only turns, and the rows (..., m, 6) are
+    those of K for all twists, angular columns divided by the scale.
     """
 
     K: Array

@@ -45,16 +45,10 @@ _ROUNDING = 1e-9
 class Legs:
     """Limbs that keep a distance between a centre and a point of the platform, or drive it.
 
-    Parameters
-    ----------
-    arms : ndarray, shape (..., m, 3)
-        From the platform's origin to its joints (m), zero where it does not turn.
-    legs : ndarray, shape (..., m, 3)
-        From the centres to these joints (m).
-    first, second : ndarray, shape (..., m, 3)
-        Derivatives of the centres by the drives, zero for drives that extend the legs.
-    lever : ndarray, shape (m,)
-        Length of the first derivatives, 1 for drives that extend the legs.
+    The arms (..., m, 3) go from the platform's origin to its joints (m), zero where it does not
+    turn, and the legs (..., m, 3) from the centres to these joints.  The first and second
+    derivatives of the centres by the drives are zero for drives that extend the legs.  The lever
+    (m,) is the length of the first ones, 1 for drives that extend the legs.
     """
 
     arms: Array
@@ -86,14 +80,9 @@ class Legs:
 class Arcs:
     """Limbs that keep the angle between an axis of the platform and one that their drive turns.
 
-    Parameters
-    ----------
-    base, middle, platform : ndarray, shape (..., m, 3)
-        Axes of the drives, those between the arcs, and those on the platform: unit vectors.
-    sines : ndarray, shape (m,)
-        Of the angle between middle and platform axes.
-    lever : ndarray, shape (m,)
-        Sine of the angle between base and middle axes.
+    Unit vectors (..., m, 3) are the axes of the drives, those between the arcs, and those on the
+    platform.  The sines (m,) are those of the angle between middle and platform axes, the lever
+    (m,) the sine of that between base and middle axes.
     """
 
     base: Array

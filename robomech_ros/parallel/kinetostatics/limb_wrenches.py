@@ -35,21 +35,12 @@ _AT_END = 1e-6
 class Wrenches:
     """Load shares of the limbs of a platform, for postures (...).
 
-    Parameters
-    ----------
-    borne : ndarray, shape (..., m, 6)
-        Of each drive the wrench [moment; force] at the platform's origin that it bears.
-    work : ndarray, shape (..., m)
-        Which it does on the drive for each rad or m, not negative but by rounding.
-    lever : ndarray, shape (..., m)
-        The most that this can be as the limb bends at its next joint (m or 1).
-    carried : ndarray, shape (..., c, 6)
-        Wrenches that the limbs bear without drives, orthonormal for each limb after multiplication
-        of forces by the size.
-    size : float
-        What makes moments and forces comparable (m).
-    limbs, carriers : ndarray of int, shape (m,) and (c,)
-        The limb of each drive, and of each wrench borne without one, from 0.
+    Each drive bears a wrench (..., m, 6), [moment; force] at the platform's origin.  Its work
+    (..., m) is that on the drive for each rad or m, not negative but by rounding, and the lever
+    (..., m) the most that this can be as the limb bends at its next joint (m or 1).  Wrenches
+    (..., c, 6) are carried without drives, orthonormal for each limb after multiplication of
+    forces by the size, which makes moments and forces comparable (m).  ``limbs`` (m,) are those of
+    the drives, and ``carriers`` (c,) those of the wrenches borne without one, from 0.
     """
 
     borne: Array
@@ -90,16 +81,7 @@ class Wrenches:
 
 
 def limb_wrenches(mechanism: Mechanism, poses: Array, q: Array) -> Wrenches:
-    """Find the wrenches that limbs bear.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    poses : ndarray, shape (..., 4, 4)
-        ``T_base_platform`` (m).
-    q : ndarray, shape (..., n)
-        All joints there (rad or m).
-    """
+    """Find the wrenches that limbs bear in poses (..., 4, 4) with all joints q (..., n) there."""
     _check_held(mechanism, poses, q)
     return wrenches_of_limbs(mechanism, q)
 
@@ -107,11 +89,7 @@ def limb_wrenches(mechanism: Mechanism, poses: Array, q: Array) -> Wrenches:
 def wrenches_of_limbs(mechanism: Mechanism, q: Array) -> Wrenches:
     """Find the wrenches that limbs bear, each where it holds the platform by itself.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-    q : ndarray, shape (..., n)
-        All joints (rad or m); loops need not be closed.
+    The loops of the joints q (..., n) need not be closed.
     """
     lead, q = q.shape[:-1], q.reshape(-1, mechanism.n)
     drives, carried, numbers = list[tuple[Array, Array, Array]](), list[Array](), list[int]()

@@ -47,14 +47,7 @@ def followed(
 ) -> tuple[str, float, Array]:
     """Return :func:`exclusion` of a pose at the end of a way, in the branches of its beginning.
 
-    Parameters
-    ----------
-    pose_at : callable
-        Gives the pose (4, 4) at a place of the way.
-    begin, end : float
-        Places.
-    q : ndarray, shape (n,)
-        All joints at the beginning.
+    The way gives a pose (4, 4) at each place; q (n,) are all joints at its beginning.
     """
     found = exclusion(mechanism, pose_at(end), q)
     if found[0] or _moved(mechanism, q, found[2]).max() <= _JUMP:

@@ -36,20 +36,9 @@ def size_of(robot: ParallelRobot) -> float:
 
 
 def held_poses(robot: ParallelRobot, count: int) -> tuple[Array, Array]:
-    """Spread poses evenly, the same every time.
+    """Spread up to count poses (k, 4, 4) evenly, always the same ones, with their drives (k, m).
 
-    Parameters
-    ----------
-    robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR
-    count : int
-        How many at most.
-
-    Returns
-    -------
-    poses : ndarray, shape (k, 4, 4)
-        ``T_base_platform``, within strokes and cones.
-    q : ndarray, shape (k, m)
-        Values of the drives there, within limits.
+    The poses are within strokes and cones, and the drives within limits.
     """
     if isinstance(robot, StewartGough | Planar3RPR):
         return _on_legs(robot, count)

@@ -27,19 +27,9 @@ def _evened(A: Array, rows: bool) -> tuple[Array, Array, BoolArray]:
 
 
 def solved_columns(A: Array, b: Array, *, rows: bool = False) -> Array:
-    """Solve A x = b; NaN where A is singular whatever the units.
+    """Solve A x = b for matrices (..., m, m); NaN where A is singular whatever the units.
 
-    Parameters
-    ----------
-    A : ndarray, shape (..., m, m)
-        The columns are brought to one size first, or the rows: those that differ in units.
-    b : ndarray, shape (..., m)
-    rows : bool, optional
-        Whether it is the rows of A that differ in units.
-
-    Returns
-    -------
-    ndarray, shape (..., m)
+    The columns are brought to one size first, or the rows: those that differ in units.
     """
     scaled, sizes, regular = _evened(A, rows)
     scaled[~regular] = np.eye(A.shape[-1])

@@ -29,20 +29,9 @@ _HELD = 1e-9
 class LimbBranches:
     """All joints of one limb for a pose of the platform, limits disregarded.
 
-    Parameters
-    ----------
-    q : ndarray, shape (k, n)
-        rad or m.
-    names : tuple of str
-        Of the branches.
-    excess : float
-        By how much the limb misses the pose (m or rad), 0 where it does not.
-    continuum : bool
-        Whether its joints can move while the platform stays; q may then be empty.
-    code : Code
-        Why it misses the pose.
-    reason : str
-        The same in words; empty where `excess` says all.
+    The joints q (k, n) are those of the branches of these names.  By the excess (m or rad) the
+    limb misses the pose; the code and the reason, empty where the excess says all, tell why.  In a
+    continuum the joints can move while the platform stays; q may then be empty.
     """
 
     q: Array
@@ -157,18 +146,9 @@ def limit_margins(q: Array, limits: Any, at: IntArray, angles: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """A joint of a limb, where all joints of the limb are at zero.
+    """A joint of a limb and the link that it moves, where all joints of the limb are at zero.
 
-    Parameters
-    ----------
-    name, link : str
-        Of the joint, and of the link that it moves.
-    direction, point : ndarray, shape (3,)
-        Unit vector, and a point on the axis, in the base (m).
-    slides : bool
-        Whether it is prismatic.
-    limits : tuple of float
-        Least and greatest position (rad or m).
+    The direction is a unit vector and the point is on the axis, both in the base (m).
     """
 
     name: str
@@ -180,19 +160,7 @@ class Axis:
 
 
 def chain_of_axes(name: str, axes: Sequence[Axis], T: Array, tip: str) -> SerialChain:
-    """Make a chain from the axes of its joints and the pose of its tip, all joints at zero.
-
-    Parameters
-    ----------
-    name : str
-        Of the robot.
-    axes : sequence of Axis
-        From the base on.
-    T : ndarray, shape (4, 4)
-        ``T_base_tip`` (m).
-    tip : str
-        The last link.
-    """
+    """Make a chain of a robot from the axes of its joints, all at zero, and ``T_base_tip`` (m)."""
     frames = np.array(
         [assembled(rotation_from_z(one.direction)[:3, :3], one.point) for one in axes]
     )
@@ -228,15 +196,7 @@ _DRIVE_LIMITS = ("velocity", "acceleration", "jerk", "effort")
 def checked_drive_limits(
     limits: Mapping[str, ArrayLike] | ArrayLike | None, count: int
 ) -> dict[str, Array]:
-    """Read the limits of drives, one number for all of them or one for each; NaN where none is.
-
-    Parameters
-    ----------
-    limits : mapping or None
-        Of ``velocity``, ``acceleration``, ``jerk`` and ``effort`` (rad or m, and s; N m or N).
-    count : int
-        Number of drives.
-    """
+    """Read the limits of drives, one number for all of them or one for each; NaN where none is."""
     if limits is not None and not isinstance(limits, Mapping):
         expected = "a mapping with keys among " + ", ".join(_DRIVE_LIMITS)
         raise BadValueError("drive_limits", limits, expected)

@@ -25,18 +25,11 @@ _OPEN = 1e-6
 class Loops:
     """Chains from one base to one platform.
 
-    Parameters
-    ----------
-    packed : ndarray, shape (n + limbs, 13)
-        The chains, one after another, as :class:`robomech_ros.robots.SerialChain` packs them.
-    starts : ndarray of int, shape (limbs + 1,)
-        The first joint of each chain, and the number of all joints.
-    drives : ndarray of int, shape (n,)
-        Of each joint the number of its drive, or -1.
-    size : float
-        The longest constant offset (m), 1 where there is none.
-    weights : ndarray, shape (n,)
-        1 for joints that turn, 1 / size for those that slide.
+    The chains are packed one after another, (n + limbs, 13), as
+    :class:`robomech_ros.robots.SerialChain` packs them.  The starts (limbs + 1,) are the first
+    joint of each chain, and the number of all joints; the drives (n,) are of each joint the number
+    of its drive, or -1.  The size is the longest constant offset (m), 1 where there is none, and
+    the weights (n,) are 1 for joints that turn, 1 / size for those that slide.
     """
 
     packed: Array

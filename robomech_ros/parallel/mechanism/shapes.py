@@ -34,12 +34,7 @@ _SAME = 1e-6
 def shapes_of_limbs(chains: Sequence[SerialChain], home: Array) -> dict[str, list[Shape]]:
     """Make shapes of all links, in the frames that :func:`tree_of_limbs` gives them.
 
-    Parameters
-    ----------
-    chains : sequence of SerialChain
-        From the base to the platform.
-    home : ndarray, shape (n,)
-        All joints (rad or m), for the lengths of legs without limits.
+    The home (n,) of all joints tells the lengths of legs without limits.
     """
     steps = [chain.transforms for chain in chains]
     size = max(float(np.linalg.norm(step[:, :3, 3], axis=1).max()) for step in steps)
