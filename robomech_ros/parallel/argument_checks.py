@@ -35,14 +35,19 @@ def actuated(what: str, values: ArrayLike, count: int) -> Array:
     return np.ascontiguousarray(array)
 
 
-def angle_limits(limits: ArrayLike | None, count: int) -> Array:
-    """Check limits of angles (rad), one pair for each joint or for all; all round without any."""
+def one_or_each(what: str, values: ArrayLike, count: int, tail: tuple[int, ...]) -> Array:
+    """Check arrays of a shape, one for all of so many things or one for each (count, *tail)."""
+    array = as_finite(what, values, tail)
+    if array.shape not in (tail, (count, *tail)):
+        raise WrongSizeError(what, array.shape, f"{tail} or {(count, *tail)}")
+    return np.broadcast_to(array, (count, *tail)).copy()
+
+
+def angle_limits(limits: ArrayLike | None) -> Array:
+    """Check limits of three angles (rad), one pair for each or for all; all round without any."""
     if limits is None:
-        return np.tile([-np.pi, np.pi], (count, 1))
-    array = as_finite("limits", limits, (2,))
-    if array.shape not in ((2,), (count, 2)):
-        raise WrongSizeError("limits", array.shape, f"(2,) or ({count}, 2)")
-    full = np.broadcast_to(array, (count, 2)).copy()
+        return np.tile([-np.pi, np.pi], (3, 1))
+    full = one_or_each("limits", limits, 3, (2,))
     if (full[:, 0] >= full[:, 1]).any() or np.abs(full).max() > _MOST_TURNED:
         row = full[(full[:, 0] >= full[:, 1]) | (np.abs(full).max(axis=1) > _MOST_TURNED)][0]
         why = f"a lower and a greater upper angle, up to {_MOST_TURNED:g} rad"

@@ -92,7 +92,7 @@ class Delta:
         around = np.exp(1j * self.azimuths)
         if min(abs(around[i] - around[i - 1]) for i in range(3)) < 1e-6:
             raise BadValueError("azimuths", self.azimuths.tolist(), "three different angles (rad)")
-        self.limits = angle_limits(limits, 3)
+        self.limits = angle_limits(limits)
         self.drive_limits = checked_drive_limits(drive_limits, 3)
         self._geometry = np.array([self.base_radius, self.platform_radius, self.arm, self.forearm])
 

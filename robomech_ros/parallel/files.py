@@ -1,10 +1,8 @@
-"""Files of parallel robots by name, found without compiling anything."""
+"""Names of parallel robots, found without compiling anything."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from robomech_ros.robots.robot_kinds import documents_of, names_of
+from robomech_ros.robots.robot_kinds import names_of
 
 
 def list_parallel() -> tuple[str, ...]:
@@ -17,8 +15,3 @@ def list_parallel() -> tuple[str, ...]:
     True
     """
     return names_of("parallel")
-
-
-def parallel_files() -> dict[str, Path]:
-    """Find the file of each parallel robot, by name."""
-    return documents_of("parallel")

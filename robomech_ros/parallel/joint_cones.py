@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.errors import BadValueError
+from robomech_ros.parallel.argument_checks import one_or_each
 from robomech_ros.typing import Array
 
 _LEGS = 6
@@ -45,18 +44,11 @@ def checked_cones(what: str, given: object) -> JointCones | None:
         return given
     if not isinstance(given, Mapping) or sorted(map(str, given)) != list(_KEYS):
         raise BadValueError(what, given, "a mapping with the keys 'axes' and 'angles'")
-    axes = _six(f"{what}: axes", given["axes"], (3,))
+    axes = one_or_each(f"{what}: axes", given["axes"], _LEGS, (3,))
     norms = np.linalg.norm(axes, axis=1)
     if norms.min() < _LEAST_AXIS:
         raise BadValueError(f"{what}: axes", axes.tolist(), "directions, none of them zero")
-    angles = _six(f"{what}: angles", given["angles"], ())
+    angles = one_or_each(f"{what}: angles", given["angles"], _LEGS, ())
     if angles.min() <= 0.0 or angles.max() > np.pi:
         raise BadValueError(f"{what}: angles", angles.tolist(), "more than 0 rad, up to pi")
     return JointCones(axes / norms[:, None], angles)
-
-
-def _six(what: str, value: ArrayLike, tail: tuple[int, ...]) -> Array:
-    array = as_finite(what, value, tail)
-    if array.shape not in (tail, (_LEGS, *tail)):
-        raise WrongSizeError(what, array.shape, f"{tail} or {(_LEGS, *tail)}")
-    return np.broadcast_to(array, (_LEGS, *tail)).copy()

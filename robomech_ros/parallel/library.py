@@ -21,7 +21,8 @@ files in the folder ``parallel`` of the folders of robots.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from inspect import signature
 from typing import Any
 
 from robomech_ros.errors import RobomechError, RobotDescriptionError
@@ -39,34 +40,27 @@ from robomech_ros.robots.robot_kinds import checked_document, source_of
 ParallelRobot = StewartGough | Delta | Planar3RPR | Planar3RRR | Spherical3RRR
 AnyParallelRobot = ParallelRobot | Mechanism
 
-# Of each type: what makes it, the keys that it needs, and those it may have.
-TYPES: dict[str, tuple[Any, tuple[str, ...], tuple[str, ...]]] = {
-    "stewart_gough": (
-        StewartGough,
-        ("base_points", "platform_points"),
-        ("strokes", "base_cones", "platform_cones", "drive_limits"),
-    ),
-    "delta": (
-        Delta,
-        ("base_radius", "platform_radius", "arm", "forearm"),
-        ("azimuths", "limits", "drive_limits"),
-    ),
-    "planar_3rpr": (Planar3RPR, ("base_points", "platform_points"), ("strokes", "drive_limits")),
-    "planar_3rrr": (
-        Planar3RRR,
-        ("base_points", "platform_points", "proximal", "distal"),
-        ("limits", "drive_limits"),
-    ),
-    "spherical_3rrr": (
-        Spherical3RRR,
-        ("base_axes", "middle_axes", "platform_axes"),
-        ("distal", "limits", "drive_limits"),
-    ),
-    "limbs": (mechanism_from_limbs, ("limbs",), ("platform", "drive_limits")),
+# What makes each type, from arguments of these names.
+TYPES: dict[str, Callable[..., Any]] = {
+    "stewart_gough": StewartGough,
+    "delta": Delta,
+    "planar_3rpr": Planar3RPR,
+    "planar_3rrr": Planar3RRR,
+    "spherical_3rrr": Spherical3RRR,
+    "limbs": mechanism_from_limbs,
 }
 _HEAD = ("kind", "name", "source", "type")
 _PARTS = ("bodies", "drive")
-_KEYS = sorted({key for _, needed, more in TYPES.values() for key in (*needed, *more)})
+
+
+def _keys_of(make: Callable[..., Any]) -> tuple[list[str], list[str]]:
+    """Return the keys that a type needs, and those it may have."""
+    known = {k: v for k, v in signature(make).parameters.items() if k not in ("name", "parts")}
+    needed = [key for key, value in known.items() if value.default is value.empty]
+    return needed, [key for key in known if key not in needed]
+
+
+_KEYS = sorted({key for make in TYPES.values() for keys in _keys_of(make) for key in keys})
 
 
 def load_parallel(name_or_path: str | os.PathLike[str]) -> AnyParallelRobot:
@@ -101,10 +95,10 @@ def parallel_from_yaml(text: str | bytes, where: str) -> AnyParallelRobot:
     """Make a parallel robot of the text of a document, called ``where`` in messages."""
     document = checked_document("parallel", text, where, ("type",), (*_PARTS, *_KEYS))
     check_choices(document, where, type=TYPES)
-    make, needed, more = TYPES[document["type"]]
+    make = TYPES[document["type"]]
     others = (*_HEAD, *_PARTS, "notes")
     geometry = {key: value for key, value in document.items() if key not in others}
-    check_keys(geometry, where, needed, more)
+    check_keys(geometry, where, *_keys_of(make))
     try:
         parts = _parts(document, where)
         if document["type"] == "limbs":

@@ -17,12 +17,8 @@ def nearest_first(
 ) -> DirectKinematicsResult:
     """Order poses by distance from a seed (4, 4), angles multiplied by the size (m)."""
     order = nearest_order(found.poses, seed, size)
-    return dataclasses.replace(
-        found,
-        poses=found.poses[order],
-        multiplicity=found.multiplicity[order],
-        errors=found.errors[order],
-    )
+    sorted_rows = {key: vars(found)[key][order] for key in ("poses", "multiplicity", "errors")}
+    return dataclasses.replace(found, **sorted_rows)
 
 
 def nearest_order(poses: Array, seed: Array, size: float) -> IntArray:

@@ -206,7 +206,7 @@ class Planar3RRR(_Planar):
         super().__init__(base_points, platform_points, name)
         self.proximal = _link_lengths("proximal", proximal)
         self.distal = _link_lengths("distal", distal)
-        self.limits = angle_limits(limits, 3)
+        self.limits = angle_limits(limits)
         self.drive_limits = checked_drive_limits(drive_limits, 3)
 
     @cached_property

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from robomech_ros._kernels.parallel.newton import jacobians
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.parallel.argument_checks import one_or_each
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
@@ -87,10 +88,7 @@ def checked_strokes(strokes: ArrayLike | None, count: int) -> Array | None:
     """Check strokes (m): least and greatest length of each leg, or one pair for all of them."""
     if strokes is None:
         return None
-    array = as_finite("strokes", strokes, (2,))
-    if array.shape not in ((2,), (count, 2)):
-        raise WrongSizeError("strokes", array.shape, f"(2,) or ({count}, 2)")
-    full = np.broadcast_to(array, (count, 2)).copy()
+    full = one_or_each("strokes", strokes, count, (2,))
     if full.max() > LARGEST_LENGTH:
         raise BadValueError("strokes", float(full.max()), f"lengths up to {LARGEST_LENGTH:g} m")
     if (full[:, 0] < 0.0).any() or (full[:, 0] >= full[:, 1]).any():
@@ -108,13 +106,8 @@ def _is_plane(points: Array) -> bool:
 def family_of(base_points: Array, platform_points: Array) -> str:
     """Name the kind of a platform: how many anchors it has, and which of them lie in planes."""
     kind = f"{_distinct(base_points)}-{_distinct(platform_points)}"
-    planes = {
-        (True, True): "planar",
-        (True, False): "planar base",
-        (False, True): "planar platform",
-        (False, False): "general",
-    }
-    return f"{kind} {planes[_is_plane(base_points), _is_plane(platform_points)]}"
+    planes = ("general", "planar platform", "planar base", "planar")
+    return f"{kind} {planes[2 * _is_plane(base_points) + _is_plane(platform_points)]}"
 
 
 def best_conditioning(scaled: ScaledPlatform) -> float:

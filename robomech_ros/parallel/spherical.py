@@ -90,7 +90,7 @@ class Spherical3RRR:
         pairs = np.cross(self.platform_axes, np.roll(self.platform_axes, 1, axis=0))
         if np.linalg.norm(pairs, axis=1).min() < _LEAST_ARC:
             raise BadValueError("platform_axes", platform_axes, "axes of different directions")
-        self.limits = angle_limits(limits, 3)
+        self.limits = angle_limits(limits)
         self.drive_limits = checked_drive_limits(drive_limits, 3)
 
     @cached_property

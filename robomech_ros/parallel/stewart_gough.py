@@ -95,9 +95,9 @@ class StewartGough:
         platform_points: ArrayLike,
         *,
         strokes: ArrayLike | None = None,
-        drive_limits: Mapping[str, ArrayLike] | None = None,
         base_cones: object = None,
         platform_cones: object = None,
+        drive_limits: Mapping[str, ArrayLike] | None = None,
         name: str = "platform",
     ) -> None:
         self.name = name

@@ -9,8 +9,8 @@ import pytest
 from robomech_ros.errors import RobotDescriptionError, UnknownRobotError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.parallel import list_parallel, load_parallel, load_tree_description
-from robomech_ros.parallel.files import parallel_files
 from robomech_ros.robots import load_description
+from robomech_ros.robots.robot_kinds import documents_of
 
 ELEMENT = '<robot name="cell"><link name="base_link"/>{}</robot>'
 
@@ -41,7 +41,7 @@ def test_all_limbs_of_the_tree_end_where_the_platform_is(name):
 
 
 def test_robots_by_path_and_by_text():
-    path = parallel_files()["hexapod"]
+    path = documents_of("parallel")["hexapod"]
     names = load_parallel("hexapod").mechanism.joint_names
     for given in (path, str(path), path.read_text()):
         assert load_tree_description(given).mechanism.joint_names == names
@@ -87,4 +87,4 @@ def test_document_of_the_element_is_the_one_of_the_file():
     start = text.index("document='") + len("document='")
     document = json.loads(text[start : text.index("'/>", start)].replace("&quot;", '"'))
     assert document["kind"] == "parallel"
-    assert Path(parallel_files()[document["name"]]).is_file()
+    assert Path(documents_of("parallel")[document["name"]]).is_file()

@@ -6,10 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.loops import dynamics as kernels
-from robomech_ros._kernels.loops.factors import NOT_FINITE, REGULAR
-from robomech_ros.dynamics.model import surroundings
-from robomech_ros.dynamics.systems import CompiledForward, LostPostureError
-from robomech_ros.errors import NonFiniteError, RobomechError, WrongSizeError
+from robomech_ros.errors import NonFiniteError, WrongSizeError
 from robomech_ros.parallel.dynamics.model import mechanism_model, refuse
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.spatial.arrays import as_finite
@@ -56,26 +53,3 @@ def complements(mechanism: Mechanism, q: Array, rates: Array) -> tuple[Array, Ar
     if status:
         refuse(mechanism, status, q)
     return q, finite(qd), N, finite(N_dot)
-
-
-def compiled_forward(
-    mechanism: Mechanism, gravity: ArrayLike, tip_wrench: ArrayLike | None
-) -> CompiledForward:
-    """Return forward dynamics of single states without checks: accelerations into the last.
-
-    LostPostureError is raised where the posture is singular or open.
-    """
-    around = surroundings((mechanism.n,), gravity, tip_wrench)
-    loops = loop_arguments(mechanism)
-
-    def forward(q: Array, rates: Array, efforts: Array, out: Array) -> int:
-        given = q[None], rates[None], efforts[None]
-        status = int(kernels.forward(*loops, *given, around, out[None]))
-        if status not in (REGULAR, NOT_FINITE):
-            try:
-                refuse(mechanism, status, q)
-            except RobomechError as error:
-                raise LostPostureError(str(error)) from None
-        return status
-
-    return forward

@@ -73,13 +73,13 @@ def limb_totals(mechanism: Mechanism, q: Array, qd: Array) -> Array:
     return out.reshape(*q.shape[:-1], 11)
 
 
-def refuse(mechanism: Mechanism, status: int, q: Array, what: str = "q") -> None:
+def refuse(mechanism: Mechanism, status: int, q: Array) -> None:
     """Raise the error for a status of the kernels that is not 0, for joints q (..., n)."""
     if status == NO_MASS:
         expected = "bodies or rotors that resist every motion, far from singular postures"
         raise BadValueError("least inertia of the robot", 0.0, expected)
     if status == OPEN:
-        raise mechanism.open_loops(q, what)
+        raise mechanism.open_loops(q, "q")
     for k, posture in enumerate(q.reshape(-1, mechanism.n) if q.ndim > 1 else ()):
         try:
             mechanism.complement(posture)

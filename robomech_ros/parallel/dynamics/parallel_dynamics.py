@@ -9,17 +9,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.loops import dynamics as kernels
+from robomech_ros._kernels.loops.factors import NOT_FINITE, REGULAR
 from robomech_ros.dynamics import ConstrainedBodies
 from robomech_ros.dynamics.drive_control import CompiledServo, ServoLaw
 from robomech_ros.dynamics.friction import friction_model, friction_of_rates
 from robomech_ros.dynamics.model import GRAVITY, surroundings
 from robomech_ros.dynamics.systems import CompiledForward, LostPostureError
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError, RobomechError, WrongSizeError
 from robomech_ros.kinematics.posture_samples import spread_values
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.dynamics.calls import (
     as_rows,
-    compiled_forward,
     complements,
     finite,
     loop_arguments,
@@ -258,8 +258,24 @@ class ParallelDynamics:
         return finite(out)
 
     def compiled_forward(self, gravity: ArrayLike, tip_wrench: ArrayLike | None) -> CompiledForward:
-        """Return :meth:`forward` of single states without checks: accelerations into the last."""
-        return compiled_forward(self.mechanism, gravity, tip_wrench)
+        """Return :meth:`forward` of single states without checks: accelerations into the last.
+
+        LostPostureError is raised where the posture is singular or open.
+        """
+        around = surroundings((self.mechanism.n,), gravity, tip_wrench)
+        loops = loop_arguments(self.mechanism)
+
+        def forward(q: Array, rates: Array, efforts: Array, out: Array) -> int:
+            given = q[None], rates[None], efforts[None]
+            status = int(kernels.forward(*loops, *given, around, out[None]))
+            if status not in (REGULAR, NOT_FINITE):
+                try:
+                    refuse(self.mechanism, status, q)
+                except RobomechError as error:
+                    raise LostPostureError(str(error)) from None
+            return status
+
+        return forward
 
     def compiled_servo(self, plant: ParallelDynamics, law: ServoLaw) -> CompiledServo:
         """Have a controller that knows this robot drive it, or the same with a load."""

@@ -23,7 +23,6 @@ from robomech_ros.typing import Array
 _ANGULAR = 3
 # Parts of unit twists below which they are zero.
 _ROUNDING = 1e-9
-_POSES = 2048
 
 
 class ScaledMatrices(NamedTuple):
@@ -99,7 +98,7 @@ def _length_of(robot: ParallelRobot) -> float:
     motions = motions_of(robot)
     if min(motions) >= _ANGULAR or max(motions) < _ANGULAR:
         return 1.0
-    poses, q = held_poses(robot, _POSES)
+    poses, q = held_poses(robot)
     K = limbs_at(robot, poses, q).rows()[0][..., list(motions)]
     turning = np.array([k < _ANGULAR for k in motions])
     regular = are_regular(K)

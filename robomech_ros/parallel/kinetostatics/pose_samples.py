@@ -16,8 +16,8 @@ from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
 from robomech_ros.typing import Array
 
-# Points of the cube for one pose that is looked for, as many have legs outside their strokes.
-_TRIES = 64
+# Most poses, and points of the cube for each, as many have legs outside their strokes.
+_POSES, _TRIES = 2048, 64
 
 
 def size_of(robot: ParallelRobot) -> float:
@@ -35,30 +35,30 @@ def size_of(robot: ParallelRobot) -> float:
     return 2.0 * max(spread)
 
 
-def held_poses(robot: ParallelRobot, count: int) -> tuple[Array, Array]:
-    """Spread up to count poses (k, 4, 4) evenly, always the same ones, with their drives (k, m).
+def held_poses(robot: ParallelRobot) -> tuple[Array, Array]:
+    """Spread 2,048 poses (k, 4, 4) at most evenly, always the same ones, with their drives (k, m).
 
     The poses are within strokes and cones, and the drives within limits.
     """
     if isinstance(robot, StewartGough | Planar3RPR):
-        return _on_legs(robot, count)
+        return _on_legs(robot)
     low, high = robot.limits.T
-    cube = (0.5 + np.arange(count)[:, None] * low_discrepancy_strides(3)) % 1.0
+    cube = (0.5 + np.arange(_POSES)[:, None] * low_discrepancy_strides(3)) % 1.0
     poses, values = [], []
     for q in low + cube * (high - low):
         found = robot.direct(q).poses
         poses += list(found)
         values += [q] * len(found)
-    kept = slice(0, count)
+    kept = slice(0, _POSES)
     return np.array(poses[kept]).reshape(-1, 4, 4), np.array(values[kept]).reshape(-1, 3)
 
 
-def _on_legs(robot: StewartGough | Planar3RPR, count: int) -> tuple[Array, Array]:
+def _on_legs(robot: StewartGough | Planar3RPR) -> tuple[Array, Array]:
     planar = isinstance(robot, Planar3RPR)
     turns = 1 if planar else 3
     dimension = robot.base_points.shape[1] + turns
     strides = low_discrepancy_strides(dimension)
-    cube = 2.0 * ((0.5 + np.arange(count * _TRIES)[:, None] * strides) % 1.0) - 1.0
+    cube = 2.0 * ((0.5 + np.arange(_POSES * _TRIES)[:, None] * strides) % 1.0) - 1.0
     centre = robot.base_points.mean(axis=0) + size_of(robot) * cube[:, turns:]
     if planar:
         T = pose_about_z(np.column_stack((centre, np.pi * cube[:, 0])))
@@ -74,5 +74,5 @@ def _on_legs(robot: StewartGough | Planar3RPR, count: int) -> tuple[Array, Array
         inside &= ((lengths >= low) & (lengths <= high)).all(axis=1)
     if isinstance(robot, StewartGough):
         inside &= (robot.cone_margins(T) <= 0.0).all(axis=(1, 2))
-    kept = np.flatnonzero(inside)[:count]
+    kept = np.flatnonzero(inside)[:_POSES]
     return T[kept], lengths[kept]

@@ -17,7 +17,7 @@ from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.typing import Array, IntArray
 
-_ANGULAR = 3
+_ANGULAR, _LINEAR = slice(0, 3), slice(3, 6)
 # Least part of a limb in forces that balance each other, of their norm 1.
 _TAKES_PART = 1e-4
 
@@ -161,11 +161,11 @@ def loop_singularity(
         length=found.length,
         dexterity=index,
         condition_number=1.0 / index if index else math.inf,
-        lost_directions=_twists(lost, motions, L),
-        idle_wrenches=_wrenches(lost, motions, L),
+        lost_directions=_six_entries(lost, motions, L, _LINEAR),
+        idle_wrenches=_six_entries(lost, motions, L, _ANGULAR),
         self_motions=np.eye(len(values))[at_end],
-        free_directions=_twists(free, motions, L),
-        unresisted_wrenches=_wrenches(free, motions, L),
+        free_directions=_six_entries(free, motions, L, _LINEAR),
+        unresisted_wrenches=_six_entries(free, motions, L, _ANGULAR),
         internal_forces=forces,
         limbs=limbs,
         summary=_summary(limbs, always, len(lost), len(free)),
@@ -180,17 +180,10 @@ def _row_space(rows: Array) -> Array:
     return np.asarray(basis[values > RANK * values[0]])
 
 
-def _twists(scaled: Array, motions: Array, length: float) -> Array:
-    """Return twists (k, 6) of rows (k, m) whose linear part is divided by the length."""
+def _six_entries(scaled: Array, motions: Array, length: float, part: slice) -> Array:
+    """Return rows (k, 6) of rows (k, m) of which a part is divided by the length."""
     out = np.asarray(scaled @ motions.T)
-    out[:, _ANGULAR:] *= length
-    return out
-
-
-def _wrenches(scaled: Array, motions: Array, length: float) -> Array:
-    """Return wrenches (k, 6) of rows (k, m) whose moment is divided by the length."""
-    out = np.asarray(scaled @ motions.T)
-    out[:, :_ANGULAR] *= length
+    out[:, part] *= length
     return out
 
 

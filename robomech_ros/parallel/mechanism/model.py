@@ -232,8 +232,7 @@ class Mechanism(LoopMotion):
             return found
         rows = [joints_of_mode(self.limbs, self.loops, pose, given) for pose in found.poses]
         q = np.array(rows).reshape(-1, self.n)
-        fields = ("poses", "multiplicity", "complete", "family", "status", "reason", "errors")
-        return AssemblyModes(**{key: getattr(found, key) for key in fields}, q=q)
+        return AssemblyModes(**vars(found), q=q)
 
     def home(self) -> Array:
         """Return the posture to begin with: of those offered, the first one furthest from singular.

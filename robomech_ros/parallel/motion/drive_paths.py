@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.outcomes import Code
+from robomech_ros.parallel.argument_checks import actuated
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.motion.singularity_check import named_singularity, singular_values
 from robomech_ros.spatial.arrays import as_finite, real_number
@@ -120,15 +121,13 @@ def follow_drives(
     return DrivePath(rows, status, reason, highest)
 
 
-def require_closed(mechanism: Mechanism, q: ArrayLike, what: str = "start") -> Array:
-    """Check a posture (n,): its loops are closed, to rounding of messages."""
+def require_closed(mechanism: Mechanism, start: ArrayLike) -> Array:
+    """Check a posture (n,) to start from: its loops are closed, to rounding of messages."""
     if not isinstance(mechanism, Mechanism):
         raise BadValueError("mechanism", mechanism, "a Mechanism")
-    posture = as_finite(what, q, (mechanism.n,))
-    if posture.shape != (mechanism.n,):
-        raise WrongSizeError(what, posture.shape, (mechanism.n,))
+    posture = actuated("start", start, mechanism.n)
     if mechanism.loop_errors(posture).max() > OPEN:
-        raise mechanism.open_loops(posture, what, f"loops closed to {OPEN:g}")
+        raise mechanism.open_loops(posture, "start", f"loops closed to {OPEN:g}")
     return posture
 
 

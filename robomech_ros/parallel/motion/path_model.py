@@ -100,13 +100,12 @@ class MechanismPathModel:
 
     def _singular_limb(self, q: Array) -> int | None:
         """Find the limb that is stretched, folded or otherwise singular in a posture (n,)."""
-        worst, found, start = _SINGULAR_LIMB, None, 0
+        worst, found = _SINGULAR_LIMB, None
         scale = np.repeat([1.0, 1.0 / self.mechanism.size], 3)[:, None]
         for k, limb in enumerate(self.mechanism.limbs):
             slides = np.array(limb.chain.units) == "m"
-            J = scale * jacobian(limb.chain, q[start : start + limb.chain.n])
+            J = scale * jacobian(limb.chain, q[self.mechanism.loops.joints_of(k)])
             values = np.linalg.svd(J * np.where(slides, self.mechanism.size, 1.0), compute_uv=False)
-            start += limb.chain.n
             condition = values[0] / values[-1] if values[-1] > 0.0 else np.inf
             if condition > worst:
                 worst, found = float(condition), k

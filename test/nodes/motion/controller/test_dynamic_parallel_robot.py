@@ -17,8 +17,8 @@ from robomech_ros.nodes.joint_trajectory_controller.dynamic_plant import Dynamic
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 from robomech_ros.parallel import ParallelDynamics, load_parallel
-from robomech_ros.parallel.files import parallel_files
 from robomech_ros.robots import Body
+from robomech_ros.robots.robot_kinds import documents_of
 
 CLOSED = 1e-10
 
@@ -87,7 +87,7 @@ def test_what_would_cross_a_singularity_is_refused(platform):
 
 
 def test_a_robot_without_bodies_is_refused(graph, tmp_path):
-    document = yaml.safe_load(parallel_files()["planar_3rrr"].read_text())
+    document = yaml.safe_load(documents_of("parallel")["planar_3rrr"].read_text())
     del document["bodies"]
     path = tmp_path / "bare.yaml"
     path.write_text(yaml.safe_dump(document))
