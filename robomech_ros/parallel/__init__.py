@@ -52,11 +52,6 @@ if TYPE_CHECKING:
     from robomech_ros.parallel.mechanism.limb import Limb as Limb
     from robomech_ros.parallel.mechanism.model import Mechanism as Mechanism
     from robomech_ros.parallel.mechanism.parts import LinkBodies as LinkBodies
-    from robomech_ros.parallel.mechanism.result import (
-        AssemblyModes as AssemblyModes,
-        LoopClosure as LoopClosure,
-        MechanismPostures as MechanismPostures,
-    )
     from robomech_ros.parallel.motion.drive_paths import (
         DrivePath as DrivePath,
         follow_drives as follow_drives,
@@ -69,9 +64,12 @@ if TYPE_CHECKING:
     )
     from robomech_ros.parallel.planar import Planar3RPR as Planar3RPR, Planar3RRR as Planar3RRR
     from robomech_ros.parallel.result import (
+        AssemblyModes as AssemblyModes,
         DirectKinematicsResult as DirectKinematicsResult,
         FollowedPose as FollowedPose,
         LimbPostures as LimbPostures,
+        LoopClosure as LoopClosure,
+        MechanismPostures as MechanismPostures,
     )
     from robomech_ros.parallel.spherical import Spherical3RRR as Spherical3RRR
     from robomech_ros.parallel.stewart_gough import StewartGough as StewartGough
@@ -103,12 +101,14 @@ __getattr__, __all__ = lazy_exports(
         "mechanism.limb": "Limb",
         "mechanism.model": "Mechanism",
         "mechanism.parts": "LinkBodies",
-        "mechanism.result": "AssemblyModes LoopClosure MechanismPostures",
         "motion.drive_paths": "DrivePath follow_drives",
         "motion.path_model": "MechanismPathModel",
         "motion.planning": "DrivePlan plan_drives plan_platform",
         "planar": "Planar3RPR Planar3RRR",
-        "result": "DirectKinematicsResult FollowedPose LimbPostures",
+        "result": (
+            "AssemblyModes DirectKinematicsResult FollowedPose LimbPostures LoopClosure "
+            "MechanismPostures"
+        ),
         "spherical": "Spherical3RRR",
         "stewart_gough": "StewartGough",
         "tree_description": "DescribedRobot load_tree_description",

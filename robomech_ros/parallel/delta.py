@@ -13,7 +13,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.argument_checks import actuated, angle_limits, positive, translation_only
 from robomech_ros.parallel.limbs import Limb, postures
-from robomech_ros.parallel.mechanism.delta_limbs import delta_limbs
+from robomech_ros.parallel.mechanism.closed_form_limbs import delta_limbs
 from robomech_ros.parallel.mechanism.limb import checked_drive_limits
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.mechanism.parts import LinkBodies

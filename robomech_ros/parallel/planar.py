@@ -19,11 +19,11 @@ from robomech_ros.parallel.argument_checks import (
     positive,
 )
 from robomech_ros.parallel.limbs import planar_limb, postures
+from robomech_ros.parallel.mechanism.closed_form_limbs import folding_limbs, sliding_limbs
 from robomech_ros.parallel.mechanism.home_poses import planar_homes
 from robomech_ros.parallel.mechanism.limb import checked_drive_limits
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.mechanism.parts import LinkBodies
-from robomech_ros.parallel.mechanism.planar_limbs import folding_limbs, sliding_limbs
 from robomech_ros.parallel.mode_order import modes_found, nearest_first
 from robomech_ros.parallel.platform_geometry import checked_points, checked_strokes
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures

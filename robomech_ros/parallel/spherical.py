@@ -12,11 +12,11 @@ from robomech_ros._kernels.parallel.spherical import spherical_modes
 from robomech_ros.errors import BadValueError
 from robomech_ros.parallel.argument_checks import actuated, angle_limits, rotation_only, unit_axes
 from robomech_ros.parallel.limbs import postures, turning_limb
+from robomech_ros.parallel.mechanism.closed_form_limbs import spherical_limbs
 from robomech_ros.parallel.mechanism.home_poses import spherical_homes
 from robomech_ros.parallel.mechanism.limb import checked_drive_limits
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.mechanism.parts import LinkBodies
-from robomech_ros.parallel.mechanism.spherical_limbs import spherical_limbs
 from robomech_ros.parallel.mode_order import modes_found, nearest_first
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
 from robomech_ros.spatial.arrays import as_finite

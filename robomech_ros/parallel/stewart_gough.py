@@ -41,7 +41,7 @@ _TYPICAL = 2.0
 class StewartGough:
     r"""A platform on six legs: :math:`|p + R b_i - a_i| = L_i`.
 
-    All methods raise BadValueError, WrongSizeError or NonFiniteError where poses are none.
+    Poses T of its methods are ``T_base_platform`` (m), shape (..., 4, 4).
 
     Parameters
     ----------
@@ -139,11 +139,6 @@ class StewartGough:
     def inverse(self, T: ArrayLike) -> Array:
         r"""Find the leg lengths for a pose: :math:`L_i = |p + R b_i - a_i|`.
 
-        Parameters
-        ----------
-        T : array_like, shape (..., 4, 4)
-            ``T_base_platform`` (m).
-
         Returns
         -------
         ndarray, shape (..., 6)
@@ -156,17 +151,9 @@ class StewartGough:
         return out.reshape(*poses.shape[:-2], 6)
 
     def excess(self, lengths: ArrayLike) -> Array:
-        """Say by how much leg lengths are outside the strokes.
+        """Say by how much leg lengths (..., 6) are outside the strokes (m).
 
-        Parameters
-        ----------
-        lengths : array_like, shape (..., 6)
-            In m.
-
-        Returns
-        -------
-        ndarray, shape (..., 6)
-            Positive where a leg is too long, negative where it is too short (m), else 0.
+        That is positive where a leg is too long, negative where it is too short, else 0.
         """
         given = as_finite("lengths", lengths, (6,))
         if self.strokes is None:
@@ -179,11 +166,6 @@ class StewartGough:
 
     def cone_margins(self, T: ArrayLike) -> Array:
         """Say how far joints at the ends of the legs bend beyond their cones in poses.
-
-        Parameters
-        ----------
-        T : array_like, shape (..., 4, 4)
-            ``T_base_platform`` (m).
 
         Returns
         -------
@@ -267,11 +249,6 @@ class StewartGough:
 
     def jacobian(self, T: ArrayLike) -> Array:
         r"""Find K of :math:`K t = \dot L`: rows :math:`[(R b_i \times n_i)^T, n_i^T]`.
-
-        Parameters
-        ----------
-        T : array_like, shape (..., 4, 4)
-            ``T_base_platform`` (m).
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""A mechanism with its bodies, laid out for the kernels."""
+"""A mechanism with its bodies and in some states, checked and laid out for the kernels."""
 
 from __future__ import annotations
 
@@ -6,16 +6,25 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.dynamics.layout import MASS, MODEL_WIDTH, ROTOR
 from robomech_ros._kernels.dynamics.mass import totals
+from robomech_ros._kernels.loops import dynamics as kernels
 from robomech_ros._kernels.loops.dynamics import NO_MASS, OPEN
 from robomech_ros.dynamics.model import body_rows
-from robomech_ros.errors import BadValueError, MissingInertiaError, SingularPostureError
+from robomech_ros.errors import (
+    BadValueError,
+    MissingInertiaError,
+    NonFiniteError,
+    SingularPostureError,
+    WrongSizeError,
+)
 from robomech_ros.parallel.mechanism.loops import refuse_status
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combine_bodies
-from robomech_ros.typing import Array
+from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.typing import Array, IntArray
 
 
 def platform_body(mechanism: Mechanism) -> Body:
@@ -86,3 +95,45 @@ def refuse(mechanism: Mechanism, status: int, q: Array) -> None:
         except SingularPostureError as error:
             raise SingularPostureError(f"posture[{k}]", posture, error.expected) from None
     refuse_status(status, q)
+
+
+def as_rows(array: Array) -> Array:
+    """Flatten the batch axes to one."""
+    return array.reshape(-1, array.shape[-1])
+
+
+def finite(result: Array) -> Array:
+    """Return a result, or raise NonFiniteError where the arguments are too large for one."""
+    if not np.isfinite(result).all():
+        raise NonFiniteError("result", result)
+    return result
+
+
+def loop_arguments(mechanism: Mechanism) -> tuple[Array, IntArray, IntArray, float]:
+    """Return model, starts, drives and scale, as the kernels name them."""
+    return mechanism_model(mechanism), *mechanism.loops.chains[1:]
+
+
+def states(mechanism: Mechanism, q: ArrayLike, **of_drives: ArrayLike) -> list[Array]:
+    """Return joints (..., n), and what belongs to the drives (..., m), with the same batch."""
+    joints = np.ascontiguousarray(as_finite("q", q, (mechanism.n,)))
+    found, shape = [joints], (*joints.shape[:-1], mechanism.dof)
+    for what, value in of_drives.items():
+        array = np.ascontiguousarray(as_finite(what, value, (mechanism.dof,)))
+        if array.shape != shape:
+            raise WrongSizeError(what, array.shape, shape)
+        found.append(array)
+    return found
+
+
+def complements(mechanism: Mechanism, q: Array, rates: Array) -> tuple[Array, Array, Array, Array]:
+    """Return q, the rates of all joints (..., n), N (..., n, m) and its rate."""
+    n, m = mechanism.n, mechanism.dof
+    N, N_dot = np.empty((2, *q.shape[:-1], n, m))
+    qd = np.empty(q.shape)
+    out = N.reshape(-1, n, m), N_dot.reshape(-1, n, m), as_rows(qd)
+    given = as_rows(q), as_rows(rates)
+    status = kernels.complements(*loop_arguments(mechanism), *given, *out)
+    if status:
+        refuse(mechanism, status, q)
+    return q, finite(qd), N, finite(N_dot)

@@ -18,20 +18,22 @@ from robomech_ros.dynamics.systems import CompiledForward, LostPostureError
 from robomech_ros.errors import BadValueError, RobomechError, WrongSizeError
 from robomech_ros.kinematics.posture_samples import spread_values
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel.dynamics.calls import (
-    as_rows,
-    complements,
-    finite,
-    loop_arguments,
-    states,
-)
 from robomech_ros.parallel.dynamics.complement import (
     JointReactions,
     bodies_in_motion,
     joint_reactions,
 )
 from robomech_ros.parallel.dynamics.drive_control import loop_servo
-from robomech_ros.parallel.dynamics.model import limb_totals, platform_body, refuse
+from robomech_ros.parallel.dynamics.model import (
+    as_rows,
+    complements,
+    finite,
+    limb_totals,
+    loop_arguments,
+    platform_body,
+    refuse,
+    states,
+)
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combine_bodies
 from robomech_ros.spatial.arrays import as_finite

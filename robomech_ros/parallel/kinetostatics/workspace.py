@@ -306,8 +306,9 @@ def _ends(
         found = verdict(rays, places)
         ended = found != ""
         beyond[rays[ended]], causes[rays[ended]] = places[ended], found[ended]
-        near[rays[~ended]] = places[~ended]
-        return rays[~ended]
+        going_on: IntArray = rays[~ended]
+        near[going_on] = places[~ended]
+        return going_on
 
     rays = np.arange(count)
     for k in range(1, _SAMPLES + 1):

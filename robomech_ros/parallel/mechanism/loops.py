@@ -12,7 +12,7 @@ from robomech_ros._kernels.loops import loop_closure, rates
 from robomech_ros._kernels.loops.factors import FREE, NOT_FINITE
 from robomech_ros.errors import NonFiniteError, SingularPostureError
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel.mechanism.result import LoopClosure
+from robomech_ros.parallel.result import LoopClosure
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.typing import Array, IntArray

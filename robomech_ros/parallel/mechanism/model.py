@@ -23,11 +23,10 @@ from robomech_ros.parallel.mechanism.mobility import check_drives
 from robomech_ros.parallel.mechanism.motion import LoopMotion
 from robomech_ros.parallel.mechanism.parts import LinkBodies, limbs_with_parts
 from robomech_ros.parallel.mechanism.postures import joints_of_mode, limb_postures
-from robomech_ros.parallel.mechanism.result import AssemblyModes, MechanismPostures
 from robomech_ros.parallel.mechanism.search import AssemblySearch
 from robomech_ros.parallel.mechanism.shapes import shapes_of_limbs
 from robomech_ros.parallel.mechanism.tree import LIMITS, tree_of_limbs
-from robomech_ros.parallel.result import DirectKinematicsResult
+from robomech_ros.parallel.result import AssemblyModes, DirectKinematicsResult, MechanismPostures
 from robomech_ros.robots import Body, RobotDescription
 from robomech_ros.typing import Array
 
@@ -160,27 +159,15 @@ class Mechanism(LoopMotion):
     def urdf(self) -> str:
         """Write the tree as a URDF.
 
-        Returns
-        -------
-        str
-            The document.  The last link of each limb but the first has no body: it is where the
-            platform is.
+        The last link of each limb but the first has no body: it is where the platform is.
         """
         return self.description.document
 
     def limit_margin(self, q: ArrayLike) -> Array:
-        """Say how far joints are from their limits, cones of passive joints included.
+        """Say how far joints (..., n) are from their limits (rad or m), cones included.
 
-        Parameters
-        ----------
-        q : array_like, shape (..., n)
-            All joints (rad or m).
-
-        Returns
-        -------
-        ndarray, shape (..., n)
-            rad or m, negative outside, infinite without limits; how far a joint may still bend
-            in its cone is said of the first of its two joints.
+        That is negative outside, and infinite without limits; how far a joint may still bend in its
+        cone is said of the first of its two joints.
         """
         return limit_margins(self._all_joints("q", q), self, *self.bent)
 
@@ -235,13 +222,7 @@ class Mechanism(LoopMotion):
         return AssemblyModes(**vars(found), q=q)
 
     def home(self) -> Array:
-        """Return the posture to begin with: of those offered, the first one furthest from singular.
-
-        Returns
-        -------
-        ndarray, shape (n,)
-            All joints (rad or m).
-        """
+        """Return the posture (n,) to begin with: the first one furthest from singular."""
         return self._home.copy()
 
     def midway_postures(self, ends: Array) -> Array:

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from robomech_ros.errors import LoopClosureError
 from robomech_ros.parallel.argument_checks import actuated as checked_drives
 from robomech_ros.parallel.mechanism.loops import Loops
-from robomech_ros.parallel.mechanism.result import LoopClosure
+from robomech_ros.parallel.result import LoopClosure
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.typing import Array
 
@@ -16,8 +16,8 @@ from robomech_ros.typing import Array
 class LoopMotion:
     """Positions and motion of the joints of closed loops.
 
-    All methods raise WrongSizeError or NonFiniteError where joints are not n finite numbers.  Those
-    of velocities and accelerations raise what :meth:`rates` does.
+    Joint values q, shape (..., n), are those of all joints (rad or m).  Methods of velocities and
+    accelerations take such that close all loops, and raise what :meth:`rates` does.
 
     Parameters
     ----------
@@ -31,47 +31,20 @@ class LoopMotion:
         self.loops, self.n, self.dof = loops, n, dof
 
     def pose(self, q: ArrayLike) -> Array:
-        """Compute the pose of the platform, by the joints of the first limb.
-
-        Parameters
-        ----------
-        q : array_like, shape (..., n)
-            All joints (rad or m).
-
-        Returns
-        -------
-        ndarray, shape (..., 4, 4)
-            ``T_base_platform`` (m).
-        """
+        """Compute ``T_base_platform`` (..., 4, 4) (m), by the joints of the first limb."""
         return np.ascontiguousarray(self.limb_poses(q)[..., 0, :, :])
 
     def limb_poses(self, q: ArrayLike) -> Array:
         """Compute where each limb holds the platform: the same pose where all loops are closed.
 
-        Parameters
-        ----------
-        q : array_like, shape (..., n)
-            All joints (rad or m).
-
-        Returns
-        -------
-        ndarray, shape (..., limbs, 4, 4)
-            In the base (m).
+        The poses (..., limbs, 4, 4) are in the base (m).
         """
         return self.loops.limb_poses(self._all_joints("q", q))
 
     def loop_errors(self, q: ArrayLike) -> Array:
         """Measure how far each limb holds the platform from where the first one does.
 
-        Parameters
-        ----------
-        q : array_like, shape (..., n)
-            All joints (rad or m).
-
-        Returns
-        -------
-        ndarray, shape (..., limbs, 2)
-            Distance (m) and angle (rad); 0 for the first limb.
+        They are distances (m) and angles (rad), (..., limbs, 2); 0 for the first limb.
         """
         poses = self.limb_poses(q)
         away = poses - poses[..., :1, :, :]
@@ -115,7 +88,6 @@ class LoopMotion:
         Parameters
         ----------
         q : array_like, shape (..., n)
-            All joints (rad or m), loops closed.
         actuated_rates : array_like, shape (..., m)
             Of the drives (rad/s or m/s).
 
@@ -137,16 +109,7 @@ class LoopMotion:
         return qd[..., 0], twist[..., 0]
 
     def complement(self, q: ArrayLike) -> Array:
-        """Compute the natural orthogonal complement of the loops: ``qd = N qd_actuated``.
-
-        Parameters
-        ----------
-        q : array_like, shape (..., n)
-            All joints (rad or m), loops closed.
-
-        Returns
-        -------
-        ndarray, shape (..., n, m)
+        """Compute the complement N (..., n, m) of the loops: ``qd = N qd_actuated``.
 
         References
         ----------
@@ -155,17 +118,9 @@ class LoopMotion:
         return self.loops.rates(self._all_joints("q", q), np.eye(self.dof))[0]
 
     def twist_matrix(self, q: ArrayLike) -> Array:
-        """Compute the twist of the platform for rates of the drives, as a matrix.
+        """Compute the map (..., 6, m) from rates of the drives to the twist of the platform.
 
-        Parameters
-        ----------
-        q : array_like, shape (..., n)
-            All joints (rad or m), loops closed.
-
-        Returns
-        -------
-        ndarray, shape (..., 6, m)
-            Angular rows first, in the base.
+        Angular rows are first, in the base.
         """
         return self.loops.rates(self._all_joints("q", q), np.eye(self.dof))[1]
 

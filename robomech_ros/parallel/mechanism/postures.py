@@ -11,7 +11,7 @@ import numpy as np
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.mechanism.limb import Limb, LimbBranches
 from robomech_ros.parallel.mechanism.loops import Loops
-from robomech_ros.parallel.mechanism.result import MechanismPostures
+from robomech_ros.parallel.result import MechanismPostures
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.typing import Array
 

@@ -7,8 +7,8 @@ import numpy as np
 from robomech_ros._kernels.loops.searching import search
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.mechanism.loops import Loops
-from robomech_ros.parallel.mechanism.result import AssemblyModes
 from robomech_ros.parallel.mode_order import nearest_order
+from robomech_ros.parallel.result import AssemblyModes
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.typing import Array, IntArray
