@@ -19,6 +19,7 @@ from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.mechanism.parts import LinkBodies
 from robomech_ros.parallel.mode_order import nearest_first
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
+from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array
 
 _FAMILY = "delta"
@@ -150,9 +151,9 @@ class Delta:
         near = None if seed is None else translation_only(seed)
         points, report = np.empty((2, 3)), np.empty(1)
         count = kernels.delta_points(self._geometry, self.azimuths, given, points, report)
-        multiplicity = np.ones(max(count, 0), np.int64)
-        poses = np.tile(np.eye(4), (max(count, 0), 1, 1))
-        poses[:, :3, 3] = points[: max(count, 0)]
+        points = points[: max(count, 0)]
+        points = points[np.argsort(points[:, 2], kind="stable")]
+        multiplicity = np.ones(len(points), np.int64)
         status, reason = Code.NONE, ""
         if count < 0:
             status = Code.SINGULAR_CONTINUUM
@@ -164,28 +165,17 @@ class Delta:
         elif count == 1:
             multiplicity[0] = 2
             reason = "1 pose is singular: assembly modes meet there"
-        order = np.argsort(poses[:, 2, 3], kind="stable")
+        poses = assembled(np.broadcast_to(np.eye(3), (len(points), 3, 3)), points)
+        errors = self._errors(points, given)
         found = DirectKinematicsResult(
-            poses[order],
-            multiplicity,
-            count >= 0,
-            self.family,
-            status,
-            reason,
-            self._errors(poses[order, :3, 3], given),
+            poses, multiplicity, count >= 0, self.family, status, reason, errors
         )
-        if near is None:
-            return found
-        T = np.eye(4)
-        T[:3, 3] = near
-        return nearest_first(found, T, 1.0)
+        return found if near is None else nearest_first(found, assembled(np.eye(3), near), 1.0)
 
     def _errors(self, points: Array, q: Array) -> Array:
         """Return by how much forearms miss their length (k,), m."""
         out = self.base_radius - self.platform_radius + self.arm * np.cos(q)
-        centres = np.stack(
-            (out * np.cos(self.azimuths), out * np.sin(self.azimuths), -self.arm * np.sin(q)),
-            axis=1,
-        )
+        x, y = out * np.cos(self.azimuths), out * np.sin(self.azimuths)
+        centres = np.stack((x, y, -self.arm * np.sin(q)), axis=1)
         lengths = np.linalg.norm(points[:, None] - centres, axis=2)
         return np.asarray(np.abs(lengths - self.forearm).max(axis=1, initial=0.0))

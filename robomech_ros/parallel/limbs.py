@@ -51,7 +51,7 @@ def planar_limb(x: float, y: float, proximal: float, distal: float) -> Limb:
     cosine = (reach * reach + proximal * proximal - distal * distal) / (2.0 * reach * proximal)
     if abs(cosine) > 1.0 + _ROUNDING:
         return Limb((), max(reach - size, abs(proximal - distal) - reach))
-    half, middle = math.acos(max(-1.0, min(1.0, cosine))), math.atan2(y, x)
+    half, middle = _acos(cosine), math.atan2(y, x)
     return Limb((wrapped(middle - half), wrapped(middle + half)))
 
 
@@ -68,14 +68,17 @@ def turning_limb(base: Array, middle: Array, target: Array, angle: float) -> Lim
     if size <= _ROUNDING:
         if abs(d) <= 1e-12:
             return Limb((), any_angle=True)
-        return Limb((), abs(math.acos(max(-1.0, min(1.0, along * float(base @ target)))) - angle))
+        return Limb((), abs(_acos(along * float(base @ target)) - angle))
     if abs(d) > size + _ROUNDING:
-        first = math.acos(max(-1.0, min(1.0, along)))
-        second = math.acos(max(-1.0, min(1.0, float(base @ target))))
+        first, second = _acos(along), _acos(float(base @ target))
         far = min(first + second, 2.0 * math.pi - first - second)
         return Limb((), max(abs(first - second) - angle, angle - far))
-    half, centre = math.acos(max(-1.0, min(1.0, d / size))), math.atan2(b, a)
+    half, centre = _acos(d / size), math.atan2(b, a)
     return Limb((wrapped(centre - half), wrapped(centre + half)))
+
+
+def _acos(cosine: float) -> float:
+    return math.acos(max(-1.0, min(1.0, cosine)))
 
 
 def wrapped(angle: float) -> float:

@@ -252,18 +252,16 @@ def _explored(
     # Postures of a mechanism are followed along each direction, from the last place that it takes.
     last, reached = np.tile(first.q[0], (len(rays), 1)), np.zeros(len(rays))
 
-    def limits(which: IntArray, distances: Array) -> PoseLimits:
-        if not isinstance(robot, Mechanism):
-            return limits_at(robot, _poses(centre, turns, rays[which], distances), mode)
-        rows = []
-        for k, end in zip(which, distances.tolist(), strict=True):
-            way = partial(_pose, centre, turns, rays[k])
-            rows.append(followed(robot, way, reached[k], end, last[k]))
-        return together(rows, robot.n)
-
     def verdict(which: IntArray, distances: Array) -> NDArray[np.str_]:
         poses = _poses(centre, turns, rays[which], distances)
-        found = limits(which, distances)
+        if isinstance(robot, Mechanism):
+            rows = []
+            for k, end in zip(which, distances.tolist(), strict=True):
+                way = partial(_pose, centre, turns, rays[k])
+                rows.append(followed(robot, way, reached[k], end, last[k]))
+            found = together(rows, robot.n)
+        else:
+            found = limits_at(robot, poses, mode)
         cause = found.cause.astype(_CAUSE)
         if sided:
             kept = np.flatnonzero(found.inside)

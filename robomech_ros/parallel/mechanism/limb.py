@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from robomech_ros.typing import Array, IntArray
 
 # Errors (m, rad) of a pose that a chain holds.
 _HELD = 1e-9
+_DRIVE_LIMITS = ("velocity", "acceleration", "jerk", "effort")
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,19 +114,16 @@ class Limb:
 
     def _by_chain(self, T: Array, drives: Array | None) -> LimbBranches:
         found = inverse_kinematics(self.chain, T, respect_limits=False)
-        if found.status == Status.SINGULAR_CONTINUUM:
-            return LimbBranches(found.q, tuple(map(str, range(1, len(found.q) + 1))), 0.0, True)
-        held = (found.position_error <= _HELD) & (found.orientation_error <= _HELD)
-        if held.any():
-            names = tuple(map(str, range(1, int(held.sum()) + 1)))
-            return LimbBranches(found.q[held], names)
-        nothing = np.empty((0, self.chain.n))
         misses = np.maximum(found.position_error, found.orientation_error)
+        continuum = found.status == Status.SINGULAR_CONTINUUM
+        q = found.q if continuum else found.q[misses <= _HELD]
+        if continuum or len(q):
+            return LimbBranches(q, tuple(map(str, range(1, len(q) + 1))), continuum=continuum)
         excess = float(misses.min(initial=np.inf))
         # Solutions that miss the pose are those of least squares.
         missed = found.status == Status.SUCCESS
         code = Code.OUT_OF_REACH if missed else Code[found.status.name]
-        return LimbBranches(nothing, (), excess, code=code, reason=found.reason)
+        return LimbBranches(q, (), excess, code=code, reason=found.reason)
 
 
 def limit_margins(q: Array, limits: Any, at: IntArray, angles: Array) -> Array:
@@ -161,18 +160,15 @@ class Axis:
 
 def chain_of_axes(name: str, axes: Sequence[Axis], T: Array, tip: str) -> SerialChain:
     """Make a chain of a robot from the axes of its joints, all at zero, and ``T_base_tip`` (m)."""
-    frames = np.array(
-        [assembled(rotation_from_z(one.direction)[:3, :3], one.point) for one in axes]
-    )
-    steps = [frames[0]]
-    steps += [rigid_inverse(a) @ b for a, b in zip(frames, [*frames[1:], T], strict=True)]
+    frames = [assembled(rotation_from_z(one.direction)[:3, :3], one.point) for one in axes]
+    steps = [frames[0], *(rigid_inverse(a) @ b for a, b in pairwise([*frames, T]))]
     types = np.array([one.slides for one in axes], np.int64)
     links = ["base_link", *(one.link for one in axes)]
     along = [
         LinkFrame(link, i, np.eye(4), links[i - 1] if i else "") for i, link in enumerate(links)
     ]
     along.append(LinkFrame(tip, len(axes), steps[-1], links[-1]))
-    nothing = np.full(len(axes), np.nan)
+    unknown: dict[str, Any] = dict.fromkeys(_DRIVE_LIMITS, np.full(len(axes), np.nan))
     return SerialChain(
         name=name,
         base="base_link",
@@ -182,15 +178,9 @@ def chain_of_axes(name: str, axes: Sequence[Axis], T: Array, tip: str) -> Serial
         packed=pack_chain(np.array(steps), types),
         lower=np.array([one.limits[0] for one in axes]),
         upper=np.array([one.limits[1] for one in axes]),
-        velocity=nothing,
-        acceleration=nothing,
-        jerk=nothing,
-        effort=nothing,
         frames=tuple(along),
+        **unknown,
     )
-
-
-_DRIVE_LIMITS = ("velocity", "acceleration", "jerk", "effort")
 
 
 def checked_drive_limits(

@@ -39,10 +39,9 @@ def limb_postures(
     if excess.any():
         worst = int(np.argmax(excess))
         unit = "m" if np.any(limbs[worst].chain.packed[:, 10:]) else "rad"
-        reason = f"limb {worst + 1} misses the pose by {excess[worst]:.3g} {unit}"
-        if found[worst].reason:
-            reason = f"limb {worst + 1}: {found[worst].reason}"
-        return nothing(found[worst].code, reason)
+        why = found[worst].reason
+        reason = f": {why}" if why else f" misses the pose by {excess[worst]:.3g} {unit}"
+        return nothing(found[worst].code, f"limb {worst + 1}{reason}")
     for i, one in enumerate(found):
         if not len(one.q):
             reason = f"joints of limb {i + 1} can move while the platform stays"
