@@ -119,11 +119,6 @@ class Delta:
         -------
         LimbPostures
             The branch ``-`` has its elbow outwards.
-
-        Raises
-        ------
-        BadValueError
-            Not a place that a platform without rotation can have.
         """
         point = translation_only(T)
         angles, excess = np.empty((3, 2)), np.empty(3)

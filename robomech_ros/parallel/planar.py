@@ -126,11 +126,6 @@ class Planar3RPR(_Planar):
         ----------
         T : array_like, shape (4, 4) or (3,)
             ``T_base_platform`` in the plane z = 0, or x, y (m) and the angle (rad).
-
-        Raises
-        ------
-        BadValueError
-            Not a pose in the plane.
         """
         return np.asarray(np.linalg.norm(self._corners(T) - self.base_points, axis=1))
 
@@ -143,11 +138,6 @@ class Planar3RPR(_Planar):
             In m, within the strokes.
         seed : array_like, shape (4, 4) or (3,), optional
             A pose: the nearest one comes first.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError
-            Not three positive lengths within the strokes.
         """
         given = actuated("lengths", lengths, 3)
         for leg, length in enumerate(given.tolist()):
@@ -225,11 +215,6 @@ class Planar3RRR(_Planar):
             ``T_base_platform`` in the plane z = 0, or x, y (m) and the angle (rad).
         seed : array_like, shape (3,), optional
             Angles (rad): the nearest posture comes first.
-
-        Raises
-        ------
-        BadValueError
-            Not a pose in the plane.
         """
         to_corners = (self._corners(T) - self.base_points).tolist()
         limbs = [

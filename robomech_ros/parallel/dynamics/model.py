@@ -11,8 +11,17 @@ from numpy.typing import ArrayLike
 from robomech_ros._kernels.dynamics.layout import MASS, MODEL_WIDTH, ROTOR
 from robomech_ros._kernels.dynamics.mass import totals
 from robomech_ros._kernels.loops import dynamics as kernels
+from robomech_ros._kernels.loops.controlled import servo_steps
 from robomech_ros._kernels.loops.dynamics import NO_MASS, OPEN
-from robomech_ros.dynamics.model import body_rows
+from robomech_ros._kernels.loops.factors import FREE, SINGULAR
+from robomech_ros.dynamics.drive_control import (
+    CompiledServo,
+    DrivenState,
+    ServoLaw,
+    ServoRun,
+    Timing,
+)
+from robomech_ros.dynamics.model import body_rows, surroundings
 from robomech_ros.errors import (
     BadValueError,
     MissingInertiaError,
@@ -137,3 +146,38 @@ def complements(mechanism: Mechanism, q: Array, rates: Array) -> tuple[Array, Ar
     if status:
         refuse(mechanism, status, q)
     return q, finite(qd), N, finite(N_dot)
+
+
+def loop_servo(
+    model: Mechanism, plant: Mechanism, friction: tuple[Array, Array], law: ServoLaw
+) -> CompiledServo:
+    """Have a controller that knows a mechanism drive it, or the same with a load.
+
+    The friction is that of all joints (4, n) of the one that moves, and of the model.
+    """
+    if not np.array_equal(plant.loops.packed, model.loops.packed):
+        raise BadValueError("plant", plant.name, f"the limbs of the model, '{model.name}'")
+    n, m, loops = model.n, model.dof, plant.loops
+    models = np.stack([mechanism_model(plant), mechanism_model(model)])
+    tables = np.zeros((2, 7, n))
+    tables[:, :4] = friction
+    drives = model.drive_index
+    tables[1, 4:6, drives], tables[1, 6, drives] = law.gains.T, law.effort
+    around = surroundings((n,), law.gravity)[0].copy()
+    chains = loops.packed, loops.starts, loops.drives, loops.weights
+
+    def servo(state: DrivenState, wanted: Array, stops: Array, timing: Timing) -> ServoRun:
+        given = tables.copy()
+        given[0, 4:6, drives] = stops.T
+        how = np.array(
+            [1.0 / loops.size, law.mode, timing.share, timing.period, timing.substeps], np.float64
+        )
+        row = np.concatenate([state.q, state.rates, state.learned])
+        out, report = np.empty((len(wanted), n + 2 * m)), np.zeros(1, np.int64)
+        status = servo_steps(*chains, models, given, how, around, wanted, row, out, report)
+        state.q[:], state.rates[:], state.learned[:] = np.split(row, [n, n + m])
+        ended = "the way comes to a singular posture, in which the assembly mode ends"
+        q, rates, effort = np.split(out[: report[0]], [n, n + m], axis=1)
+        return ServoRun(q, rates, effort, ended if status in (SINGULAR, FREE) else "")
+
+    return servo

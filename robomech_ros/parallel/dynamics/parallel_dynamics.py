@@ -23,13 +23,13 @@ from robomech_ros.parallel.dynamics.complement import (
     bodies_in_motion,
     joint_reactions,
 )
-from robomech_ros.parallel.dynamics.drive_control import loop_servo
 from robomech_ros.parallel.dynamics.model import (
     as_rows,
     complements,
     finite,
     limb_totals,
     loop_arguments,
+    loop_servo,
     platform_body,
     refuse,
     states,
@@ -281,7 +281,8 @@ class ParallelDynamics:
 
     def compiled_servo(self, plant: ParallelDynamics, law: ServoLaw) -> CompiledServo:
         """Have a controller that knows this robot drive it, or the same with a load."""
-        return loop_servo(self.mechanism, plant.mechanism, law)
+        friction = plant.friction_rows, self.friction_rows
+        return loop_servo(self.mechanism, plant.mechanism, friction, law)
 
     def sampled_postures(self, count: int) -> Array:
         """Spread postures (k, n), at most count, over the assembly mode of home."""
