@@ -26,15 +26,6 @@ from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_axis_angle
 from robomech_ros.typing import Array
 
-# Columns of a twist [angular; linear] that a platform has.
-_MOTIONS = {
-    StewartGough: (0, 1, 2, 3, 4, 5),
-    Delta: (3, 4, 5),
-    Planar3RPR: (2, 3, 4),
-    Planar3RRR: (2, 3, 4),
-    Spherical3RRR: (0, 1, 2),
-}
-_KNOWN = ", ".join(kind.__name__ for kind in _MOTIONS)
 # By how much drives may miss a pose (of the size), and a pose the motions of its platform.
 _MISS, _OFF = 1e-6, 1e-6
 # Parts of unit twists below which they are zero.
@@ -109,10 +100,10 @@ Limbs = Legs | Arcs | Wrenches
 
 def motions_of(robot: AnyParallelRobot) -> tuple[int, ...]:
     """Return the columns of a twist [angular; linear] that the platform has."""
-    found = _MOTIONS.get(type(robot))
-    if found is None:
-        raise BadValueError("robot", type(robot).__name__, f"one of {_KNOWN}")
-    return found
+    if type(robot) not in _KNOWN:
+        names = ", ".join(kind.__name__ for kind in _KNOWN)
+        raise BadValueError("robot", type(robot).__name__, f"one of {names}")
+    return _KNOWN[type(robot)][0]
 
 
 def motion_basis(robot: AnyParallelRobot, limbs: Limbs) -> Array:
@@ -186,8 +177,7 @@ def limbs_at(robot: AnyParallelRobot, poses: Array, q: Array | None) -> Limbs:
     """Find where the limbs hold the platform, for checked poses (..., 4, 4) and drives."""
     if isinstance(robot, Mechanism):
         return limb_wrenches(robot, poses, np.asarray(q))
-    found: Legs | Arcs = _AT[type(robot)](robot, poses, q)
-    return found
+    return _KNOWN[type(robot)][1](robot, poses, q)
 
 
 def limbs_holding(robot: AnyParallelRobot, T: ArrayLike, q: ArrayLike | None) -> Limbs:
@@ -275,10 +265,11 @@ def _spherical(robot: Spherical3RRR, poses: Array, q: Array) -> Arcs:
     return Arcs(base, w, v, np.sin(robot.distal), lever)
 
 
-_AT: dict[type, Callable[..., Legs | Arcs]] = {
-    StewartGough: _extending,
-    Planar3RPR: _extending,
-    Planar3RRR: _planar_rrr,
-    Delta: _delta,
-    Spherical3RRR: _spherical,
+# Columns of a twist [angular; linear] that a platform has, and what finds its limbs.
+_KNOWN: dict[type, tuple[tuple[int, ...], Callable[..., Legs | Arcs]]] = {
+    StewartGough: ((0, 1, 2, 3, 4, 5), _extending),
+    Delta: ((3, 4, 5), _delta),
+    Planar3RPR: ((2, 3, 4), _extending),
+    Planar3RRR: ((2, 3, 4), _planar_rrr),
+    Spherical3RRR: ((0, 1, 2), _spherical),
 }

@@ -129,6 +129,11 @@ def velocity_matrix_rates(
         NaN where a limb is singular, so that its drive has no rate.  Of a mechanism found by
         differences, to 1e-9 or so of the largest entry, and NaN in all singular postures.
 
+    Raises
+    ------
+    BadValueError
+        A twist that the platform does not have.
+
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.2.1.
@@ -152,10 +157,8 @@ def drive_rates(
 
     Parameters
     ----------
-    robot, T, q
-        As for :func:`velocity_matrices`.
-    twist : array_like, shape (..., 6)
-        Angular velocity, then velocity of the platform's origin, in the base (rad/s and m/s).
+    robot, T, twist, q
+        As for :func:`velocity_matrix_rates`.
 
     Returns
     -------
