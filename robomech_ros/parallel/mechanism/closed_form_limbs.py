@@ -23,6 +23,7 @@ from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vecto
 from robomech_ros.typing import Array
 
 _X, _Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+# Branches whose joints differ by no more than this (rad) are one.
 _SAME = 1e-7
 _HALF = 0.5 * math.pi
 
