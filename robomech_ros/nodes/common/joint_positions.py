@@ -1,6 +1,5 @@
 """Joint positions as requests give them: named, unnamed, or left to the present state."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias, cast
 
@@ -154,27 +153,6 @@ class JointPositions:
         chain = cast(SerialChain, chain)
         present = self._monitor.positions(chain.joint_names)
         return chain.midrange() if present is None else np.clip(present, chain.lower, chain.upper)
-
-    async def rows(
-        self, chains: Sequence[Way], states: Sequence[JointState], patience: float
-    ) -> list[Array]:
-        """Read the positions of many states for many chains; of no states, the present ones.
-
-        Returns
-        -------
-        list of ndarray, shape (m, n)
-            For each chain the positions of its n joints in all m states.
-        """
-        if not states:
-            empty = JointState()
-            return [
-                (await self.read_or_present(chain, empty, "states", patience))[None, :]
-                for chain in chains
-            ]
-        return [
-            np.array([self.read(chain, state, f"states[{i}]") for i, state in enumerate(states)])
-            for chain in chains
-        ]
 
 
 def is_empty(state: JointState) -> bool:

@@ -1,19 +1,16 @@
 """Batches of inverse kinematics in short turns, between which the node serves others."""
 
-import math
 import time
 from array import array
 from typing import Any
 
 import numpy as np
 
-from robomech_ros.kinematics import forward_kinematics, inverse_kinematics_batch
-from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices
 from robomech_ros.nodes.common.message_fields import append_numbers
+from robomech_ros.nodes.kinematics.manipulator import Manipulator
 from robomech_ros.outcomes import Code
-from robomech_ros.robots import SerialChain
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array
 
 # Poses of the first portion. One pose takes 10 us where the solution is in closed form, up to some
 # ms where it is to be explained why there is none, and up to 30 ms where there is no closed form.
@@ -31,94 +28,64 @@ class BatchLists:
 
     Parameters
     ----------
-    chain : SerialChain
-        Of n joints.
+    robot : Manipulator
     """
 
-    def __init__(self, chain: SerialChain) -> None:
-        self._chain = chain
+    def __init__(self, robot: Manipulator) -> None:
+        self._robot = robot
         self.counts, self.codes = array("I"), array("H")
         self.solutions = array("d")
         self.position_errors, self.orientation_errors = array("d"), array("d")
 
-    def add(self, T: Array, q: Array, count: IntArray, status: IntArray) -> None:
-        """Add what `inverse_kinematics_batch` found for some poses.
-
-        Parameters
-        ----------
-        T : ndarray, shape (m, 4, 4)
-            The poses asked for (m).
-        q : ndarray, shape (m, c, n)
-            Solutions (rad or m).
-        count, status : ndarray of int, shape (m,)
-            How many each pose has, and its code.
-        """
-        rows = q[np.arange(q.shape[1]) < count[:, None]]
-        apart = np.repeat(T, count, axis=0)
-        apart -= forward_kinematics(self._chain, rows)
-        # The difference of two rotations that are apart by an angle is 2 sqrt(2) sin(angle / 2)
-        # long.
-        turned = _lengths(apart[:, :3, :3].reshape(-1, 9))
-        chord = np.minimum(turned / (2.0 * math.sqrt(2.0)), 1.0)
+    def solve(self, T: Array, **options: Any) -> None:
+        """Solve some poses (m, 4, 4) and add what was found."""
+        count, status, q = self._robot.solve_many(T, **options)
+        position, orientation = self._robot.pose_errors(np.repeat(T, count, axis=0), q)
         append_numbers(self.counts, count)
         append_numbers(self.codes, status)
-        append_numbers(self.solutions, rows)
-        append_numbers(self.position_errors, _lengths(apart[:, :3, 3]))
-        append_numbers(self.orientation_errors, 2.0 * np.arcsin(chord))
+        append_numbers(self.solutions, q)
+        append_numbers(self.position_errors, position)
+        append_numbers(self.orientation_errors, orientation)
 
-    def add_left(self, poses: int) -> None:
-        """Add poses that were not worked on."""
-        append_numbers(self.counts, np.zeros(poses))
-        append_numbers(self.codes, np.full(poses, Code.TIMED_OUT))
-
-    def fill(self, response: Any) -> None:
-        """Hand the lists over to a response."""
-        response.joint_names = list(self._chain.joint_names)
+    def fill(self, response: Any, poses: int) -> None:
+        """Write the lists to a response; the poses that are left get the code TIMED_OUT."""
+        left = poses - len(self.counts)
+        append_numbers(self.counts, np.zeros(left))
+        append_numbers(self.codes, np.full(left, Code.TIMED_OUT))
         for name in ("counts", "codes", "solutions", "position_errors", "orientation_errors"):
             setattr(response, name, getattr(self, name))
 
 
 async def solve_in_turns(
-    chain: SerialChain, T: Array, allowed: float, turns: TimeSlices, **options: Any
-) -> tuple[BatchLists, int]:
+    robot: Manipulator, T: Array, allowed: float, turns: TimeSlices, **options: Any
+) -> BatchLists:
     """Solve many poses and let others work in between.
 
     Parameters
     ----------
-    chain : SerialChain
-        Of n joints.
+    robot : Manipulator
     T : ndarray, shape (m, 4, 4)
         Wanted poses of the tip in the base (m).
     allowed : float
-        Time (s) after which the poses that are left get the code TIMED_OUT.
+        Time (s) after which no further poses are solved.
     turns : TimeSlices
         Those of the node that does it.
     **options
-        Of `inverse_kinematics_batch`.
-
-    Returns
-    -------
-    lists : BatchLists
-        What was found for all poses.
-    done : int
-        How many poses were worked on.
+        Of :meth:`Manipulator.solve_many`.
     """
-    size = _FIRST if family_of(chain).closed_form else _FIRST_ITERATIVE
-    lists = BatchLists(chain)
+    size, done = _FIRST if robot.closed_form else _FIRST_ITERATIVE, 0
+    lists = BatchLists(robot)
     start = began = time.monotonic()
-    done = 0
     while done < len(T):
-        portion = T[done : done + size]
-        lists.add(portion, *inverse_kinematics_batch(chain, portion, **options))
-        done += len(portion)
+        lists.solve(T[done : done + size], **options)
+        done += size
         now = time.monotonic()
         if now - start > allowed:
             break
         size = _next_size(size, now - began)
         await turns.end_if_over()
         began = time.monotonic()
-    lists.add_left(len(T) - done)
-    return lists, done
+    return lists
 
 
 def _next_size(size: int, seconds: float) -> int:
@@ -126,9 +93,3 @@ def _next_size(size: int, seconds: float) -> int:
     if seconds < _SHORT:
         return min(2 * size, _LARGEST)
     return max(size // 2, 1) if seconds > _LONG else size
-
-
-def _lengths(rows: Array) -> Array:
-    """Lengths of the rows of a matrix, without the copies that a norm makes."""
-    lengths: Array = np.sqrt(np.einsum("ij,ij->i", rows, rows))
-    return lengths

@@ -1,13 +1,18 @@
 """Markers of what the tip can do in a posture, and of the boundary of the workspace."""
 
+from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from geometry_msgs.msg import Point
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.node import Node
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robomech_ros.kinetostatics import Workspace, manipulability_ellipsoid
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
@@ -29,9 +34,55 @@ _OUTER, _VOID = (0.1, 0.1, 0.1, 0.8), (0.8, 0.1, 0.1, 0.8)
 _PLANES, _EVERY = 8, 8
 
 
-def posture_markers(
-    frame: str, position: Array, J: Array | None, lost: Array, free: Array
-) -> list[Marker]:
+class MarkerPublisher:
+    """Publishes the posture last analysed and the boundary of the workspace on ``~/markers``.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the publisher.
+    base : str
+        Frame of the base.
+    on_watched : callable
+        Coroutine that runs when somebody subscribes.
+    """
+
+    def __init__(self, node: Node, base: str, on_watched: Callable[[], Awaitable[object]]) -> None:
+        self._base, self._on_watched = base, on_watched
+        self._posture: list[Marker] = []
+        self._boundary: list[Marker] = []
+        self._publisher = node.create_publisher(
+            MarkerArray,
+            "~/markers",
+            LATCHED,
+            callback_group=ReentrantCallbackGroup(),
+            event_callbacks=PublisherEventCallbacks(matched=self._matched),
+        )
+
+    def show_posture(self, markers: list[Marker]) -> None:
+        """Show a posture in place of the last one."""
+        self._posture = markers
+        self._show()
+
+    def show_boundary(self, markers: list[Marker]) -> None:
+        """Show a boundary in place of the last one, unless it is the same or empty."""
+        if markers and markers is not self._boundary:
+            self._boundary = markers
+            self._show()
+
+    def _show(self) -> None:
+        """Publish one message that replaces all that was shown before."""
+        markers = [Marker(action=Marker.DELETEALL), *self._posture, *self._boundary]
+        for marker in markers:
+            marker.header.frame_id = self._base
+        self._publisher.publish(MarkerArray(markers=markers))
+
+    async def _matched(self, matched: Any) -> None:
+        if matched.current_count:
+            await self._on_watched()
+
+
+def posture_markers(position: Array, J: Array | None, lost: Array, free: Array) -> list[Marker]:
     """Make the ellipsoids of velocity and force of a point, and arrows of lost and free directions.
 
     The half axes of the first are the singular values of the linear rows of the Jacobian, those
@@ -39,8 +90,6 @@ def posture_markers(
 
     Parameters
     ----------
-    frame : str
-        Base of the chain.
     position : ndarray, shape (3,)
         Of the point (m).
     J : ndarray, shape (6, n), or None
@@ -56,16 +105,16 @@ def posture_markers(
         velocity = np.maximum(found.velocity / max(float(found.velocity[0]), 1e-300), _FLAT)
         force = velocity[-1] / velocity
         markers += [
-            _ellipsoid(frame, "velocity_ellipsoid", position, found.axes, velocity, _VELOCITY),
-            _ellipsoid(frame, "force_ellipsoid", position, found.axes, force, _FORCE),
+            _ellipsoid("velocity_ellipsoid", position, found.axes, velocity, _VELOCITY),
+            _ellipsoid("force_ellipsoid", position, found.axes, force, _FORCE),
         ]
-    lost_markers = _arrows(frame, "lost_directions", position, lost, (_LOST_LINEAR, _LOST_ANGULAR))
-    free_markers = _arrows(frame, "free_directions", position, free, (_FREE_LINEAR, _FREE_ANGULAR))
+    lost_markers = _arrows("lost_directions", position, lost, (_LOST_LINEAR, _LOST_ANGULAR))
+    free_markers = _arrows("free_directions", position, free, (_FREE_LINEAR, _FREE_ANGULAR))
     return [*markers, *lost_markers, *free_markers]
 
 
 def _arrows(
-    frame: str, name: str, position: Array, twists: Array, colours: tuple[_Colour, _Colour]
+    name: str, position: Array, twists: Array, colours: tuple[_Colour, _Colour]
 ) -> list[Marker]:
     """Make arrows of the linear and the angular parts of twists (k, 6)."""
     markers: list[Marker] = []
@@ -73,22 +122,20 @@ def _arrows(
         for part, colour in zip((twist[3:], twist[:3]), colours, strict=True):
             length = float(np.linalg.norm(part))
             if length > 1e-3 * float(np.linalg.norm(twist)):
-                arrow = _marker(frame, name, len(markers), Marker.ARROW, colour)
+                arrow = _marker(name, len(markers), Marker.ARROW, colour)
                 arrow.points = [_point(position), _point(position + _ARROW * part / length)]
                 arrow.scale.x, arrow.scale.y, arrow.scale.z = 0.012, 0.024, 0.03
                 markers.append(arrow)
     return markers
 
 
-def boundary_markers(frame: str, space: Workspace) -> list[Marker]:
+def boundary_markers(space: Workspace) -> list[Marker]:
     """Make line strips of the boundary, in eight half-planes about axis 1, or along the slide.
 
     Of a planar arm it is in its plane, once.
 
     Parameters
     ----------
-    frame : str
-        Base of the chain.
     space : Workspace
     """
     section = space.section
@@ -106,7 +153,7 @@ def boundary_markers(frame: str, space: Workspace) -> list[Marker]:
             if curve.role == "interior":
                 continue
             colour = _OUTER if curve.role == "outer" else _VOID
-            strip = _marker(frame, "workspace", len(markers), Marker.LINE_STRIP, colour)
+            strip = _marker("workspace", len(markers), Marker.LINE_STRIP, colour)
             strip.scale.x = _WIDTH
             points = space.swept(float(value), curve=curve)
             kept = np.unique(np.append(np.arange(0, len(points), _EVERY), len(points) - 1))
@@ -115,13 +162,11 @@ def boundary_markers(frame: str, space: Workspace) -> list[Marker]:
     return markers
 
 
-def surface_markers(frame: str, space: "WorkspaceSurface") -> list[Marker]:
+def surface_markers(space: "WorkspaceSurface") -> list[Marker]:
     """Make triangles of the boundary of a platform's positions, or lines where it is flat.
 
     Parameters
     ----------
-    frame : str
-        Base of the robot.
     space : WorkspaceSurface
     """
     corners = space.boundary
@@ -131,24 +176,17 @@ def surface_markers(frame: str, space: "WorkspaceSurface") -> list[Marker]:
     if corners.shape[1] == 1:
         corners = space.facets
     kind, colour = (Marker.LINE_LIST, _OUTER) if flat else (Marker.TRIANGLE_LIST, _SURFACE)
-    marker = _marker(frame, "workspace", 0, kind, colour)
+    marker = _marker("workspace", 0, kind, colour)
     marker.scale.x = _WIDTH if flat else 1.0
     marker.scale.y = marker.scale.z = marker.scale.x
     marker.points = [_point(corner) for corner in corners.reshape(-1, 3)]
     return [marker]
 
 
-def marker_array(markers: list[Marker]) -> MarkerArray:
-    """Make one message of what replaces all that was shown before."""
-    clear = Marker(action=Marker.DELETEALL)
-    clear.header.frame_id = markers[0].header.frame_id if markers else ""
-    return MarkerArray(markers=[clear, *markers])
-
-
 def _ellipsoid(
-    frame: str, name: str, position: Array, axes: Array, half_axes: Array, colour: tuple[float, ...]
+    name: str, position: Array, axes: Array, half_axes: Array, colour: tuple[float, ...]
 ) -> Marker:
-    marker = _marker(frame, name, 0, Marker.SPHERE, colour)
+    marker = _marker(name, 0, Marker.SPHERE, colour)
     T = np.eye(4)
     T[:3, :3] = axes
     T[:3, 3] = position
@@ -158,9 +196,8 @@ def _ellipsoid(
     return marker
 
 
-def _marker(frame: str, name: str, number: int, kind: int, colour: tuple[float, ...]) -> Any:
+def _marker(name: str, number: int, kind: int, colour: tuple[float, ...]) -> Any:
     marker = Marker(ns=name, id=number, type=kind, action=Marker.ADD)
-    marker.header.frame_id = frame
     marker.pose.orientation.w = 1.0
     marker.color.r, marker.color.g, marker.color.b, marker.color.a = colour
     return marker

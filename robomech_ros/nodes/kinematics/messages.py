@@ -1,15 +1,13 @@
 """Reading of requests to the node kinematics, and writing of its answers."""
 
 from array import array
-from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from sensor_msgs.msg import PointCloud2, PointField
 from trajectory_msgs.msg import JointTrajectoryPoint
 
 from robomech_ros.errors import BadValueError, NonFiniteError
-from robomech_ros.kinetostatics import SingularityReport
 from robomech_ros.nodes.common.error_codes import answer
 from robomech_ros.nodes.common.message_fields import (
     duration_from_seconds,
@@ -18,6 +16,7 @@ from robomech_ros.nodes.common.message_fields import (
 )
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_twist
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
+from robomech_ros.nodes.kinematics.manipulator import PostureReport
 from robomech_ros.outcomes import Code
 from robomech_ros.typing import Array, IntArray
 
@@ -77,62 +76,6 @@ def _tolerance(name: str, value: float) -> float:
     return value
 
 
-class Solutions(Protocol):
-    """Solutions of inverse kinematics, of a chain or of all limbs of a parallel robot."""
-
-    @property
-    def q(self) -> Array:
-        """All joints, shape (k, n), rad or m."""
-
-    @property
-    def branches(self) -> Sequence[str]:
-        """Names of the postures."""
-
-    @property
-    def seed_distance(self) -> Array:
-        """From the seed, shape (k,), rad or m."""
-
-    @property
-    def position_error(self) -> Array:
-        """Shape (k,), m."""
-
-    @property
-    def orientation_error(self) -> Array:
-        """Shape (k,), rad."""
-
-    @property
-    def condition_number(self) -> Array:
-        """Shape (k,), in SI units."""
-
-    @property
-    def limit_margin(self) -> Array:
-        """Shape (k,), rad or m."""
-
-    @property
-    def complete(self) -> bool:
-        """Whether these are provably all."""
-
-    @property
-    def family(self) -> str:
-        """How they were found."""
-
-    @property
-    def status(self) -> int:
-        """A code."""
-
-    @property
-    def reason(self) -> str:
-        """In words."""
-
-    @property
-    def blocking_joints(self) -> Sequence[str]:
-        """Joints whose limits exclude all."""
-
-    @property
-    def blocking_excess(self) -> Array:
-        """By how much, rad or m."""
-
-
 class SolutionPoints:
     """Trajectory points that are used again for every answer.
 
@@ -155,13 +98,13 @@ class SolutionPoints:
 
 
 def encode_result(
-    result: Solutions,
+    result: Any,
     joint_names: tuple[str, ...],
     points: SolutionPoints,
     solve_seconds: float,
     response: Any,
 ) -> Any:
-    """Fill a SolveIK response."""
+    """Fill a SolveIK response with an InverseKinematicsResult or PlatformSolutions."""
     response.joint_names = list(joint_names)
     response.solutions = points.filled(result.q)
     response.seed_distances = floats(result.seed_distance)
@@ -210,44 +153,40 @@ async def poses_in_base(frames: RobotFrames, poses: list[Any], patience: float) 
     return T
 
 
-def encode_report(report: SingularityReport, axes: Array | None, frame: str, response: Any) -> Any:
+def encode_report(report: PostureReport, axes: Array | None, frame: str, response: Any) -> Any:
     """Fill an AnalyzeSingularity response.
 
     Parameters
     ----------
-    report : SingularityReport
+    report : PostureReport
     axes : ndarray, shape (3, 3), or None
-        Rotation of the frame in the base in whose axes lost directions are given; None = base.
+        Rotation of the frame in the base in whose axes directions are given; None = base.
     frame : str
         Its name.
     response : AnalyzeSingularity.Response
     """
+    lost, free = (
+        twists if axes is None else (twists.reshape(-1, 2, 3) @ axes).reshape(-1, 6)
+        for twists in (report.lost_directions, report.free_directions)
+    )
     response.singular_values = floats(report.singular_values)
-    response.rank = report.rank
-    response.manipulability = report.manipulability
-    response.condition_number = report.condition_number
-    response.characteristic_length = report.length
-    response.normalised_condition_number = report.normalised_condition_number
-    response.lost_directions = [
-        stamped_twist(twist if axes is None else (twist.reshape(2, 3) @ axes).ravel(), frame)
-        for twist in report.lost_directions
-    ]
-    response.singularity_types = list(report.kinds)
-    response.summary = _summary(report)
-    return response
-
-
-def _summary(report: SingularityReport) -> str:
-    if not report.singular:
-        # More joints than freedoms leave singular values of zero, which say nothing of the posture.
-        largest, least = report.singular_values[0], report.singular_values[report.rank - 1]
-        return (
-            f"regular: rank {report.rank}, least singular value {least:.3g} "
-            f"and condition number {largest / least:.4g} with lengths over {report.length:.4g} m"
+    for name in (
+        "rank",
+        "manipulability",
+        "condition_number",
+        "characteristic_length",
+        "normalised_condition_number",
+    ):
+        setattr(response, name, getattr(report, name))
+    response.lost_directions = [stamped_twist(twist, frame) for twist in lost]
+    response.singularity_types = list(report.singularity_types)
+    response.summary = report.summary
+    # Free directions have no field of their own.
+    for rx, ry, rz, x, y, z in free.tolist():
+        response.summary += (
+            f"; free: [{x:.4g} {y:.4g} {z:.4g}] m/s with [{rx:.4g} {ry:.4g} {rz:.4g}] rad/s"
         )
-    lost = len(report.lost_directions)
-    directions = f"{lost} direction{'s' if lost != 1 else ''} of motion lost"
-    return f"singular ({', '.join(report.kinds)}): rank {report.rank}, {directions}"
+    return answer(response)
 
 
 def workspace_cloud(frame: str, T: Array, count: IntArray, distance: Array) -> PointCloud2:

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.nodes.kinematics.manipulator import distances_between
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Mechanism
 from robomech_ros.typing import Array
-
-FAMILY = "parallel"
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +50,7 @@ class PlatformSolutions:
     reason: str
     blocking_joints: tuple[str, ...]
     blocking_excess: Array
-    family: str = FAMILY
+    family: str = "parallel"
 
 
 def platform_solutions(
@@ -75,7 +74,7 @@ def platform_solutions(
     distance = np.sqrt((away**2).sum(axis=1)) if metric == "l2" else away.max(axis=1, initial=0.0)
     order = np.argsort(distance, kind="stable")[:max_solutions]
     q = found.q[order]
-    position, orientation = _pose_errors(mechanism, q, T)
+    position, orientation = limb_errors(mechanism, q, T)
     blocked = [k for k, name in enumerate(found.blocking) if name]
     # The inverse kinematics of a limb without a solver of its own may be a search.
     listed = all(limb.solver is not None for limb in mechanism.limbs)
@@ -119,10 +118,7 @@ def conditions(mechanism: Mechanism, q: Array, length: float = 1.0) -> Array:
     return out
 
 
-def _pose_errors(mechanism: Mechanism, q: Array, T: Array) -> tuple[Array, Array]:
-    poses = mechanism.limb_poses(q)
-    position = np.linalg.norm(poses[..., :3, 3] - T[:3, 3], axis=-1)
-    # Of a turn by an angle, the difference of the matrices has the norm 2 sqrt(2) sin(angle/2).
-    chord = np.linalg.norm(poses[..., :3, :3] - T[:3, :3], axis=(-2, -1)) / np.sqrt(8.0)
-    angle = 2.0 * np.arcsin(np.minimum(chord, 1.0))
+def limb_errors(mechanism: Mechanism, q: Array, T: Array) -> tuple[Array, Array]:
+    """Return how far (m, rad) the worst limb in postures (k, n) is from poses, (k,) each."""
+    position, angle = distances_between(T[..., None, :, :], mechanism.limb_poses(q))
     return position.max(axis=-1, initial=0.0), angle.max(axis=-1, initial=0.0)

@@ -13,7 +13,7 @@ from robomech_interfaces.srv import GetJacobian, SolveFK, SolveIK, SolveIKBatch
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import stamped_pose
-from robomech_ros.nodes.kinematics import node as kinematics_node
+from robomech_ros.nodes.kinematics import chain_manipulator
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.robots import load_robot
 
@@ -319,7 +319,7 @@ def test_a_defect_is_answered_and_logged(puma, monkeypatch):
     def broken(*args, **options):
         raise ZeroDivisionError("a defect")
 
-    monkeypatch.setattr(kinematics_node, "inverse_kinematics", broken)
+    monkeypatch.setattr(chain_manipulator, "inverse_kinematics", broken)
     request = SolveIK.Request(target=pose())
     response = puma.call(SolveIK, "kinematics/solve_ik", request)
     check(puma, response, ErrorCode.INTERNAL, ("ZeroDivisionError", "a defect"))

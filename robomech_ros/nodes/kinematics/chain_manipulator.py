@@ -1,0 +1,242 @@
+"""Kinematics of chains for the services of the node."""
+
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+from sensor_msgs.msg import JointState
+from visualization_msgs.msg import Marker
+
+from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.kinematics import forward_kinematics, inverse_kinematics, inverse_kinematics_batch
+from robomech_ros.kinematics.inverse.families.selection import family_of
+from robomech_ros.kinematics.inverse.first_solution import first_solution
+from robomech_ros.kinetostatics import (
+    SingularityReport,
+    Workspace,
+    characteristic_length,
+    condition_number,
+    point_jacobian,
+    reach_limits,
+)
+from robomech_ros.kinetostatics.singularities.report import posture_report
+from robomech_ros.kinetostatics.workspace.boundary import positioning_boundary
+from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
+from robomech_ros.nodes.common.cooperative_wait import Worker
+from robomech_ros.nodes.common.joint_positions import JointPositions
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.kinematics.manipulator import (
+    PoseSolutions,
+    PostureReport,
+    distances_between,
+)
+from robomech_ros.nodes.kinematics.markers import boundary_markers
+from robomech_ros.nodes.kinematics.messages import inverse_options, wants_first
+from robomech_ros.robots import SerialChain
+from robomech_ros.typing import Array, BoolArray
+
+
+class _ReachableSpace(NamedTuple):
+    """Workspace of a chain, the same for all poses.
+
+    Attributes
+    ----------
+    reach : tuple of two float
+        Least and greatest distance of the tip from the first joint (m).
+    length : float
+        Characteristic length (m); NaN for an arm that has none.
+    boundary : Workspace or None
+        None for an arm without a positioning part.
+    centre : ndarray, shape (3,)
+        The point that this part places, in the frame of the tip (m).
+    markers : list of Marker
+        Drawing of the boundary.
+    """
+
+    reach: tuple[float, float]
+    length: float
+    boundary: Workspace | None
+    centre: Array
+    markers: list[Marker]
+
+
+class ChainManipulator:
+    """Kinematics of an arm.
+
+    Parameters
+    ----------
+    model : RobotModel
+    joints : JointPositions
+        Reads states.
+    worker : Worker
+        Computes what takes long, while the node serves others.
+    """
+
+    def __init__(self, model: RobotModel, joints: JointPositions, worker: Worker) -> None:
+        self._model, self._joints, self._worker = model, joints, worker
+        self._chain = chain = model.chain
+        self._measured: set[SerialChain] = set()
+        self._space: _ReachableSpace | None = None
+        # The kernels are compiled or loaded on import; this decides the solver family, too.
+        family = inverse_kinematics(chain, forward_kinematics(chain, chain.midrange())).family
+        self.closed_form = family_of(chain).closed_form
+        self.introduction = (
+            f"{chain.name}, {chain.base} to {chain.tip}, {chain.n} joints, "
+            f"inverse kinematics: {family}"
+        )
+
+    def way_to(self, link: str) -> SerialChain:
+        """Return the chain to a link that joints move."""
+        chain = self._model.chain_to(link)
+        if not chain.n:
+            expected = f"a link that joints move: nothing moves between it and '{chain.base}'"
+            raise BadValueError("tip_link", link, expected)
+        return chain
+
+    def carrier(self, link: str) -> tuple[SerialChain, SerialChain]:
+        """Return the chain to a link that joints move, twice."""
+        return self.way_to(link), self.way_to(link)
+
+    async def rows(
+        self, ways: Sequence[SerialChain], states: Sequence[JointState], patience: float
+    ) -> tuple[list[Array], str]:
+        """Read the positions (m, n) for each chain in all states."""
+        rows = []
+        for way in ways:
+            if states:
+                read = self._joints.read
+                q = [read(way, state, f"states[{i}]") for i, state in enumerate(states)]
+            else:
+                q = [await self._joints.read_or_present(way, JointState(), "states", patience)]
+            rows.append(np.array(q))
+        return rows, ""
+
+    def solver(self, way: SerialChain, request: Any) -> Callable[..., Any]:
+        """Return inverse kinematics, or one attempt from the seed."""
+        solve = first_solution if wants_first(request.mode) else inverse_kinematics
+        return partial(solve, way, **inverse_options(request))
+
+    def task_mask(self, mask: Sequence[bool]) -> tuple[bool, ...] | None:
+        """Return the task mask of a request; None for the full pose."""
+        return tuple(map(bool, mask)) if any(mask) and not all(mask) else None
+
+    def solve_many(
+        self, T: Array, *, task_mask: tuple[bool, ...] | None = None, **options: Any
+    ) -> PoseSolutions:
+        """Solve many poses (m, 4, 4) at once, or one after another for a part of the task."""
+        if task_mask is None:
+            q, count, status = inverse_kinematics_batch(self._chain, T, **options)
+            return PoseSolutions(count, status, q[np.arange(q.shape[1]) < count[:, None]])
+        found = [inverse_kinematics(self._chain, pose, task_mask=task_mask) for pose in T]
+        count = np.array([len(result) for result in found])
+        status = np.array([int(result.status) for result in found])
+        return PoseSolutions(count, status, np.concatenate([result.q for result in found]))
+
+    def pose_errors(self, T: Array, q: Array) -> tuple[Array, Array]:
+        """Return the errors of position (m) and angle (rad) of postures (k, n)."""
+        return distances_between(T, forward_kinematics(self._chain, q))
+
+    def pose(self, way: SerialChain, q: Array) -> Array:
+        """Return the pose (4, 4) of the tip in the base."""
+        return forward_kinematics(way, q)
+
+    def point_jacobian(self, way: SerialChain, q: Array, point: Array) -> Array:
+        """Return the Jacobian (6, n) of a point of the tip link."""
+        return point_jacobian(way, q, point)
+
+    def jacobian(
+        self, carrier: SerialChain, q: Array, point: Array, axes: Array | None
+    ) -> tuple[Array, Sequence[str]]:
+        """Return the Jacobian (6, n) of a point, and all joints."""
+        return point_jacobian(carrier, q, point, axes), carrier.joint_names
+
+    async def singularity(self, way: SerialChain, q: Array, point: Array) -> PostureReport:
+        """Judge a posture, and the motions of a point (3,) of the tip link (m)."""
+        if way not in self._measured:
+            # The first report finds the characteristic length, which takes a second or two.
+            await self._worker.do(partial(posture_report, way, q))
+            self._measured.add(way)
+        report = posture_report(way, q, point=point)
+        return PostureReport(
+            report.singular_values,
+            report.rank,
+            report.manipulability,
+            report.condition_number,
+            report.length,
+            report.normalised_condition_number,
+            report.lost_directions,
+            report.kinds,
+            _summary(report),
+        )
+
+    async def prepare(self) -> None:
+        """Find the workspace once."""
+        if self._space is None:
+            await self._worker.do(self._find_space)
+
+    def _find_space(self) -> None:
+        # Others may have asked while the worker was busy with the first request.
+        if self._space is None:
+            self._space = _reachable_space(self._chain)
+
+    @property
+    def _known(self) -> _ReachableSpace:
+        assert self._space is not None
+        return self._space
+
+    def condition_numbers(self, q: Array) -> Array:
+        """Return the normalised condition numbers (k,) of postures (k, n), else infinity."""
+        length = self._known.length
+        if math.isnan(length) or not len(q):
+            return np.full(len(q), np.inf)
+        return np.asarray(condition_number(self._chain, q, length=length))
+
+    async def boundary_distances(self, T: Array, reachable: BoolArray, until: float) -> Array:
+        """Return distances (m,) of the poses of the positioning part from its boundary (m)."""
+        boundary = self._known.boundary
+        if boundary is None or not len(T):
+            return np.full(len(T), np.nan)
+        centres = T[:, :3, :3] @ self._known.centre + T[:, :3, 3]
+        return await self._worker.do(partial(boundary.distance, centres))
+
+    async def reach(self) -> tuple[float, float]:
+        """Return the least and the greatest distance of the tip from the first joint (m)."""
+        return self._known.reach
+
+    async def boundary_markers(self, T: Array | None) -> list[Marker]:
+        """Draw the boundary, which is the same for all poses."""
+        if not self._chain.n:
+            return []
+        await self.prepare()
+        return self._known.markers
+
+
+def _reachable_space(chain: SerialChain) -> _ReachableSpace:
+    """Find what holds for all poses of a robot; this takes some seconds."""
+    try:
+        length = float(characteristic_length(chain))
+    except RobomechError:
+        length = math.nan
+    boundary, centre, markers = None, np.zeros(3), list[Marker]()
+    try:
+        boundary, centre = positioning_boundary(chain), positioning_part(chain).in_tip
+        boundary.distance(np.zeros(3))  # what is the same for all points is found now
+        markers = boundary_markers(boundary)
+    except RobomechError:
+        boundary = None
+    return _ReachableSpace(reach_limits(chain), length, boundary, centre, markers)
+
+
+def _summary(report: SingularityReport) -> str:
+    if not report.singular:
+        # More joints than freedoms leave singular values of zero, which say nothing of the posture.
+        largest, least = report.singular_values[0], report.singular_values[report.rank - 1]
+        return (
+            f"regular: rank {report.rank}, least singular value {least:.3g} "
+            f"and condition number {largest / least:.4g} with lengths over {report.length:.4g} m"
+        )
+    lost = len(report.lost_directions)
+    directions = f"{lost} direction{'s' if lost != 1 else ''} of motion lost"
+    return f"singular ({', '.join(report.kinds)}): rank {report.rank}, {directions}"
