@@ -6,16 +6,14 @@ from typing import Any
 
 import numpy as np
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from robomech_ros.nodes.calibration.messages import stamped_transform
 from robomech_ros.nodes.calibration.samples import PublishedFrame
+from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.frames.listener import FrameListener
 from robomech_ros.nodes.frames.tree import NoTransformError
 from robomech_ros.spatial.poses import rigid_inverse
 from robomech_ros.typing import Array
-
-_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class ResultBroadcaster:
@@ -41,7 +39,7 @@ class ResultBroadcaster:
             from tf2_msgs.msg import TFMessage
 
             self._kind = TFMessage
-            self._publisher = node.create_publisher(TFMessage, "/tf_static", _LATCHED)
+            self._publisher = node.create_publisher(TFMessage, "/tf_static", LATCHED)
 
     def publish(self, parent: str, sensor: str, T: Array) -> str:
         """Publish the pose (4, 4) of the sensor in its parent; says why it was not, else "".

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import stat
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -88,10 +87,12 @@ def save(solution: Solution, placed: PublishedFrame | None, folder: str, name: s
         raise BadValueError("name", name, expected)
     if not folder:
         raise BadValueError("the parameter folder", folder, "the folder to save in")
+    shared = {"parameters": _parameters(solution, name)}
     texts = {
         "yaml": _full(solution, placed, name),
-        "calib": _of_easy_handeye2(solution, name),
-        "samples": _samples_of_easy_handeye2(solution, name),
+        # As easy_handeye2 writes its messages HandeyeCalibration and SampleList.
+        "calib": shared | {"transform": _transform(solution.result.sensor)},
+        "samples": shared | {"samples": _samples_of_easy_handeye2(solution)},
     }
     try:
         place = Path(folder).expanduser().resolve()
@@ -138,6 +139,7 @@ def _write(path: Path, text: str) -> None:
 def _full(solution: Solution, placed: PublishedFrame | None, name: str) -> dict[str, Any]:
     """Return all that is known, in m and rad; quaternions are x y z w."""
     found, frames = solution.result, solution.frames
+    covariance = found.covariance[np.ix_(POSITION_FIRST, POSITION_FIRST)]
     samples = [
         {
             "robot": _plain(robot),
@@ -157,11 +159,9 @@ def _full(solution: Solution, placed: PublishedFrame | None, name: str) -> dict[
         "sensor": {"parent": solution.sensor_parent, "frame": frames.sensor} | _plain(found.sensor),
         "target": {"parent": solution.target_parent, "frame": frames.target} | _plain(found.target),
         "tf": placed and {"parent": placed.parent, "frame": placed.child} | _plain(placed.pose),
-        "covariance_x_y_z_rx_ry_rz": _rows(
-            found.covariance[np.ix_(POSITION_FIRST, POSITION_FIRST)]
-        ),
-        "weak_directions": _rows(found.weak_directions),
-        "free_directions": _rows(found.free_directions),
+        "covariance_x_y_z_rx_ry_rz": covariance.tolist(),
+        "weak_directions": found.weak_directions.tolist(),
+        "free_directions": found.free_directions.tolist(),
         "position_noise": found.noise.position,
         "rotation_noise": found.noise.rotation,
         "robot_share": found.noise.robot_share,
@@ -171,20 +171,11 @@ def _full(solution: Solution, placed: PublishedFrame | None, name: str) -> dict[
     }
 
 
-def _of_easy_handeye2(solution: Solution, name: str) -> dict[str, Any]:
-    """Return the message HandeyeCalibration as easy_handeye2 writes it."""
-    transform = _transform(solution.result.sensor)
-    return {"parameters": _parameters(solution, name), "transform": transform}
-
-
-def _samples_of_easy_handeye2(solution: Solution, name: str) -> dict[str, Any]:
-    """Return the message SampleList; its robot is the base in the hand where the sensor stands."""
-    robot = solution.robot if solution.in_hand else [rigid_inverse(T) for T in solution.robot]
-    samples = [
-        {"robot": _transform(one), "tracking": _transform(other)}
-        for one, other in zip(robot, solution.tracking, strict=True)
-    ]
-    return {"parameters": _parameters(solution, name), "samples": samples}
+def _samples_of_easy_handeye2(solution: Solution) -> list[dict[str, Any]]:
+    """Return the samples; their robot is the base in the hand where the sensor stands."""
+    robot = solution.robot if solution.in_hand else map(rigid_inverse, solution.robot)
+    pairs = zip(robot, solution.tracking, strict=True)
+    return [{"robot": _transform(one), "tracking": _transform(other)} for one, other in pairs]
 
 
 def _parameters(solution: Solution, name: str) -> dict[str, Any]:
@@ -216,8 +207,3 @@ def _transform(T: Array) -> dict[str, dict[str, float]]:
 def _plain(T: Array) -> dict[str, list[float]]:
     place, turn = plain_pose(T)
     return {"position": [*place], "quaternion": [*turn]}
-
-
-def _rows(table: Array) -> list[list[float]]:
-    rows: Sequence[list[float]] = table.tolist()
-    return [*rows]

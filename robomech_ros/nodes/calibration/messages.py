@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from geometry_msgs.msg import PoseArray, TransformStamped, Vector3
 
-from robomech_ros.calibration import NextPose
+from robomech_ros.calibration import HandEyeResult, NextPose
 from robomech_ros.calibration.estimation import LARGEST_COORDINATE
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.nodes.calibration.files import POSITION_FIRST
@@ -76,13 +76,14 @@ def fill_list(samples: Samples, base: str, sensor: str, response: Any) -> None:
     ):
         field.header.frame_id = frame
         field.poses = [pose_from_matrix(T) for T in poses]
-    solution = samples.solved
-    if solution is not None:
-        found = solution.result
-        response.rotation_residuals = floats(found.residuals[:, 0].copy())
-        response.position_residuals = floats(found.residuals[:, 1].copy())
-        response.inlier = found.inlier.tolist()
+    if samples.solved is not None:
+        _fill_residuals(samples.solved.result, response)
     response.summary = "\n".join(_lines(samples)) or "no samples"
+
+
+def _fill_residuals(found: HandEyeResult, response: Any) -> None:
+    response.rotation_residuals, response.position_residuals = map(floats, found.residuals.T)
+    response.inlier = found.inlier.tolist()
 
 
 def _lines(samples: Samples) -> list[str]:
@@ -107,9 +108,7 @@ def encode_solution(solution: Solution, response: Any) -> None:
     response.covariance = found.covariance[np.ix_(POSITION_FIRST, POSITION_FIRST)].ravel()
     response.position_deviation = found.position_deviation
     response.rotation_deviation = found.rotation_deviation
-    response.rotation_residuals = floats(found.residuals[:, 0].copy())
-    response.position_residuals = floats(found.residuals[:, 1].copy())
-    response.inlier = found.inlier.tolist()
+    _fill_residuals(found, response)
     response.outliers = list(found.outliers)
     for field in ("weak_directions", "free_directions"):
         rows = getattr(found, field).tolist()

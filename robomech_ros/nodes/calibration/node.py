@@ -88,7 +88,11 @@ class CalibrationNode(Node):
         self._robot: PoseTrack = TfTrack(self._listener, self._base, self._hand)
         if settings.robot_topic:
             self._robot = TopicTrack(self, settings.robot_topic, self._base)
-        self._tracking = self._tracking_track(settings)
+        sensor = settings.tracking_base_frame.removeprefix("/")
+        target = settings.tracking_marker_frame.removeprefix("/")
+        self._tracking: PoseTrack = TfTrack(self._listener, sensor, target)
+        if settings.tracking_topic:
+            self._tracking = TopicTrack(self, settings.tracking_topic, sensor)
         self._sampler = Sampler(self, self._robot, self._tracking, lambda: self._table.settings)
         for kind, name, callback in (
             (AddSamples, "~/add_samples", self._add_samples),
@@ -107,12 +111,6 @@ class CalibrationNode(Node):
             self.get_logger().info(f"not on /tf_static: {why}" if why else f"/tf_static: {text}")
         self.get_logger().info(f"ready: samples are {self._robot.what}, {self._tracking.what}")
 
-    def _tracking_track(self, settings: CalibrationSettings) -> TfTrack | TopicTrack:
-        sensor = settings.tracking_base_frame.removeprefix("/")
-        if settings.tracking_topic:
-            return TopicTrack(self, settings.tracking_topic, sensor)
-        return TfTrack(self._listener, sensor, settings.tracking_marker_frame.removeprefix("/"))
-
     @property
     def _frames(self) -> Frames:
         target = self._table.settings.tracking_marker_frame.removeprefix("/")
@@ -128,10 +126,14 @@ class CalibrationNode(Node):
         robot, tracking = await self._sampler.take(patience)
         most = settings.max_samples
         response.index = self._samples.add(robot[None], tracking[None], most)
-        response.count = len(self._samples)
         response.robot = stamped_pose(robot, self._base)
         response.tracking = stamped_pose(tracking, self._tracking.parent)
+        return self._changed(response)
+
+    def _changed(self, response: Any) -> Any:
+        """Show the samples and answer with their number."""
         self._markers.show(self._samples, self._frames)
+        response.count = len(self._samples)
         return answer(response)
 
     @staticmethod
@@ -148,9 +150,7 @@ class CalibrationNode(Node):
         robot = poses_from_array(request.robot, self._base, "robot", most)
         tracking = poses_from_array(request.tracking, sensor, "tracking", most)
         response.first_index = self._samples.add(robot, tracking, most)
-        response.count = len(self._samples)
-        self._markers.show(self._samples, self._frames)
-        return answer(response)
+        return self._changed(response)
 
     @guarded
     def _remove_sample(self, request: Any, response: Any) -> Any:
@@ -160,9 +160,7 @@ class CalibrationNode(Node):
             self._samples.remove(len(self._samples) - 1)
         else:
             self._samples.remove(request.index)
-        response.count = len(self._samples)
-        self._markers.show(self._samples, self._frames)
-        return answer(response)
+        return self._changed(response)
 
     @guarded
     def _list_samples(self, request: Any, response: Any) -> Any:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
 from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
@@ -17,38 +15,6 @@ from robomech_ros.typing import Array
 # Some seconds of a fast sender, between two looks.
 _DEPTH = 500
 _MOST_LISTED = 30
-
-
-class PoseTrack(Protocol):
-    """The poses of one frame in another."""
-
-    @property
-    def what(self) -> str:
-        """Whose poses they are, and where they come from."""
-
-    def look(self) -> None:
-        """Take in what has come."""
-
-    def last(self) -> int | None:
-        """Return the latest instant (ns of ROS time) with a pose; None = any instant.
-
-        Raises
-        ------
-        NoTransformError
-            There is none.
-        """
-
-    def at(self, stamp: int) -> Array:
-        """Return the pose (4, 4) at an instant.
-
-        Raises
-        ------
-        NoTransformError
-            It is not kept, or not yet known.
-        """
-
-    def context(self) -> str:
-        """Say what else was heard, where there is no pose."""
 
 
 class TfTrack:
@@ -65,7 +31,7 @@ class TfTrack:
 
     @property
     def what(self) -> str:
-        """The two frames."""
+        """Whose poses they are, and where they come from."""
         return f"frame {self._child!r} in {self.parent!r}"
 
     def look(self) -> None:
@@ -73,17 +39,29 @@ class TfTrack:
         self._listener.look()
 
     def last(self) -> int | None:
-        """Return the latest instant for which tf has every frame on the way."""
+        """Return the latest instant (ns of ROS time) with a pose; None = any instant.
+
+        Raises
+        ------
+        NoTransformError
+            There is none.
+        """
         if self._listener.missing:
             raise NoTransformError(self._listener.missing, may_come=False)
         return self._listener.tree.between(self.parent, self._child).stamp
 
     def at(self, stamp: int) -> Array:
-        """Return the pose (4, 4) at an instant (ns)."""
+        """Return the pose (4, 4) at an instant (ns).
+
+        Raises
+        ------
+        NoTransformError
+            It is not kept, or not yet known.
+        """
         return self._listener.tree.between(self.parent, self._child, stamp).pose
 
     def context(self) -> str:
-        """List the frames that there are."""
+        """Say what else was heard, where there is no pose."""
         listener = self._listener
         if listener.missing:
             return ""
@@ -114,8 +92,7 @@ class TopicTrack:
 
     def __init__(self, node: Node, topic: str, parent: str) -> None:
         self._clock = node.get_clock()
-        self._inbox = Inbox(node, PoseStamped, topic, _DEPTH, lambda: None)
-        self._inbox.attend(False)
+        self._inbox = Inbox(node, PoseStamped, topic, _DEPTH)
         self._tree, self.parent, self._fault = FrameTree(), parent, ""
 
     @property
@@ -155,3 +132,6 @@ class TopicTrack:
     def context(self) -> str:
         """Say what was wrong with poses that came."""
         return f"; heard, but of no use: {self._fault}" if self._fault else ""
+
+
+PoseTrack = TfTrack | TopicTrack

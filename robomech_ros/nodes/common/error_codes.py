@@ -129,26 +129,17 @@ def answer(response: Any, code: int = 0, text: str = "") -> Any:
 
 
 def guarded(callback: _Callback) -> _Callback:
-    """Make a service callback, plain or async, answer errors of the request.
+    """Make a service callback, plain or async, an async one that answers errors of the request.
 
     A RobomechError becomes its code and text in an otherwise empty response.  Any other exception
     is a defect, which `serve` answers.
     """
-    if inspect.iscoroutinefunction(callback):
-
-        @functools.wraps(callback)
-        async def wait(self: Any, request: Any, response: Any) -> Any:
-            try:
-                return await callback(self, request, response)
-            except RobomechError as error:
-                return answer(type(response)(), code_of(error), str(error))
-
-        return wait  # type: ignore[return-value]
 
     @functools.wraps(callback)
-    def call(self: Any, request: Any, response: Any) -> Any:
+    async def call(self: Any, request: Any, response: Any) -> Any:
         try:
-            return callback(self, request, response)
+            found = callback(self, request, response)
+            return await found if inspect.isawaitable(found) else found
         except RobomechError as error:
             return answer(type(response)(), code_of(error), str(error))
 

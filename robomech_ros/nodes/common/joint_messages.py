@@ -55,11 +55,9 @@ def positions_by_name(
     """
     names, positions = state.name, getattr(state, field)
     if names:
-        if len(names) != len(positions):
-            expected = f"{len(names)}, one for every name"
-            raise WrongSizeError(f"{what}.{field}", len(positions), expected)
-        if list(names) != list(joint_names):
-            positions = _matched(names, positions, joint_names, what, others)
+        if list(names) != list(joint_names) or len(names) != len(positions):
+            values = values_by_name(names, positions, what, field)
+            positions = _matched(values, joint_names, what, others)
     elif len(positions) != len(joint_names):
         expected = f"{len(joint_names)} for {', '.join(joint_names)}"
         raise WrongSizeError(f"{what}.{field}", len(positions), expected)
@@ -70,27 +68,33 @@ def positions_by_name(
     return np.array(positions, dtype=np.float64)
 
 
-def _matched(
-    names: Sequence[str],
-    positions: Sequence[float],
-    joint_names: Sequence[str],
-    what: str,
-    others: Iterable[str],
-) -> list[float]:
-    by_name = dict(zip(names, positions, strict=True))
+def values_by_name(
+    names: Sequence[str], values: Sequence[float], what: str, field: str = "position"
+) -> dict[str, float]:
+    """Return values by name; refuse another number of values, or a repeated name."""
+    if len(names) != len(values):
+        expected = f"{len(names)}, one for every name"
+        raise WrongSizeError(f"{what}.{field}", len(values), expected)
+    by_name = dict(zip(names, values, strict=True))
     if len(by_name) != len(names):
         twice = next(name for i, name in enumerate(names) if name in names[:i])
         expected = f"every name once; {format_value(twice)} is repeated"
         raise WrongSizeError(f"{what}.name", len(names), expected)
+    return by_name
+
+
+def _matched(
+    values: dict[str, float], joint_names: Sequence[str], what: str, others: Iterable[str]
+) -> list[float]:
     known = {*joint_names, *others}
-    for name in names:
+    for name in values:
         if name not in known:
             raise UnknownJointError(name, joint_names)
-    missing = [name for name in joint_names if name not in by_name]
+    missing = [name for name in joint_names if name not in values]
     if missing:
         expected = f"all of {', '.join(joint_names)}; missing: {', '.join(missing)}"
-        raise WrongSizeError(f"{what}.name", len(names), expected)
-    return [by_name[name] for name in joint_names]
+        raise WrongSizeError(f"{what}.name", len(values), expected)
+    return [values[name] for name in joint_names]
 
 
 def joint_state(joint_names: Sequence[str], positions: Array) -> JointState:

@@ -6,27 +6,27 @@ robot spends nothing while it is idle.
 
 import math
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from rclpy.node import Node
-from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 
 from robomech_ros.errors import format_value
 from robomech_ros.nodes.common.cooperative_wait import pause
 from robomech_ros.nodes.common.error_codes import NoStateError, RobotMovesError
-from robomech_ros.nodes.middleware.polled_subscription import ManualSubscription
+from robomech_ros.nodes.middleware.polled_subscription import (
+    ManualSubscription,
+    latest,
+    take_waiting,
+)
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 from robomech_ros.typing import Array
 
 TOPIC = "joint_states"
 # Enough for several publishers of different rates between two looks.
 _DEPTH = 50
-_QOS = QoSProfile(
-    depth=_DEPTH, history=HistoryPolicy.KEEP_LAST, reliability=ReliabilityPolicy.BEST_EFFORT
-)
 # Joints that are remembered, whoever publishes them.
 _MOST_JOINTS = 1000
 _MOST_LISTED = 10
@@ -55,7 +55,12 @@ class JointStateMonitor:
         self._heard_in: dict[str, int] = {}
         self._fault = ""
         self._subscription = node.create_subscription(
-            JointState, TOPIC, self._store, _QOS, callback_group=ManualSubscription(), raw=True
+            JointState,
+            TOPIC,
+            self._store,
+            latest(_DEPTH),
+            callback_group=ManualSubscription(),
+            raw=True,
         )
 
     def positions(self, joint_names: Sequence[str]) -> Array | None:
@@ -90,8 +95,7 @@ class JointStateMonitor:
 
     def forget(self) -> None:
         """Know no joint until it is heard of anew: whoever published them may be gone."""
-        for _ in self._waiting():
-            pass
+        list(take_waiting(self._subscription, JointState, _DEPTH))
         self._states.clear()
 
     def require(self, joint_names: Sequence[str]) -> Array:
@@ -183,7 +187,7 @@ class JointStateMonitor:
         wanted = {*joint_names, *self._states}
         seen: dict[str, _JointSample] = {}
         newest_fault = ""
-        for data in reversed(list(self._waiting())):
+        for data in reversed(list(take_waiting(self._subscription, JointState, _DEPTH))):
             states, fault = _read(data)
             newest_fault = newest_fault or fault
             for name, state in states.items():
@@ -191,15 +195,6 @@ class JointStateMonitor:
             if seen.keys() >= wanted:
                 break
         self._keep(seen, newest_fault)
-
-    def _waiting(self) -> Iterator[bytes]:
-        subscription = self._subscription
-        with subscription.handle:
-            for _ in range(_DEPTH):
-                taken = subscription.handle.take_message(JointState, True)
-                if taken is None:
-                    return
-                yield taken[0]
 
     def _store(self, data: bytes) -> None:
         """Keep one message; serves executors that do not honour callback groups."""
@@ -219,32 +214,18 @@ def _read(data: bytes) -> tuple[dict[str, _JointSample], str]:
         message = unpack(data, JointState)
     except UnreadableMessageError as error:
         return {}, str(error)
-    if fault := _fault_of(message):
-        return {}, fault
-    states = _states_in(message)
-    usable = {name: state for name, state in states.items() if math.isfinite(state.position)}
-    for name in states.keys() - usable.keys():
-        fault = f"the position of {format_value(name)} is {states[name].position}"
-    return usable, fault
-
-
-def _fault_of(message: JointState) -> str:
-    """Say what keeps a message from being understood; empty where nothing does."""
-    names, positions = message.name, message.position
+    names, positions, velocities = message.name, message.position, message.velocity
     if len(names) != len(positions):
-        return f"{len(positions)} positions for {len(names)} names"
+        return {}, f"{len(positions)} positions for {len(names)} names"
     if len(set(names)) < len(names):
         twice = next(name for i, name in enumerate(names) if name in names[:i])
-        return f"{format_value(twice)} is in it twice"
-    return ""
-
-
-def _states_in(message: JointState) -> dict[str, _JointSample]:
-    """Read the states of all joints in a message."""
-    positions, velocities = message.position, message.velocity
+        return {}, f"{format_value(twice)} is in it twice"
     if len(velocities) != len(positions):
         velocities = [math.nan] * len(positions)
-    return {
-        name: _JointSample(position, velocity)
-        for name, position, velocity in zip(message.name, positions, velocities, strict=True)
-    }
+    usable, fault = dict[str, _JointSample](), ""
+    for name, position, velocity in zip(names, positions, velocities, strict=True):
+        if math.isfinite(position):
+            usable[name] = _JointSample(position, velocity)
+        else:
+            fault = f"the position of {format_value(name)} is {position}"
+    return usable, fault

@@ -1,5 +1,6 @@
 """Lists of numbers, times and durations as the fields of messages take them."""
 
+import math
 from array import array
 from typing import Any
 
@@ -7,7 +8,7 @@ from builtin_interfaces.msg import Duration
 from numpy.typing import NDArray
 from std_msgs.msg import Header
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.typing import Array
 
 # Nanoseconds of a second.
@@ -26,6 +27,20 @@ def append_numbers(target: "array[Any]", values: NDArray[Any]) -> None:
     target.frombytes(values.astype(target.typecode).tobytes())
 
 
+def finite_number(what: str, value: float) -> float:
+    """Return a number of a request, which must be finite."""
+    if not math.isfinite(value):
+        raise NonFiniteError(what, value)
+    return float(value)
+
+
+def not_negative(what: str, value: float, expected: str) -> float:
+    """Return a number of a request, which must be finite and not negative."""
+    if finite_number(what, value) < 0.0:
+        raise BadValueError(what, value, expected)
+    return float(value)
+
+
 def seconds_from_duration(duration: Duration, what: str) -> float:
     """Convert a duration message to s.
 
@@ -34,10 +49,8 @@ def seconds_from_duration(duration: Duration, what: str) -> float:
     BadValueError
         It is negative.
     """
-    seconds = float(duration.sec + duration.nanosec / NANO)
-    if seconds < 0.0:
-        raise BadValueError(what, seconds, "a duration that is not negative (s)")
-    return seconds
+    seconds = duration.sec + duration.nanosec / NANO
+    return not_negative(what, seconds, "a duration that is not negative (s)")
 
 
 def fill_header(header: Header, frame: str, stamp: int) -> None:

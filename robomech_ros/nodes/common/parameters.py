@@ -335,7 +335,8 @@ def _declared(node: Node, row: ParameterRow) -> Any:
         kind = Parameter.Type.STRING_ARRAY if texts else Parameter.Type.DOUBLE_ARRAY
         _declare_empty(node, row, kind)
     else:
-        node.declare_parameter(row.name, _plain(value), row.descriptor(), ignore_override=True)
+        plain = list(value) if isinstance(value, tuple) else value
+        node.declare_parameter(row.name, plain, row.descriptor(), ignore_override=True)
     return value
 
 
@@ -350,7 +351,3 @@ def _declare_empty(node: Node, row: ParameterRow, kind: Parameter.Type) -> None:
     descriptor = row.descriptor()
     descriptor.type = kind.value
     node.set_descriptor(row.name, descriptor)
-
-
-def _plain(value: Any) -> Any:
-    return list(value) if isinstance(value, tuple) else value

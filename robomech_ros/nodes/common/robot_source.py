@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable
+from typing import Any
 
 from rclpy.node import Node
 from std_msgs.msg import String
@@ -68,9 +69,20 @@ def when_robot_known(
     def begin(robot: str) -> None:
         taken = {ARM: True, "parallel": parallel, "walking": legged}
         check_name(robot, [kind for kind, served in taken.items() if served])
-        if kind_of(robot) == "walking":
-            begin_to_walk(robot)
-            return
+        described, parts = load_walking(robot) if kind_of(robot) == "walking" else load(robot)
+        model = RobotModel(
+            described,
+            settings.base_link,
+            settings.tip_link,
+            settings.frame_prefix,
+            source.semantic(described),
+            settings.group,
+            **parts,
+        )
+        on_robot(model)
+        source.teach(model)
+
+    def load(robot: str) -> tuple[RobotDescription, dict[str, Any]]:
         loaded = load_tree_description(robot)
         described = loaded.description
         if loaded.robot is not None and not (parallel and supplemented is None):
@@ -81,13 +93,9 @@ def when_robot_known(
             node.get_logger().warning(note)
         if loaded.robot is None:
             described = completed(described)
-        ends = settings.base_link, settings.tip_link
-        known = source.semantic(described), settings.group
-        model = RobotModel(described, *ends, settings.frame_prefix, *known, loaded.robot)
-        on_robot(model)
-        source.teach(model)
+        return described, {"robot": loaded.robot}
 
-    def begin_to_walk(robot: str) -> None:
+    def load_walking(robot: str) -> tuple[RobotDescription, dict[str, Any]]:
         # What is compiled for legs is loaded only where there are some.
         from robomech_ros.walking import load_legged
 
@@ -95,11 +103,7 @@ def when_robot_known(
         if not legged or supplemented is not None:
             expected = f"no walking machine, which the node '{node.get_name()}' does not serve"
             raise BadValueError("robot_description", legs.name, expected)
-        ends = settings.base_link, settings.tip_link
-        known = source.semantic(legs.description), settings.group
-        model = RobotModel(legs.description, *ends, settings.frame_prefix, *known, legged=legs)
-        on_robot(model)
-        source.teach(model)
+        return legs.description, {"legged": legs}
 
     if settings.robot_description and not source.lacks_group:
         begin(settings.robot_description)

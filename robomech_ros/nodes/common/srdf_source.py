@@ -5,17 +5,16 @@ from dataclasses import replace
 from typing import Protocol
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.robots import RobotDescription, SemanticDescription, load_semantics
 from robomech_ros.robots.documents.guarded_xml import is_xml
 
 # As MoveIt's move_group has it.
 SEMANTIC_TOPIC = "robot_description_semantic"
-_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _MOST_NOTES = 5
 _LONGEST_NOTE = 500
 
@@ -63,7 +62,7 @@ class SemanticSource:
         self._group = group
         self._model: SemanticsConsumer | None = None
         if not self._given:
-            node.create_subscription(String, SEMANTIC_TOPIC, self._receive, _LATCHED)
+            node.create_subscription(String, SEMANTIC_TOPIC, self._receive, LATCHED)
 
     @property
     def lacks_group(self) -> bool:

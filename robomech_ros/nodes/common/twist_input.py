@@ -59,11 +59,7 @@ class TwistInput:
             (TwistStamped, topic, lambda message: (message.twist, message.header.stamp)),
             (Twist, f"{topic}_unstamped", lambda message: (message, None)),
         ]
-        self._readers = [
-            (Inbox(node, kind, name, _DEPTH, lambda: None), read) for kind, name, read in readers
-        ]
-        for inbox, _ in self._readers:
-            inbox.attend(False)
+        self._readers = [(Inbox(node, kind, name, _DEPTH), read) for kind, name, read in readers]
 
     @property
     def topic(self) -> str:
@@ -75,8 +71,7 @@ class TwistInput:
         now = self._clock.now()
         if self._hold_ups.look(now):
             held_up = f"held up for {self._hold_ups.age(now):.3g} s"
-            text = f"{held_up}: commands without a stamp count as that old"
-            self._log.warning(text)
+            self._log.warning(f"{held_up}: commands without a stamp count as that old")
         for inbox, read in self._readers:
             for message in inbox.take():
                 twist, stamp = read(message)

@@ -6,10 +6,11 @@ from typing import Any
 
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
 
+from robomech_ros.nodes.common.message_fields import NANO
 from robomech_ros.nodes.display.frame_publisher import FramePublisher
 from robomech_ros.nodes.display.other_publishers import OtherPublishers
+from robomech_ros.nodes.frames.listener import STATIC
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
@@ -22,9 +23,6 @@ SILENCE, BY_CHANCE = 3.0, 1.0
 _DEPTH = 40
 # So many of its own messages may still be on their way to itself.
 _AWAITED = 500
-# As tf2_ros has it.
-_FIXED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-_NANO = 1_000_000_000
 
 
 class MovingFrames:
@@ -61,16 +59,12 @@ class MovingFrames:
             return frozenset()
         if self._inbox is None:
             kind, topic = self._publisher.kind, self._publisher.topic
-            self._inbox = Inbox(self._node, kind, topic, _DEPTH, lambda: None)
-            self._inbox.attend(False)
+            self._inbox = Inbox(self._node, kind, topic, _DEPTH)
         # In this order: what arrived was sent, and noted, before.
-        self._listen([*self._inbox.take()], self._newly_sent())
+        messages, sent = [*self._inbox.take()], self._publisher.sent
+        self._listen(messages, Counter(sent.popleft() for _ in range(len(sent))))
         turn = self._publisher.turns
         return frozenset(f for f, heard in self._heard.items() if turn - heard < self._silence)
-
-    def _newly_sent(self) -> Counter[tuple[int, frozenset[str]]]:
-        sent = self._publisher.sent
-        return Counter(sent.popleft() for _ in range(len(sent)))
 
     def _listen(self, messages: list[Any], sent: Counter[tuple[int, frozenset[str]]]) -> None:
         """Note what others have said, given what was sent since the last look."""
@@ -81,7 +75,7 @@ class MovingFrames:
             if not frames:
                 continue
             stamp = message.transforms[0].header.stamp
-            what = stamp.sec * _NANO + stamp.nanosec, children
+            what = stamp.sec * NANO + stamp.nanosec, children
             if own[what] > 0:
                 own[what] -= 1
             else:
@@ -124,7 +118,7 @@ class FixedFrames:
         self._heard.clear()
         kind, topic = self._publisher.kind, self._publisher.fixed_topic
         self._subscription = self._node.create_subscription(
-            kind, topic, self._take, _FIXED, callback_group=ReentrantCallbackGroup(), raw=True
+            kind, topic, self._take, STATIC, callback_group=ReentrantCallbackGroup(), raw=True
         )
         return None
 

@@ -7,18 +7,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from geometry_msgs.msg import TransformStamped
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from robomech_ros.kinematics.joint_poses import JointPoses
+from robomech_ros.nodes.common.message_fields import NANO
+from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.robots import Joint, RobotDescription
 from robomech_ros.typing import Array
 
 # As tf2_ros has them.
 _DEPTH = 100
-_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # So many messages are noted for who looks less often than frames are published.
 _SENT = 1000
-_NANO = 1_000_000_000
 
 
 class _Moving(NamedTuple):
@@ -76,7 +75,7 @@ class FramePublisher:
             text = f"/tf lacks what is behind the joints {', '.join(left_out)}"
             node.get_logger().warning(text)
         self._publisher = node.create_publisher(message, "/tf", _DEPTH)
-        self._latched = node.create_publisher(message, "/tf_static", _LATCHED)
+        self._latched = node.create_publisher(message, "/tf_static", LATCHED)
         self.topic, self.fixed_topic = self._publisher.topic_name, self._latched.topic_name
         self.turns = 0
         self.sent: deque[tuple[int, frozenset[str]]] = deque(maxlen=_SENT)
@@ -94,7 +93,7 @@ class FramePublisher:
         """
         still = [joint for frame, joint in self._of_fixed.items() if frame in fixed]
         self.at_rest = self.kind(transforms=self._transforms(still))
-        now = divmod(int(self._clock.now().nanoseconds), _NANO)
+        now = divmod(int(self._clock.now().nanoseconds), NANO)
         _put(self.at_rest, JointPoses(still), np.zeros(len(still)), now)
         self._latched.publish(self.at_rest)
         joints = [joint for frame, joint in self._of_moving.items() if frame in moving]
@@ -120,7 +119,7 @@ class FramePublisher:
             return
         at = np.array([positions[name] for name in frames.names])
         _put(frames.message, frames.poses, at, stamp)
-        self.sent.append((stamp[0] * _NANO + stamp[1], frames.children))
+        self.sent.append((stamp[0] * NANO + stamp[1], frames.children))
         self._publisher.publish(frames.message)
 
     def _transforms(self, joints: Sequence[Joint]) -> list[TransformStamped]:

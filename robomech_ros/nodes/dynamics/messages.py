@@ -12,7 +12,7 @@ from robomech_ros.dynamics import TorqueSummary
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.execution.received_trajectory import joint_order
 from robomech_ros.nodes.common.joint_messages import positions_by_name
-from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
+from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats, not_negative
 from robomech_ros.nodes.common.pose_messages import point_vector
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.dynamics.drives import Drives
@@ -23,6 +23,11 @@ from robomech_ros.typing import Array
 
 # Largest number in a vector, in SI units: products with masses stay far from overflow.
 _LARGEST = 1e12
+# Fields of a SummarizeTorques response with the names of those of the summary.
+_SUMMARISED = (
+    *("peak_effort", "rms_effort", "peak_power", "energy_out", "energy_back"),
+    *("effort_limit", "saturation"),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,11 +185,7 @@ def payload_body(inertia: Inertia, frame: str, chain: SerialChain) -> Body | Non
     if link.joints != chain.n:
         carrying = ", ".join(each.name for each in chain.frames if each.joints == chain.n)
         raise BadValueError("payload.header.frame_id", frame, f"one of {carrying}")
-    if not np.isfinite(inertia.m):
-        raise NonFiniteError("payload.inertia.m", inertia.m)
-    if inertia.m < 0.0:
-        raise BadValueError("payload.inertia.m", inertia.m, "a mass in kg, not negative")
-    if inertia.m == 0.0:
+    if not_negative("payload.inertia.m", inertia.m, "a mass in kg, not negative") == 0.0:
         return None
     xx, xy, xz = inertia.ixx, inertia.ixy, inertia.ixz
     yy, yz, zz = inertia.iyy, inertia.iyz, inertia.izz
@@ -208,14 +209,9 @@ def encode_summary(summary: TorqueSummary, drives: Sequence[str], response: Any)
     """Fill a SummarizeTorques response."""
     names = list(drives)
     response.joint_names = names
-    response.peak_effort = floats(summary.peak_effort)
+    for field in _SUMMARISED:
+        setattr(response, field, floats(getattr(summary, field)))
     response.peak_effort_time = _durations(summary.peak_effort_time)
-    response.rms_effort = floats(summary.rms_effort)
-    response.peak_power = floats(summary.peak_power)
-    response.energy_out = floats(summary.energy_out)
-    response.energy_back = floats(summary.energy_back)
-    response.effort_limit = floats(summary.effort_limit)
-    response.saturation = floats(summary.saturation)
     over = np.flatnonzero(summary.saturation > 1.0)
     response.saturated_joints = [names[i] for i in over]
     response.saturation_time = _durations(summary.saturation_time[over])

@@ -145,15 +145,8 @@ class DynamicsNode(Node):
             )
         q = drives.postures(position, "sample")
         wrench = await self._wrench(request, q)
-        summary = torque_summary(
-            system,
-            times,
-            q,
-            velocity,
-            acceleration,
-            gravity=self._gravity(request),
-            tip_wrench=wrench,
-        )
+        motion, gravity = (times, q, velocity, acceleration), self._gravity(request)
+        summary = torque_summary(system, *motion, gravity=gravity, tip_wrench=wrench)
         return answer(encode_summary(summary, drives.names, response))
 
     async def _positions(self, state: JointState) -> Array:

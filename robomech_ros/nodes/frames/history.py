@@ -2,6 +2,7 @@
 
 import math
 from bisect import bisect_left
+from operator import attrgetter
 from typing import NamedTuple
 
 # How long transforms are kept, ns: as long as tf2 keeps them.
@@ -10,6 +11,7 @@ WINDOW = 10_000_000_000
 _MOST_SAMPLES = 1000
 # Between quaternions nearer than this the straight line is as good as the arc.
 _SAME_TURN = 1.0 - 1e-9
+_STAMP = attrgetter("stamp")
 
 
 class Sample(NamedTuple):
@@ -81,13 +83,13 @@ class FrameHistory:
             if samples[-1].stamp <= now + WINDOW:
                 return
             samples.clear()
-        at = bisect_left(samples, sample.stamp, key=_stamp_of)
+        at = bisect_left(samples, sample.stamp, key=_STAMP)
         if at < len(samples) and samples[at].stamp == sample.stamp:
             samples[at] = sample
         else:
             samples.insert(at, sample)
         oldest = samples[-1].stamp - WINDOW
-        gone = max(bisect_left(samples, oldest, key=_stamp_of), len(samples) - _MOST_SAMPLES)
+        gone = max(bisect_left(samples, oldest, key=_STAMP), len(samples) - _MOST_SAMPLES)
         del samples[:gone]
 
     def forget_oldest(self) -> None:
@@ -101,7 +103,7 @@ class FrameHistory:
         different parents the one before.
         """
         samples = self._samples
-        k = bisect_left(samples, stamp, key=_stamp_of)
+        k = bisect_left(samples, stamp, key=_STAMP)
         if k == len(samples):
             return samples[-1]
         if k == 0 or samples[k].stamp == stamp:
@@ -112,10 +114,6 @@ class FrameHistory:
         part = (stamp - before.stamp) / (behind.stamp - before.stamp)
         place = tuple(a + part * (b - a) for a, b in zip(before.place, behind.place, strict=True))
         return Sample(stamp, before.parent, place, _between(before.turn, behind.turn, part))
-
-
-def _stamp_of(sample: Sample) -> int:
-    return sample.stamp
 
 
 def _between(a: tuple[float, ...], b: tuple[float, ...], part: float) -> tuple[float, ...]:

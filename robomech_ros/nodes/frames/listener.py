@@ -6,33 +6,28 @@ fast robots spends nothing while it is idle.
 
 import math
 import time
-from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 from rclpy.clock import JumpThreshold, TimeJump
 from rclpy.duration import Duration
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from robomech_ros.nodes.common.message_fields import NANO
 from robomech_ros.nodes.frames.history import Sample
 from robomech_ros.nodes.frames.tree import FrameTree
-from robomech_ros.nodes.middleware.polled_subscription import ManualSubscription
+from robomech_ros.nodes.middleware.polled_subscription import (
+    ManualSubscription,
+    latest,
+    take_waiting,
+)
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 
 # Between two looks, the latest so many are kept: some seconds of robot_state_publisher.
 _DEPTH = 500
-# A best-effort reader hears every sender, and only the latest counts.
-_MOVING = QoSProfile(
-    depth=_DEPTH, history=HistoryPolicy.KEEP_LAST, reliability=ReliabilityPolicy.BEST_EFFORT
-)
 # As tf2_ros has it.
-_STATIC = QoSProfile(
-    depth=100,
-    history=HistoryPolicy.KEEP_LAST,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
+STATIC = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # Bytes of a message at most, enough for a thousand frames, and of all that one look takes in, which
 # is some 0.1 s of work; of more the latest count.
 _LARGEST_MESSAGE, _LARGEST_LOOK = 200_000, 1_000_000
@@ -81,13 +76,13 @@ class FrameListener:
         self._moving = node.create_subscription(
             TFMessage,
             "/tf",
-            self._take_moving,
-            _MOVING,
+            partial(self._take, static=False),
+            latest(_DEPTH),
             callback_group=ManualSubscription(),
             raw=True,
         )
         self._static = node.create_subscription(
-            TFMessage, "/tf_static", self._take_static, _STATIC, raw=True
+            TFMessage, "/tf_static", partial(self._take, static=True), STATIC, raw=True
         )
         back = JumpThreshold(
             min_forward=None, min_backward=Duration(nanoseconds=-1), on_clock_change=True
@@ -108,35 +103,22 @@ class FrameListener:
     def look(self) -> None:
         """Take in what has come since the last look."""
         latest, left = [], _LARGEST_LOOK
-        for data in reversed(list(self._waiting())):
+        for data in reversed(self._waiting()):
             left -= len(data)
             if left < 0:
                 break
             latest.append(data)
         for data in reversed(latest):
-            self._take_moving(data)
+            self._take(data, static=False)
 
-    def _waiting(self) -> Iterator[bytes]:
-        if self._kind is None:
-            return
-        with self._moving.handle:
-            for _ in range(_DEPTH):
-                taken = self._moving.handle.take_message(self._kind, True)
-                if taken is None:
-                    return
-                yield taken[0]
+    def _waiting(self) -> list[bytes]:
+        return list(take_waiting(self._moving, self._kind, _DEPTH)) if self._kind else []
 
     def _begin_anew(self, jump: TimeJump) -> None:
         # What waits is from before, too.
-        list(self._waiting())
+        self._waiting()
         self.tree.forget_moving()
         self.heard_since = math.inf
-
-    def _take_moving(self, data: bytes) -> None:
-        self._take(data, static=False)
-
-    def _take_static(self, data: bytes) -> None:
-        self._take(data, static=True)
 
     def _take(self, data: bytes, *, static: bool) -> None:
         if len(data) > _LARGEST_MESSAGE:
@@ -149,11 +131,8 @@ class FrameListener:
             return
         now = self.now
         for entry in entries:
-            stamp, place, turn = (
-                entry.header.stamp,
-                entry.transform.translation,
-                entry.transform.rotation,
-            )
+            stamp, transform = entry.header.stamp, entry.transform
+            place, turn = transform.translation, transform.rotation
             sample = Sample(
                 stamp.sec * NANO + stamp.nanosec,
                 _bare(entry.header.frame_id),

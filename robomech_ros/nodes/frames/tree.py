@@ -65,19 +65,15 @@ class FrameTree:
         self._count = 0
 
     def __contains__(self, frame: str) -> bool:
-        return frame in self._histories or frame in self.roots
-
-    @property
-    def roots(self) -> set[str]:
-        """Frames that have children and no parent."""
-        parents = {history.last.parent for history in self._histories.values()}
-        return parents - self._histories.keys()
+        return frame in self._histories or frame in self._parents()
 
     @property
     def frames(self) -> tuple[str, ...]:
         """All frames, by name."""
-        parents = {history.last.parent for history in self._histories.values()}
-        return tuple(sorted(parents | self._histories.keys()))
+        return tuple(sorted(self._parents() | self._histories.keys()))
+
+    def _parents(self) -> set[str]:
+        return {history.last.parent for history in self._histories.values()}
 
     def insert(self, child: str, sample: Sample, now: int, *, static: bool) -> str:
         """Take in where a frame is in its parent.
@@ -151,7 +147,8 @@ class FrameTree:
             There is no such frame, or the way is a circle.
         """
         if frame not in self:
-            raise NoTransformError(self._unknown(frame))
+            text = f"tf has no frame {frame[:200]!r}" if self._histories else "tf has no frames yet"
+            raise NoTransformError(text)
         way = {frame: None}
         while frame in self._histories:
             history = self._histories[frame]
@@ -162,11 +159,6 @@ class FrameTree:
                 raise NoTransformError(f"tf goes round in a circle: {shown}, {frame}")
             way[frame] = None
         return [*way]
-
-    def _unknown(self, frame: str) -> str:
-        if not self._histories:
-            return "tf has no frames yet"
-        return f"tf has no frame {frame[:200]!r}"
 
     def between(self, target: str, source: str, stamp: int | None = None) -> TransformResult:
         """Find where a frame is in another one.

@@ -7,11 +7,12 @@ import numpy as np
 from sensor_msgs.msg import PointCloud2, PointField
 from trajectory_msgs.msg import JointTrajectoryPoint
 
-from robomech_ros.errors import BadValueError, NonFiniteError
+from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.common.error_codes import answer
 from robomech_ros.nodes.common.message_fields import (
     duration_from_seconds,
     floats,
+    not_negative,
     seconds_from_duration,
 )
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_twist
@@ -48,7 +49,8 @@ def inverse_options(request: Any) -> dict[str, Any]:
     for name in ("position_tolerance", "orientation_tolerance"):
         value = getattr(request, name)
         if value:
-            options[name] = _tolerance(name, value)
+            expected = "0 for the default, or a positive number"
+            options[name] = not_negative(name, value, expected)
     if request.timeout.sec or request.timeout.nanosec:
         options["timeout"] = seconds_from_duration(request.timeout, "timeout")
     return options
@@ -66,14 +68,6 @@ def is_nearest(mode: int) -> bool:
     if mode > _NEAREST:
         raise BadValueError("mode", mode, "ALL (0) or NEAREST (1)")
     return mode == _NEAREST
-
-
-def _tolerance(name: str, value: float) -> float:
-    if not np.isfinite(value):
-        raise NonFiniteError(name, value)
-    if value < 0.0:
-        raise BadValueError(name, value, "0 for the default, or a positive number")
-    return value
 
 
 class SolutionPoints:

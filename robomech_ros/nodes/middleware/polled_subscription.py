@@ -6,6 +6,7 @@ from typing import Any
 from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
 
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
@@ -36,6 +37,22 @@ class ManualSubscription(CallbackGroup):
         """Nothing was begun."""
 
 
+def latest(depth: int) -> QoSProfile:
+    """Make the profile of a subscription to the latest messages of every sender."""
+    best_effort = ReliabilityPolicy.BEST_EFFORT
+    return QoSProfile(depth=depth, history=HistoryPolicy.KEEP_LAST, reliability=best_effort)
+
+
+def take_waiting(subscription: Subscription, kind: type, depth: int) -> Iterator[bytes]:
+    """Yield the serialised messages that wait in a raw subscription, at most so many."""
+    with subscription.handle:
+        for _ in range(depth):
+            taken = subscription.handle.take_message(kind, True)
+            if taken is None:
+                return
+            yield taken[0]
+
+
 class Inbox:
     """The latest messages of a topic, however fast they come.
 
@@ -52,22 +69,20 @@ class Inbox:
         Its name.
     depth : int
         How many are kept, the latest.
-    wake : callable
+    wake : callable, optional
         Called when a message has come while the executor looks after it, as it does at first.
+        Without it, the executor never does.
     """
 
     def __init__(
-        self, node: Node, kind: type, topic: str, depth: int, wake: Callable[[], None]
+        self, node: Node, kind: type, topic: str, depth: int, wake: Callable[[], None] | None = None
     ) -> None:
         self._log = ThrottledLog(node.get_logger())
         self._kind, self._depth, self._wake = kind, depth, wake
-        self._group = ManualSubscription(attended=True)
+        self._group = ManualSubscription(attended=wake is not None)
         self._early: list[bytes] = []
-        qos = QoSProfile(
-            depth=depth, history=HistoryPolicy.KEEP_LAST, reliability=ReliabilityPolicy.BEST_EFFORT
-        )
         self._subscription = node.create_subscription(
-            kind, topic, self._receive, qos, callback_group=self._group, raw=True
+            kind, topic, self._receive, latest(depth), callback_group=self._group, raw=True
         )
 
     def attend(self, attended: bool) -> None:
@@ -78,7 +93,7 @@ class Inbox:
         # Some executors do not honour callback groups.
         self._early.append(data)
         del self._early[: -self._depth]
-        if self._group.attended:
+        if self._group.attended and self._wake is not None:
             self._wake()
 
     @property
@@ -88,21 +103,11 @@ class Inbox:
 
     def take(self) -> Iterator[Any]:
         """Yield the messages that have come since the last look, the oldest first."""
-        for data in self._waiting():
+        early, self._early = self._early, []
+        for data in (*early, *take_waiting(self._subscription, self._kind, self._depth)):
             try:
                 message = unpack(data, self._kind)
             except UnreadableMessageError as error:
                 self._log.warning(f"passed over on '{self.topic}': {error}")
             else:
                 yield message
-
-    def _waiting(self) -> Iterator[bytes]:
-        early, self._early = self._early, []
-        yield from early
-        subscription = self._subscription
-        with subscription.handle:
-            for _ in range(self._depth):
-                taken = subscription.handle.take_message(self._kind, True)
-                if taken is None:
-                    return
-                yield taken[0]

@@ -41,16 +41,14 @@ def add_moveit_services(
     bool
         Whether they are there.
     """
-    if _is_parallel(node, model, "compute_ik and compute_fk"):
-        return False
-    try:
+
+    def add() -> None:
         from robomech_ros.nodes.moveit.services import MoveItServices
         from robomech_ros.nodes.moveit.whole_robot import WholeRobot
-    except ImportError as error:
-        _tell(node, "compute_ik and compute_fk", error)
-        return False
-    MoveItServices(node, WholeRobot(model, monitor, frames), patience, check_size)
-    return True
+
+        MoveItServices(node, WholeRobot(model, monitor, frames), patience, check_size)
+
+    return _added(node, model, "compute_ik and compute_fk", add)
 
 
 def add_cartesian_path_service(
@@ -79,26 +77,27 @@ def add_cartesian_path_service(
     bool
         Whether it is there.
     """
-    if _is_parallel(node, model, "compute_cartesian_path"):
-        return False
-    try:
+
+    def add() -> None:
         from robomech_ros.nodes.moveit.cartesian_service import CartesianPathService
         from robomech_ros.nodes.moveit.whole_robot import WholeRobot
-    except ImportError as error:
-        _tell(node, "compute_cartesian_path", error)
-        return False
-    CartesianPathService(node, WholeRobot(model, monitor, frames), monitor, settings, worker)
-    return True
+
+        CartesianPathService(node, WholeRobot(model, monitor, frames), monitor, settings, worker)
+
+    return _added(node, model, "compute_cartesian_path", add)
 
 
-def _is_parallel(node: Node, model: RobotModel, services: str) -> bool:
-    """Log why there are no such services of a parallel robot, whose loops MoveIt cannot know."""
+def _added(node: Node, model: RobotModel, services: str, add: Callable[[], None]) -> bool:
+    """Add services of an arm, or log why there are none."""
     if model.mechanism is not None:
+        # MoveIt cannot know its loops.
         node.get_logger().info(f"no {services}: '{model.chain.name}' is a parallel robot")
-    return model.mechanism is not None
-
-
-def _tell(node: Node, services: str, error: ImportError) -> None:
-    """Log why there are no such services, but where the package is simply not installed."""
-    if getattr(error, "name", "") != "moveit_msgs":
-        node.get_logger().warning(f"no {services}: {error}")
+        return False
+    try:
+        add()
+    except ImportError as error:
+        # That the package is simply not installed is nothing to be logged.
+        if getattr(error, "name", "") != "moveit_msgs":
+            node.get_logger().warning(f"no {services}: {error}")
+        return False
+    return True

@@ -8,16 +8,15 @@ from typing import Any
 import numpy as np
 from moveit_msgs.msg import MoveItErrorCodes
 
-from robomech_ros.errors import BadValueError, NonFiniteError
+from robomech_ros.errors import BadValueError
+from robomech_ros.nodes.common.message_fields import finite_number, not_negative
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.request_sizes import check_waypoints
-from robomech_ros.nodes.frames.robot_frames import FrameAttachment
 from robomech_ros.nodes.moveit.constraints import Conditions, frames_of
 from robomech_ros.nodes.moveit.moveit_errors import refused_as
 from robomech_ros.nodes.moveit.serving import chain_of, refuse_collision_checks
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.robots import SerialChain
-from robomech_ros.spatial import inverse_pose
 from robomech_ros.typing import Array
 
 # Finer steps would fill the memory, slower motions would take years.
@@ -77,10 +76,8 @@ class CartesianQuestion:
 async def read_question(
     request: Any,
     robot: WholeRobot,
-    most_waypoints: int,
+    settings: Any,
     state: Callable[[dict[str, float], list[str]], Any],
-    tolerance: float,
-    patience: float,
 ) -> CartesianQuestion:
     """Read a request.
 
@@ -88,13 +85,9 @@ async def read_question(
     ----------
     request : GetCartesianPath.Request
     robot : WholeRobot
-    most_waypoints : int
+    settings : PlannerSettings
     state : callable
         Completes positions by those of the present state, of which the listed joints are needed.
-    tolerance : float
-        How fast a joint of the start may be (rad/s or m/s).
-    patience : float
-        How long to wait for each frame that is named (s).
 
     Raises
     ------
@@ -108,15 +101,17 @@ async def read_question(
     limited = chain_of(robot.model, "", slow) if slow else chain
     frame = robot.model.link_of(request.header.frame_id)
     with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
-        check_waypoints("waypoints", len(request.waypoints), most_waypoints)
+        check_waypoints("waypoints", len(request.waypoints), settings.max_waypoints)
         if not request.waypoints:
             raise BadValueError("waypoints", [], "at least one pose")
         poses = [matrix_from_pose(p, f"waypoints[{k}]") for k, p in enumerate(request.waypoints)]
-        places = await robot.places([frame, *frames_of(request.path_constraints)], patience)
+        frames = [frame, *frames_of(request.path_constraints)]
+        places = await robot.places(frames, settings.state_timeout)
         conditions = Conditions(request.path_constraints, robot, places, "path_constraints")
     own = frame == chain.tip and bool(chain.n)
     with refused_as(MoveItErrorCodes.START_STATE_INVALID):
         given = robot.read(request.start_state, "start_state")
+        tolerance = settings.stopped_velocity_tolerance
         _check_rest(request.start_state.joint_state, tolerance, robot.model.units)
         joints = (
             *chain.joint_names,
@@ -126,49 +121,34 @@ async def read_question(
             *robot.joints_to_base_of(chain),
         )
         positions = await state(given, list(dict.fromkeys(joints)))
+    pose = places[frame].pose(positions)
+    to_base = robot.in_base_of(chain, np.eye(4) if pose is None else pose, positions)
     return CartesianQuestion(
         chain=chain,
         joint_names=robot.model.joints_of(request.group_name),
         positions=positions,
-        waypoints=_in_base(poses, places[frame], chain, positions, robot, each_from_the_last=own),
+        # Waypoints in the frame of the chain's tip count each from the last.
+        waypoints=_chained(to_base, poses) if own else to_base @ np.stack(poses),
         conditions=conditions,
         limited=limited,
         **numbers,
     )
 
 
-def _in_base(
-    poses: list[Array],
-    frame: FrameAttachment,
-    chain: SerialChain,
-    positions: Positions,
-    robot: WholeRobot,
-    *,
-    each_from_the_last: bool,
-) -> Array:
-    """Give waypoints in the base of the chain; in the frame of its tip, each from the last."""
-    pose, found = frame.pose(positions), []
-    pose = np.eye(4) if pose is None else pose
-    if chain.base != robot.model.chain.base:
-        pose = inverse_pose(robot.base_of(chain, positions)) @ pose
-    for step in poses:
-        found.append(pose @ step)
-        if each_from_the_last:
-            pose = found[-1]
-    return np.stack(found)
+def _chained(pose: Array, steps: list[Array]) -> Array:
+    """Return poses each of which is given in the frame of the one before."""
+    return np.stack([pose := pose @ step for step in steps])
 
 
 def _check_rest(joints: Any, tolerance: float, units: Mapping[str, str]) -> None:
     """Refuse a start that moves: every plan starts at rest."""
     for k, speed in enumerate(joints.velocity):
         name = joints.name[k] if k < len(joints.name) else f"number {k}"
-        if not math.isfinite(speed):
-            raise NonFiniteError(f"start_state: velocity of joint '{name}'", speed)
-        if abs(speed) > tolerance:
-            expected = (
-                f"at most {tolerance:g} {units.get(name, 'rad')}/s: every plan starts at rest"
-            )
-            raise BadValueError(f"start_state: velocity of joint '{name}'", speed, expected)
+        what = f"start_state: velocity of joint '{name}'"
+        if abs(finite_number(what, speed)) > tolerance:
+            unit = units.get(name, "rad")
+            expected = f"at most {tolerance:g} {unit}/s: every plan starts at rest"
+            raise BadValueError(what, speed, expected)
 
 
 def _numbers(request: Any) -> dict[str, float]:
@@ -197,17 +177,11 @@ def _numbers(request: Any) -> dict[str, float]:
 
 
 def _finite(request: Any, name: str) -> float:
-    value = float(getattr(request, name, 0.0))  # some fields are missing in Humble
-    if not math.isfinite(value):
-        raise NonFiniteError(name, value)
-    return value
+    return finite_number(name, getattr(request, name, 0.0))  # some fields are missing in Humble
 
 
 def _at_least_zero(request: Any, name: str) -> float:
-    value = _finite(request, name)
-    if value < 0.0:
-        raise BadValueError(name, value, "a positive number, or 0 for any move")
-    return value
+    return not_negative(name, _finite(request, name), "a positive number, or 0 for any move")
 
 
 def _scale(request: Any, name: str) -> float:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -90,21 +89,14 @@ class CartesianPathService:
 
     async def _compute(self, request: Any, response: Any) -> tuple[int, str]:
         settings = self._settings()
-        question = await read_question(
-            request,
-            self._robot,
-            settings.max_waypoints,
-            self._state,
-            settings.stopped_velocity_tolerance,
-            settings.state_timeout,
-        )
+        question = await read_question(request, self._robot, settings, self._state)
         response.start_state.joint_state = self._robot.state(question.positions)
         response.start_state.is_diff = len(question.positions) < len(self._robot.joint_names)
-        found = await self._worker.do(partial(_solved, question, settings))
-        response.fraction = found.fraction
-        if found.plan is not None:
-            response.solution.joint_trajectory = self._trajectory(question, found.plan)
-        return found.code, found.text
+        solve = partial(_solved, question, settings)
+        plan, response.fraction, outcome = await self._worker.do(solve)
+        if plan is not None:
+            response.solution.joint_trajectory = self._trajectory(question, plan)
+        return outcome
 
     async def _state(self, given: dict[str, float], needed: list[str]) -> dict[str, float]:
         """Add the present positions to those given; a robot that is asked for them must stand."""
@@ -139,24 +131,26 @@ class CartesianPathService:
         return message
 
 
-@dataclass(frozen=True, eq=False)
-class _Found:
-    """Result of a request: the plan if there is one, and the reached fraction of the waypoints."""
+def _solved(
+    question: CartesianQuestion, settings: Any
+) -> tuple[SampledPlan | None, float, tuple[int, str]]:
+    """Lay the path, follow it as far as possible, and plan.
 
-    plan: SampledPlan | None
-    fraction: float
-    code: int
-    text: str
-
-
-def _solved(question: CartesianQuestion, settings: Any) -> _Found:
-    """Lay the path, follow it as far as possible, and plan; raise a RobomechError otherwise."""
+    Return the plan if there is one, the reached fraction of the waypoints, code and text.
+    """
     with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
         start = forward_kinematics(question.chain, question.start)
         mask = _POSITION if settings.position_only_ik else None
         path = waypoint_path(start, question.waypoints, task_mask=mask)
     if path is None:
-        return _Found(_standstill(question, settings), 1.0, int(MoveItErrorCodes.SUCCESS), "")
+        standstill = sampled_through_points(
+            [question.start, question.start],
+            limits=question.chain,
+            profile="time_optimal",
+            period=settings.sample_period,
+            max_points=settings.max_points,
+        )
+        return standstill, 1.0, (int(MoveItErrorCodes.SUCCESS), "")
     followed = _followed(question, path, mask)
     plan = plan_followed(
         followed,
@@ -171,7 +165,7 @@ def _solved(question: CartesianQuestion, settings: Any) -> _Found:
     )
     assert path.waypoints is not None
     fraction = waypoint_fraction(followed, path.waypoints)
-    return _Found(plan, fraction, *_outcome(followed, fraction))
+    return plan, fraction, _outcome(followed, fraction)
 
 
 def _followed(
@@ -201,17 +195,6 @@ def _speed_limits(question: CartesianQuestion, followed: PathFollowingResult) ->
             question.chain, followed.joints, question.limited, question.speed, question.positions
         )
     ]
-
-
-def _standstill(question: CartesianQuestion, settings: Any) -> SampledPlan:
-    """Plan a motion of no length."""
-    return sampled_through_points(
-        [question.start, question.start],
-        limits=question.chain,
-        profile="time_optimal",
-        period=settings.sample_period,
-        max_points=settings.max_points,
-    )
 
 
 def _outcome(followed: PathFollowingResult, fraction: float) -> tuple[int, str]:

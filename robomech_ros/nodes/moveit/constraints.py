@@ -10,7 +10,8 @@ from geometry_msgs.msg import Pose
 from moveit_msgs.msg import MoveItErrorCodes, OrientationConstraint
 from shape_msgs.msg import SolidPrimitive
 
-from robomech_ros.errors import BadValueError, NonFiniteError, UnknownJointError, WrongSizeError
+from robomech_ros.errors import BadValueError, UnknownJointError, WrongSizeError
+from robomech_ros.nodes.common.message_fields import finite_number, not_negative
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, point_vector
 from robomech_ros.nodes.frames.robot_frames import FrameAttachment
 from robomech_ros.nodes.moveit.moveit_errors import RejectedError
@@ -111,7 +112,7 @@ def _conditions(
 ) -> Iterator[_Condition]:
     for i, message in enumerate(messages):
         what = f"{kind}_constraints[{i}]"
-        _checked(f"{what}.weight", message.weight)
+        finite_number(f"{what}.weight", message.weight)
         yield make(what, message, robot)
 
 
@@ -119,7 +120,7 @@ def _of_joint(what: str, message: Any, robot: WholeRobot) -> _Condition:
     name = message.joint_name
     if name not in robot.joint_names:
         raise UnknownJointError(name, robot.joint_names)
-    wanted = _checked(f"{what}.position", message.position)
+    wanted = finite_number(f"{what}.position", message.position)
     above = _tolerance(f"{what}.tolerance_above", message.tolerance_above)
     below = _tolerance(f"{what}.tolerance_below", message.tolerance_below)
     turns = any(j.name == name and j.type == "continuous" for j in robot.model.description.joints)
@@ -218,13 +219,5 @@ def _of_turn(
     return judge
 
 
-def _checked(what: str, value: float) -> float:
-    if not math.isfinite(value):
-        raise NonFiniteError(what, value)
-    return float(value)
-
-
 def _tolerance(what: str, value: float) -> float:
-    if _checked(what, value) < 0.0:
-        raise BadValueError(what, value, "a number that is not negative")
-    return float(value)
+    return not_negative(what, value, "a number that is not negative")

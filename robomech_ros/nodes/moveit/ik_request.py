@@ -14,7 +14,6 @@ from robomech_ros.nodes.moveit.moveit_errors import RejectedError, refused_as
 from robomech_ros.nodes.moveit.serving import chain_of, refuse_collision_checks
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.robots import SerialChain
-from robomech_ros.spatial import inverse_pose
 from robomech_ros.typing import Array
 
 
@@ -95,20 +94,12 @@ async def read_ik_request(request: Any, robot: WholeRobot, patience: float) -> I
     with refused_as(MoveItErrorCodes.FAILURE):
         timeout = seconds_from_duration(request.timeout, "timeout") or None
     positions = robot.with_defaults(positions)
-    in_bases = [places[frame].pose(positions) for frame in frames]
-    targets = [
-        IkTarget(chain, _in_base(chain, T if in_base is None else in_base @ T, robot, positions))
-        for chain, T, in_base in zip(chains, poses, in_bases, strict=True)
-    ]
+    targets = []
+    for chain, T, frame in zip(chains, poses, frames, strict=True):
+        in_base = places[frame].pose(positions)
+        pose = T if in_base is None else in_base @ T
+        targets.append(IkTarget(chain, robot.in_base_of(chain, pose, positions)))
     return IkRequest(tuple(targets), positions, conditions, timeout)
-
-
-def _in_base(chain: SerialChain, pose: Array, robot: WholeRobot, positions: Positions) -> Array:
-    """Return a pose in the configured base in the base of a chain."""
-    if chain.base == robot.model.chain.base:
-        return pose
-    below: Array = inverse_pose(robot.base_of(chain, positions)) @ pose
-    return below
 
 
 def _links_and_poses(request: Any, most: int) -> tuple[list[str], list[Any]]:

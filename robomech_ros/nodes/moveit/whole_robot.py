@@ -6,16 +6,11 @@ from typing import Any
 import numpy as np
 from moveit_msgs.msg import MoveItErrorCodes
 
-from robomech_ros.errors import (
-    BadValueError,
-    NonFiniteError,
-    UnknownJointError,
-    WrongSizeError,
-    format_value,
-)
+from robomech_ros.errors import BadValueError, UnknownJointError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.joint_messages import joint_state, values_by_name
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.message_fields import finite_number
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.frames.robot_frames import FrameAttachment, RobotFrames
 from robomech_ros.nodes.moveit.moveit_errors import RejectedError
@@ -68,7 +63,10 @@ class WholeRobot:
             What it says of joints is not to be understood.
         """
         if state.attached_collision_objects:
-            carried = ", ".join(_object_name(one) for one in state.attached_collision_objects[:5])
+            carried = ", ".join(
+                f"'{one.object.id[:50]}' on '{one.link_name[:50]}'"
+                for one in state.attached_collision_objects[:5]
+            )
             raise RejectedError(
                 MoveItErrorCodes.COLLISION_CHECKING_UNAVAILABLE,
                 f"{what}.attached_collision_objects has {carried}, expected none: this node "
@@ -84,20 +82,11 @@ class WholeRobot:
         return self._checked(state.joint_state, what)
 
     def _checked(self, joints: Any, what: str) -> dict[str, float]:
-        names, positions = list(joints.name), joints.position
-        if len(positions) != len(names):
-            expected = f"{len(names)}, one for every name"
-            raise WrongSizeError(f"{what}.joint_state.position", len(positions), expected)
-        values = dict(zip(names, positions, strict=True))
-        if len(values) < len(names):
-            twice = next(name for i, name in enumerate(names) if name in names[:i])
-            expected = f"every name once; {format_value(twice)} is repeated"
-            raise WrongSizeError(f"{what}.joint_state.name", len(names), expected)
+        values = values_by_name(joints.name, joints.position, f"{what}.joint_state")
         for name, value in values.items():
             if name not in self._middle and name not in self._followers:
                 raise UnknownJointError(name, self.joint_names)
-            if not np.isfinite(value):
-                raise NonFiniteError(f"{what} of joint '{name}'", value)
+            finite_number(f"{what} of joint '{name}'", value)
         return {name: value for name, value in values.items() if name in self._middle}
 
     async def with_needed(
@@ -127,12 +116,7 @@ class WholeRobot:
 
     def with_present(self, given: Positions) -> dict[str, float]:
         """Add the present positions, where they are known, to those that are given."""
-        present = {
-            name: float(position[0])
-            for name in self.joint_names
-            if name not in given and (position := self._monitor.positions([name])) is not None
-        }
-        return {**present, **given}
+        return {**self._monitor.known_positions(self.joint_names), **given}
 
     def with_defaults(self, positions: Positions) -> dict[str, float]:
         """Add the middle of its range for every joint whose position is not known."""
@@ -186,21 +170,20 @@ class WholeRobot:
         moving = [joint.name for joint in (*up, *down) if joint.moves]
         return tuple(dict.fromkeys(leaders.get(name, name) for name in moving))
 
-    def base_of(self, chain: SerialChain, positions: Positions) -> Array:
-        """Return the pose of a chain's base in the configured base, shape (4, 4) (m).
+    def in_base_of(self, chain: SerialChain, pose: Array, positions: Positions) -> Array:
+        """Return a pose (4, 4) in the configured base in the base of a chain of this robot (m).
 
-        Parameters
-        ----------
-        chain : SerialChain
-            Of this robot.
-        positions : mapping
-            rad or m, of those joints at least that are in between.
+        Positions (rad or m) are needed of the joints in between.
         """
-        if chain.base in self.model.fixed_frames:
-            return self.model.fixed_frames[chain.base]
-        poses = self.model.description.link_poses(positions)
-        below: Array = inverse_pose(poses[self.model.chain.base]) @ poses[chain.base]
-        return below
+        base, fixed = self.model.chain.base, self.model.fixed_frames
+        if chain.base == base:
+            return pose
+        if chain.base in fixed:
+            between = fixed[chain.base]
+        else:
+            poses = self.model.description.link_poses(positions)
+            between = inverse_pose(poses[base]) @ poses[chain.base]
+        return np.asarray(inverse_pose(between) @ pose)
 
     def pose(self, link: str, positions: Positions) -> Array:
         """Return the pose of a link in the base, shape (4, 4) (m)."""
@@ -215,7 +198,3 @@ def _middle(lower: float, upper: float) -> float:
     if np.isfinite(lower) and np.isfinite(upper):
         return 0.5 * (lower + upper)
     return float(np.clip(0.0, lower, upper))
-
-
-def _object_name(attached: Any) -> str:
-    return f"'{attached.object.id[:50]}' on '{attached.link_name[:50]}'"
