@@ -162,10 +162,11 @@ def refuse_of_kind(
 
 def _check_parallel(args: argparse.Namespace, robot: DescribedRobot) -> None:
     """Refuse what does not serve parallel robots; leave out the servo, and say so."""
-    from robomech_ros.nodes.common.robot_description import RobotModel
+    from robomech_ros.nodes.common.robot_description import RobotModel, RobotSettings
 
     refuse_options(args, REFUSED["parallel robots"], args.robot, "a parallel robot", _OF_SERVO)
-    RobotModel(robot.description, args.base_link, args.tip_link, robot=robot.robot)
+    ends = RobotSettings(base_link=args.base_link, tip_link=args.tip_link)
+    RobotModel(robot.description, ends, robot=robot.robot)
     if not args.no_servo:
         args.no_servo = True
         text = "no servo and no services of MoveIt, which serve no parallel robots"

@@ -106,12 +106,8 @@ def _model(node: Node, settings: GripperNames, deadline: float, timeout: float) 
             raise NoAnswerError(f"nothing received on '{topic}' within {timeout:g} s")
         rclpy.spin_once(node, timeout_sec=_POLL)
     loaded = load_tree_description(received[0].data)
-    source = SemanticSource(
-        node, settings.robot_description_semantic, settings.groups, settings.group
-    )
-    semantic = source.semantic(loaded.description)
-    ends = settings.base_link, settings.tip_link
-    return RobotModel(loaded.description, *ends, settings.frame_prefix, semantic, settings.group)
+    semantic = SemanticSource(node, settings).semantic(loaded.description)
+    return RobotModel(loaded.description, settings, semantic)
 
 
 def _gripper(model: RobotModel, settings: GripperNames) -> GripperModel:

@@ -78,14 +78,18 @@ class JointPositions:
         at = dict(zip(self.loops.mechanism.joint_names, q, strict=True))
         return np.array([at[name] for name in way.joint_names])
 
-    def _posture_as_known(self) -> Array:
-        """Return all joints (n,) of a parallel robot of which the drives at least are known."""
-        assert self.loops is not None
+    def _reported(self, way: Way) -> tuple[str, ...]:
+        """Name the joints whose present positions must be known."""
+        return way.joint_names if self.loops is None else self.loops.mechanism.actuated
+
+    def _whole(self, way: Way, reported: Array) -> Array:
+        """Return the present positions of a way from those of the joints that must be known."""
+        if self.loops is None:
+            return reported
         found = self.present_posture()
         if found is None:
-            drives = self._monitor.require(self.loops.mechanism.actuated)
-            found = self.loops.complete(drives, "the present state")
-        return found
+            found = self.loops.complete(reported, "the present state")
+        return self._of(way, found)
 
     def _read(self, chain: SerialChain, state: JointState, what: str) -> Array:
         whole, size = self._model.chain, len(state.position)
@@ -113,13 +117,11 @@ class JointPositions:
         NoStateError
             They are not known, even after waiting for `patience` (s).
         """
-        if is_empty(state) and self.loops is not None:
-            await self._monitor.wait_for(self.loops.mechanism.actuated, patience)
-            return self._of(chain, self._posture_as_known())
-        if is_empty(state):
-            await self._monitor.wait_for(chain.joint_names, patience)
-            return self._monitor.require(chain.joint_names)
-        return self.read(chain, state, what)
+        if not is_empty(state):
+            return self.read(chain, state, what)
+        names = self._reported(chain)
+        await self._monitor.wait_for(names, patience)
+        return self._whole(chain, self._monitor.require(names))
 
     async def at_rest(self, chain: Way, patience: float, tolerance: float) -> Array:
         """Read the present positions, shape (n,), of a robot that stands.
@@ -131,13 +133,10 @@ class JointPositions:
         RobotMovesError
             A joint is faster than `tolerance` (rad/s or m/s), and was so all that time.
         """
-        if self.loops is not None:
-            drives = self.loops.mechanism.actuated
-            await self._monitor.wait_for(drives, patience, tolerance)
-            self._monitor.require_rest(drives, tolerance, self._model.units)
-            return self._of(chain, self._posture_as_known())
-        await self._monitor.wait_for(chain.joint_names, patience, tolerance)
-        return self._monitor.require_rest(chain.joint_names, tolerance, self._model.units)
+        names = self._reported(chain)
+        await self._monitor.wait_for(names, patience, tolerance)
+        reported = self._monitor.require_rest(names, tolerance, self._model.units)
+        return self._whole(chain, reported)
 
     def seed(self, chain: Way, state: JointState) -> Array:
         """Read a seed, shape (n,); of an empty state, the present positions or the mid-range.

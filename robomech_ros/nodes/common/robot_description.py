@@ -85,6 +85,13 @@ class FrameSettings(RobotSettings):
     )
 
 
+def check_frame_prefix(prefix: str) -> None:
+    """Refuse a prefix of frames that begins with a slash, which tf does not allow."""
+    if prefix.startswith("/"):
+        expected = "a text without a slash in front, such as left/: tf has no such frames"
+        raise ParameterError("frame_prefix", prefix, expected)
+
+
 class RobotModel:
     """A robot and what of it a node works with: a chain, loops of a parallel robot, or legs.
 
@@ -92,14 +99,10 @@ class RobotModel:
     ----------
     description : RobotDescription
         The whole robot.
-    base_link, tip_link : str
-        Ends of the chain; empty for the defaults of the description.
-    frame_prefix : str
-        What the names of its frames begin with, before the name of the link.
+    settings : RobotSettings, optional
+        Ends of the chain, group and prefix of frames; see :func:`main_chain`.
     semantic : SemanticDescription, optional
         Its groups and named postures; default none but ``home``.
-    group : str, optional
-        The group whose chain is meant, see :func:`main_chain`.
     robot : ParallelRobot or Mechanism, optional
         The parallel robot whose tree the description is.
     legged : LeggedRobot, optional
@@ -130,17 +133,14 @@ class RobotModel:
     def __init__(
         self,
         description: RobotDescription,
-        base_link: str = "",
-        tip_link: str = "",
-        frame_prefix: str = "",
+        settings: RobotSettings = RobotSettings(),
         semantic: SemanticDescription | None = None,
-        group: str = "",
+        *,
         robot: "ParallelRobot | Mechanism | None" = None,
         legged: "LeggedRobot | None" = None,
     ) -> None:
-        if frame_prefix.startswith("/"):
-            expected = "a text without a slash in front, such as left/: tf has no such frames"
-            raise ParameterError("frame_prefix", frame_prefix, expected)
+        ends, frame_prefix = (settings.base_link, settings.tip_link), settings.frame_prefix
+        check_frame_prefix(frame_prefix)
         known = semantic or SemanticDescription(description.name)
         self.description = description = _at_home(description, known)
         self.frame_prefix = frame_prefix
@@ -151,14 +151,14 @@ class RobotModel:
         self.chain: SerialChain
         self.commanded: JointLimits
         if legged is not None:
-            _check_ends(legged.name, (legged.trunk, ""), (base_link, tip_link, group), "legs")
+            _check_ends(legged.name, (legged.trunk, ""), (*ends, settings.group), "legs")
             self.chain, self.commanded = legged.legs[0], Limits.of(legged)
         elif mechanism is None:
-            self.chain = main_chain(description, self.semantic, base_link, tip_link, group)
+            self.chain = main_chain(description, self.semantic, *ends, settings.group)
             self.commanded = self.chain
         else:
-            ends = mechanism.base_link, mechanism.platform_link
-            _check_ends(mechanism.name, ends, (base_link, tip_link, group), "limbs")
+            own = mechanism.base_link, mechanism.platform_link
+            _check_ends(mechanism.name, own, (*ends, settings.group), "limbs")
             self.chain = mechanism.limbs[0].chain
             self.commanded = Limits.of(mechanism).only(mechanism.drive_index.tolist())
         self._group_chains: dict[tuple[str, str], SerialChain] = {}

@@ -62,23 +62,13 @@ def when_robot_known(
         The parameter's robot is unknown or broken.  What is wrong with a robot from the topic is
         logged, and the node goes on waiting for a better one.
     """
-    source = SemanticSource(
-        node, settings.robot_description_semantic, settings.groups, settings.group
-    )
+    source = SemanticSource(node, settings)
 
     def begin(robot: str) -> None:
         taken = {ARM: True, "parallel": parallel, "walking": legged}
         check_name(robot, [kind for kind, served in taken.items() if served])
         described, parts = load_walking(robot) if kind_of(robot) == "walking" else load(robot)
-        model = RobotModel(
-            described,
-            settings.base_link,
-            settings.tip_link,
-            settings.frame_prefix,
-            source.semantic(described),
-            settings.group,
-            **parts,
-        )
+        model = RobotModel(described, settings, source.semantic(described), **parts)
         on_robot(model)
         source.teach(model)
 

@@ -1,14 +1,13 @@
 """Groups and named states of a node's robot: from parameters, or from a latched topic."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Protocol
 
 from rclpy.node import Node
 from std_msgs.msg import String
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel, RobotSettings
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.robots import RobotDescription, SemanticDescription, load_semantics
 from robomech_ros.robots.documents.guarded_xml import is_xml
@@ -17,15 +16,6 @@ from robomech_ros.robots.documents.guarded_xml import is_xml
 SEMANTIC_TOPIC = "robot_description_semantic"
 _MOST_NOTES = 5
 _LONGEST_NOTE = 500
-
-
-class SemanticsConsumer(Protocol):
-    """A robot that can be told its groups and named postures."""
-
-    description: RobotDescription
-
-    def learn(self, semantic: SemanticDescription) -> None:
-        """Take other groups and named postures than so far."""
 
 
 class SemanticSource:
@@ -38,12 +28,7 @@ class SemanticSource:
     ----------
     node : Node
         Owner of the subscription, and whose log names what is odd in an SRDF.
-    text_or_path : str
-        The parameter robot_description_semantic.
-    groups : sequence of str
-        The parameter groups.
-    group : str
-        The parameter group.
+    settings : RobotSettings
 
     Attributes
     ----------
@@ -51,16 +36,15 @@ class SemanticSource:
         Called after a document came by the topic while no robot was known.
     """
 
-    def __init__(self, node: Node, text_or_path: str, groups: Sequence[str], group: str) -> None:
+    def __init__(self, node: Node, settings: RobotSettings) -> None:
         self.on_news: Callable[[], object] = lambda: None
         self._log = node.get_logger()
         self._complaints = ThrottledLog(self._log)
         self._place = node.resolve_topic_name(SEMANTIC_TOPIC)
-        self._given = text_or_path
+        self._given = settings.robot_description_semantic
         self._heard = ""
-        self._groups = tuple(groups)
-        self._group = group
-        self._model: SemanticsConsumer | None = None
+        self._groups, self._group = settings.groups, settings.group
+        self._model: RobotModel | None = None
         if not self._given:
             node.create_subscription(String, SEMANTIC_TOPIC, self._receive, LATCHED)
 
@@ -82,7 +66,7 @@ class SemanticSource:
         known = self._read(description)
         return known if self._given else replace(known, states={})
 
-    def teach(self, model: SemanticsConsumer) -> None:
+    def teach(self, model: RobotModel) -> None:
         """Let a robot know its groups, those that come later, too."""
         self._model = model
         known = self._read(model.description)

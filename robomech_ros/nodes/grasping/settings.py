@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from robomech_ros.nodes.common.parameters import ParameterError, parameter
+from robomech_ros.nodes.common.parameters import parameter
+from robomech_ros.nodes.common.robot_description import check_frame_prefix
 
 
 @dataclass(frozen=True)
@@ -34,12 +35,5 @@ class GraspingSettings:
 
 
 def check_settings(settings: GraspingSettings) -> None:
-    """Refuse a prefix that tf does not allow.
-
-    Raises
-    ------
-    ParameterError
-    """
-    if settings.frame_prefix.startswith("/"):
-        expected = "a text without a slash in front, such as left/: tf has no such frames"
-        raise ParameterError("frame_prefix", settings.frame_prefix, expected)
+    """Refuse a prefix that tf does not allow."""
+    check_frame_prefix(settings.frame_prefix)

@@ -21,7 +21,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
-from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
+from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel, RobotSettings
 from robomech_ros.nodes.dynamics.node import DynamicsNode
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.kinematics.node import KinematicsNode
@@ -48,7 +48,7 @@ def left(graph):
 
 
 def test_a_prefix_is_put_in_front_and_taken_off():
-    model = RobotModel(load_description("ur5e"), frame_prefix="left/")
+    model = RobotModel(load_description("ur5e"), RobotSettings(frame_prefix="left/"))
     assert (model.base_frame, model.frame_of("tool0")) == (BASE, "left/tool0")
     assert (model.link_of("left/tool0"), model.link_of("tool0")) == ("tool0", "tool0")
     for other in ("right/tool0", "world", "left/", ""):
@@ -57,7 +57,7 @@ def test_a_prefix_is_put_in_front_and_taken_off():
     assert (model.full_frame("left/tool0"), model.full_frame("world")) == ("left/tool0", "world")
     assert model.chain_to("left/wrist_1_link") is model.chain_to("wrist_1_link")
     with pytest.raises(ParameterError, match="'frame_prefix' is '/left/'; allowed is a text"):
-        RobotModel(load_description("ur5e"), frame_prefix="/left/")
+        RobotModel(load_description("ur5e"), RobotSettings(frame_prefix="/left/"))
 
 
 def test_a_link_that_itself_begins_with_the_prefix_keeps_its_name():
@@ -65,7 +65,7 @@ def test_a_link_that_itself_begins_with_the_prefix_keeps_its_name():
       <joint name="j" type="continuous"><parent link="left_a"/><child link="left_left_a"/></joint>
       <joint name="k" type="continuous"><parent link="left_left_a"/><child link="b"/></joint>
     </robot>"""
-    model = RobotModel(load_description(text), frame_prefix="left_")
+    model = RobotModel(load_description(text), RobotSettings(frame_prefix="left_"))
     assert (model.link_of("left_a"), model.link_of("left_left_a")) == ("left_a", "left_left_a")
     assert model.link_of("left_b") == "b"
 

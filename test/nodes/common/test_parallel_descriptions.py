@@ -16,7 +16,7 @@ from robomech_ros.nodes.common.closed_loop_positions import ClosedLoopPositions
 from robomech_ros.nodes.common.error_codes import OutcomeError, code_of
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
-from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
+from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel, RobotSettings
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.nodes.servo.node import ServoNode
 from robomech_ros.outcomes import Code
@@ -28,9 +28,9 @@ def delta():
     return load_parallel("delta").mechanism
 
 
-def model_of(name, *arguments):
+def model_of(name, **settings):
     robot = load_tree_description(name)
-    return RobotModel(robot.description, *arguments, robot=robot.robot)
+    return RobotModel(robot.description, RobotSettings(**settings), robot=robot.robot)
 
 
 def test_model_of_a_parallel_robot(delta):
@@ -43,16 +43,16 @@ def test_model_of_a_parallel_robot(delta):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "text"),
+    ("settings", "text"),
     [
-        (("base_link", "leg1_arm"), "'platform' or empty"),
-        (("leg1_arm", ""), "'base_link' or empty"),
-        (("", "", "", None, "arm"), "all limbs of 'delta' move"),
+        ({"base_link": "base_link", "tip_link": "leg1_arm"}, "'platform' or empty"),
+        ({"base_link": "leg1_arm"}, "'base_link' or empty"),
+        ({"group": "arm"}, "all limbs of 'delta' move"),
     ],
 )
-def test_ends_that_are_not_those_of_all_limbs(arguments, text):
+def test_ends_that_are_not_those_of_all_limbs(settings, text):
     with pytest.raises(BadValueError, match=text):
-        model_of("delta", *arguments)
+        model_of("delta", **settings)
 
 
 def test_postures_are_read_whole_or_completed_from_the_drives(delta):

@@ -6,7 +6,7 @@ from two_armed import SRDF, URDF, joints_of
 
 from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownLinkError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot_description import RobotModel, RobotSettings
 from robomech_ros.robots import load_description, load_srdf
 
 BRANCHED = """
@@ -28,11 +28,12 @@ BRANCHED = """
     <axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
 </robot>
 """
+LEFT = RobotSettings(base_link="left_base", tip_link="left_tool")
 
 
 @pytest.fixture
 def model():
-    return RobotModel(load_description(BRANCHED), "base", "hand")
+    return RobotModel(load_description(BRANCHED), RobotSettings(base_link="base", tip_link="hand"))
 
 
 def test_chain_and_joints(model):
@@ -73,7 +74,7 @@ def test_a_posture_of_the_arm_serves_links_of_its_hand():
     joints = "".join(f'<joint name="{name}" value="0.5"/>' for name in joints_of("left"))
     state = f'<group_state name="up" group="left_arm">{joints}</group_state></robot>'
     semantic = load_srdf(SRDF.replace("</robot>", state), description)
-    model = RobotModel(description, "left_base", "left_tool", semantic=semantic)
+    model = RobotModel(description, LEFT, semantic)
     for link, q in (
         ("left_link_2", [0.5] * 2),
         ("left_tool", [0.5] * 6),
@@ -90,7 +91,7 @@ def test_home_of_an_srdf_serves_links_behind_the_arm_wherever_it_comes_from(by_t
     description = load_description(URDF)
     semantic = load_srdf(SRDF, description)
     known = None if by_topic else semantic
-    model = RobotModel(description, "left_base", "left_tool", semantic=known)
+    model = RobotModel(description, LEFT, known)
     model.learn(semantic)
     tip = model.posture(model.chain_to("left_tool"), "home")
     np.testing.assert_array_equal(tip, semantic.posture(model.chain, "home"))

@@ -11,7 +11,7 @@ from gripper_cases import panda_with_hand
 from robomech_ros.execution.controller.simulated_joints import Faults
 from robomech_ros.execution.controller.trajectory_goal import End
 from robomech_ros.execution.motion_tolerances import Tolerances
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot_description import RobotModel, RobotSettings
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import gripper_of
 from robomech_ros.nodes.joint_trajectory_controller.parallel_robot import ParallelRobot
 from robomech_ros.nodes.joint_trajectory_controller.robot import legged_robot, serial_robot
@@ -45,7 +45,9 @@ def make(name, **options):
     if name == "phantomx":
         return legged_robot(load_legged(name), settings, clock)
     if name == "panda's hand":
-        model = RobotModel(load_description(panda_with_hand()), tip_link="panda_link8")
+        model = RobotModel(
+            load_description(panda_with_hand()), RobotSettings(tip_link="panda_link8")
+        )
         return gripper_of(model, settings, clock, threading.RLock())
     return ParallelRobot(load_parallel(name).mechanism, settings, clock)
 
