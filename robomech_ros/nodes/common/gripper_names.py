@@ -41,13 +41,6 @@ def listed_names(text: str) -> list[str]:
     return [name.strip() for name in text.split(",") if name.strip()]
 
 
-def _names(model: RobotModel, settings: GripperNames) -> list[str]:
-    names = listed_names(settings.gripper_joints)
-    if not names and settings.robot_description_semantic:
-        names = list(model.semantic.tool_joints(model.chain))
-    return names
-
-
 def known_finger_joints(model: RobotModel, settings: GripperNames) -> tuple[Joint, ...]:
     """Find the joints of the gripper behind the chain; none if the robot has no gripper.
 
@@ -56,8 +49,11 @@ def known_finger_joints(model: RobotModel, settings: GripperNames) -> tuple[Join
     ParameterError
         The parameter gripper_joints does not fit the robot.
     """
+    names = listed_names(settings.gripper_joints)
+    if not names and settings.robot_description_semantic:
+        names = list(model.semantic.tool_joints(model.chain))
     try:
-        return finger_joints(model.description, model.chain, _names(model, settings))
+        return finger_joints(model.description, model.chain, names)
     except RobomechError as error:
         raise ParameterError("gripper_joints", settings.gripper_joints, str(error)) from None
 
@@ -70,9 +66,8 @@ def known_gripper(model: RobotModel, settings: GripperNames) -> GripperModel | N
     ParameterError
         Parameters do not fit the robot.
     """
-    known_finger_joints(model, settings)
+    names = [joint.name for joint in known_finger_joints(model, settings)]
     links = listed_names(settings.gripper_finger_links)
-    names = _names(model, settings)
     try:
         return gripper_model(model.description, model.chain, names, settings.gripper_joint, links)
     except UnknownJointError as error:

@@ -1,7 +1,7 @@
 """The constraints of a MoveIt request, as conditions on the positions of all joints."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -25,6 +25,7 @@ from robomech_ros.typing import Array
 
 # Says of the positions of all joints what is wrong with them; "" where nothing is.
 _Condition = Callable[[Positions], str]
+_Places = Mapping[str, FrameAttachment]
 
 # Solutions are exact to about this, rad and m; an equality must not fail by it.
 _ROUNDING = 1e-9
@@ -54,11 +55,7 @@ class Conditions:
     """
 
     def __init__(
-        self,
-        constraints: Any,
-        robot: WholeRobot,
-        places: Mapping[str, FrameAttachment],
-        what: str = "constraints",
+        self, constraints: Any, robot: WholeRobot, places: _Places, what: str = "constraints"
     ) -> None:
         if constraints.visibility_constraints:
             raise RejectedError(
@@ -73,21 +70,16 @@ class Conditions:
             joints += places[one.header.frame_id].joint_names
         #: The joints whose positions the conditions are about.
         self.joints = tuple(dict.fromkeys(joints))
-        self._all = [
-            *_conditions(f"{what}.joint", constraints.joint_constraints, _of_joint, robot),
-            *_conditions(
-                f"{what}.position",
-                constraints.position_constraints,
-                partial(_of_position, places),
-                robot,
-            ),
-            *_conditions(
-                f"{what}.orientation",
-                constraints.orientation_constraints,
-                partial(_of_turn, places),
-                robot,
-            ),
-        ]
+        self._all: list[_Condition] = []
+        for kind, make in (
+            ("joint", _of_joint),
+            ("position", _of_position),
+            ("orientation", _of_turn),
+        ):
+            for i, message in enumerate(getattr(constraints, f"{kind}_constraints")):
+                one = f"{what}.{kind}_constraints[{i}]"
+                finite_number(f"{one}.weight", message.weight)
+                self._all.append(make(one, message, robot, places))
 
     def __bool__(self) -> bool:
         return bool(self._all)
@@ -107,16 +99,7 @@ def _turning(constraints: Any) -> tuple[Any, ...]:
     return (*constraints.position_constraints, *constraints.orientation_constraints)
 
 
-def _conditions(
-    kind: str, messages: Any, make: Callable[[str, Any, WholeRobot], _Condition], robot: WholeRobot
-) -> Iterator[_Condition]:
-    for i, message in enumerate(messages):
-        what = f"{kind}_constraints[{i}]"
-        finite_number(f"{what}.weight", message.weight)
-        yield make(what, message, robot)
-
-
-def _of_joint(what: str, message: Any, robot: WholeRobot) -> _Condition:
+def _of_joint(what: str, message: Any, robot: WholeRobot, places: _Places) -> _Condition:
     name = message.joint_name
     if name not in robot.joint_names:
         raise UnknownJointError(name, robot.joint_names)
@@ -137,9 +120,7 @@ def _of_joint(what: str, message: Any, robot: WholeRobot) -> _Condition:
     return judge
 
 
-def _of_position(
-    places: Mapping[str, FrameAttachment], what: str, message: Any, robot: WholeRobot
-) -> _Condition:
+def _of_position(what: str, message: Any, robot: WholeRobot, places: _Places) -> _Condition:
     offset = np.append(point_vector(message.target_point_offset, f"{what}.target_point_offset"), 1)
     frame, region = places[message.header.frame_id], message.constraint_region
     if region.meshes:
@@ -191,9 +172,7 @@ def _inside(kind: int, sizes: list[float], to_shape: Array, point: Array) -> boo
     return bool(abs(own[2]) <= 0.5 * height + _ROUNDING and across <= radius + _ROUNDING)
 
 
-def _of_turn(
-    places: Mapping[str, FrameAttachment], what: str, message: Any, robot: WholeRobot
-) -> _Condition:
+def _of_turn(what: str, message: Any, robot: WholeRobot, places: _Places) -> _Condition:
     link, kind = message.link_name, message.parameterization
     frame = places[message.header.frame_id]
     if kind not in _TURNS:

@@ -101,8 +101,8 @@ class LaunchOptions:
         }
         own = KIND_NODES.get(self.kind)
         if own is not None:
-            described = {"robot_description": values["robot_description"]}
-            values = {**described, **self._prefixes(own.frame_prefix)}
+            described = values["robot_description"]
+            values = {"robot_description": described, **self._prefixes(own.frame_prefix)}
         for name, value in values.items():
             if value:
                 # Quoted: YAML would read a robot called 7 as a number.

@@ -126,26 +126,13 @@ class Spinner:
             self._nodes[0].get_logger().error(text)
 
 
-class _Signals:
-    """Takes SIGINT and SIGTERM at any time, and wakes the waiting thread."""
-
-    def __init__(self) -> None:
-        # put() of a SimpleQueue is safe inside a signal handler.
-        self._events: queue.SimpleQueue[None] = queue.SimpleQueue()
-        for number in _SIGNALS:
-            signal.signal(number, lambda *_: self.wake())
-
-    def wake(self) -> None:
-        """Let `wait` return."""
-        self._events.put(None)
-
-    def wait(self) -> None:
-        """Wait for the first signal, or for `wake`."""
-        self._events.get()
-
-    def came(self) -> bool:
-        """Whether a signal is waiting to be looked at."""
-        return not self._events.empty()
+def _signal_events() -> "queue.SimpleQueue[None]":
+    """Take SIGINT and SIGTERM at any time, and return the queue that gets an event for each."""
+    # put() of a SimpleQueue is safe inside a signal handler.
+    events: queue.SimpleQueue[None] = queue.SimpleQueue()
+    for number in _SIGNALS:
+        signal.signal(number, lambda *_: events.put(None))
+    return events
 
 
 def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> int:
@@ -176,13 +163,13 @@ def run_nodes(factories: Sequence[Callable[[], Node]], args: Sequence[str] | Non
         return 0
     if rest:
         return _refuse(program, f"unknown argument {rest[0]!r}; see --help")
-    signals = _Signals()
+    signals = _signal_events()
     bound_memory()
     nodes: list[Node] = []
     try:
         rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
         for factory in factories:
-            if signals.came():
+            if not signals.empty():
                 return _end(nodes, 0)
             nodes.append(factory())
     except Exception as error:
@@ -194,8 +181,8 @@ def run_nodes(factories: Sequence[Callable[[], Node]], args: Sequence[str] | Non
     # What there is by now stays: to look through it for garbage is a pause for nothing.
     gc.freeze()
     spinner = Spinner(nodes)
-    spinner.start(on_end=signals.wake)
-    signals.wait()
+    spinner.start(on_end=lambda: signals.put(None))
+    signals.get()
     spinner.stop()
     return _end(nodes, 0)
 

@@ -3,7 +3,6 @@
 import json
 import math
 import os
-import time
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +15,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
+from waiting import until
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import RemoveSample, SolveCalibration
@@ -292,16 +292,9 @@ def test_the_result_is_latched_on_tf_static(stage):
     assert stage.do("solve").published
 
 
-def wait_until(true):
-    deadline = time.monotonic() + 60.0
-    while not true():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-
-
 def wait_until_heard(stage, frame):
     """Wait until the node has a frame in its tree."""
-    wait_until(lambda: frame in stage.node._listener.tree)
+    until(lambda: frame in stage.node._listener.tree)
 
 
 def fixed(stage, *edges):
@@ -425,11 +418,8 @@ def test_what_was_saved_is_on_tf_from_the_start(stage, graph, tmp_path):
     stage.graph.client.create_subscription(
         TFMessage, "/tf_static", lambda m: told.extend(m.transforms), LATCHED
     )
-    deadline = time.monotonic() + 60.0
     # Each of the two nodes says it, and the driver its own.
-    while len(told) < 3:
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    until(lambda: len(told) >= 3)
     edges = [edge for edge in told if edge.header.frame_id == "hand"]
     assert [edge.child_frame_id for edge in edges] == ["camera_link"] * 2
     for edge in edges:
@@ -498,12 +488,12 @@ def test_samples_and_their_result_are_seen_by_viewers(stage):
     robot, tracking, _, _ = samples(np.random.default_rng(3), 8, camera=NOISE)
     tracking[2] = tracking[2] @ pose_exponential([0.5, 0.0, 0.3, 0.2, 0.1, 0.0])
     stage.add(robot, tracking)
-    wait_until(lambda: heard and len(heard[-1].markers) > 8)
+    until(lambda: heard and len(heard[-1].markers) > 8)
     balls = {one.ns: one for one in heard[-1].markers if one.type == Marker.SPHERE}
     assert set(balls) == {f"sample_{k}" for k in range(8)}
     stage.do("solve")
     found = hand_eye(robot, tracking)
-    wait_until(lambda: "uncertainty" in {one.ns for one in heard[-1].markers})
+    until(lambda: "uncertainty" in {one.ns for one in heard[-1].markers})
     drawn = {one.ns: one for one in heard[-1].markers}
     assert heard[-1].markers[0].action == Marker.DELETEALL
     assert drawn["uncertainty"].header.frame_id == "hand"
@@ -513,4 +503,4 @@ def test_samples_and_their_result_are_seen_by_viewers(stage):
     assert drawn["left_out_2"].text == "2: left out"
     assert drawn["sample_2"].color.r > 3 * drawn["sample_2"].color.g
     stage.do("remove_sample", index=RemoveSample.Request.ALL)
-    wait_until(lambda: len(heard[-1].markers) == 1)
+    until(lambda: len(heard[-1].markers) == 1)

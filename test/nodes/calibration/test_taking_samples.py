@@ -1,6 +1,5 @@
 """Samples from tf and from topics, while the robot stands; and why there is none."""
 
-import sys
 import time
 
 import numpy as np
@@ -9,6 +8,7 @@ from builtin_interfaces.msg import Duration, Time
 from camera_stage import FRAMES, NANO, Stage
 from geometry_msgs.msg import PoseStamped
 from hand_eye_cells import samples
+from waiting import hide_package
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import TakeSample
@@ -198,18 +198,8 @@ def test_names_with_a_slash_are_those_of_tf(graph):
     assert stage.do("take_sample", timeout=PATIENT).robot.header.frame_id == "base"
 
 
-class NotInstalled:
-    """Python's import of a machine without tf2_msgs."""
-
-    def find_spec(self, name, path=None, target=None):
-        if name == "tf2_msgs":
-            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
-
-
 def test_without_tf2_msgs_topics_are_enough(graph, monkeypatch):
-    for module in [name for name in sys.modules if name.partition(".")[0] == "tf2_msgs"]:
-        monkeypatch.delitem(sys.modules, module)
-    monkeypatch.setattr(sys, "meta_path", [NotInstalled(), *sys.meta_path])
+    hide_package(monkeypatch, "tf2_msgs")
     stage = Stage(graph, **TOPICS)
     robot, tracking, *_ = samples(np.random.default_rng(4), 3)
     assert stage.add(robot, tracking).error_code == 0
@@ -224,9 +214,7 @@ def test_without_tf2_msgs_topics_are_enough(graph, monkeypatch):
 
 
 def test_without_tf2_msgs_tf_is_refused(graph, monkeypatch):
-    for module in [name for name in sys.modules if name.partition(".")[0] == "tf2_msgs"]:
-        monkeypatch.delitem(sys.modules, module)
-    monkeypatch.setattr(sys, "meta_path", [NotInstalled(), *sys.meta_path])
+    hide_package(monkeypatch, "tf2_msgs")
     answer = Stage(graph).ask("take_sample", timeout=SHORT)
     assert answer.error_code == ErrorCode.FRAME_UNAVAILABLE
     assert "the package tf2_msgs is not installed" in answer.error_msg

@@ -1,11 +1,10 @@
 """The present joint state, by name, from whoever publishes it."""
 
-import time
-
 import numpy as np
 import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
+from waiting import until
 
 from robomech_ros.nodes.common.error_codes import NoStateError
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
@@ -28,21 +27,14 @@ def listener(graph):
 @pytest.fixture
 def publish(graph, listener):
     publisher = graph.client.create_publisher(JointState, "joint_states", 100)
-    deadline = time.monotonic() + PATIENCE
-    while not publisher.get_subscription_count():
-        assert time.monotonic() < deadline
+    until(publisher.get_subscription_count)
     return lambda names, values: publisher.publish(
         JointState(name=list(names), position=[float(value) for value in values])
     )
 
 
 def wait_for(listener, names, expected):
-    deadline = time.monotonic() + PATIENCE
-    while time.monotonic() < deadline:
-        found = listener.monitor.positions(names)
-        if found is not None and np.array_equal(found, expected):
-            return
-    pytest.fail(f"got {found}, expected {expected}")
+    until(lambda: np.array_equal(listener.monitor.positions(names), expected))
 
 
 def test_nothing_is_known_at_first(listener):

@@ -11,9 +11,9 @@ from two_armed import SRDF, URDF
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import SolveFK
 from robomech_ros.errors import BadValueError, RobotDescriptionError
+from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ROSOUT = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 FOREIGN = """<robot name="other">
   <group name="arm"><chain base_link="other_base" tip_link="other_tool"/></group>

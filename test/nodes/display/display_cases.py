@@ -13,10 +13,10 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
+from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.spatial import matrix_from_quaternion
 
 TIMEOUT = 30.0
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ALL_LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # What the other one's frames are lifted by (m), so that one can see whose they are.
 LIFT = 1e-3

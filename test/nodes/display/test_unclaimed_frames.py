@@ -2,15 +2,13 @@
 
 import numpy as np
 import pytest
-from display_cases import LIFT, StatePublisher, pose_of, poses_in_root
+from display_cases import LATCHED, LIFT, StatePublisher, pose_of, poses_in_root
 from geometry_msgs.msg import TransformStamped
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from tf2_msgs.msg import TFMessage
 
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.robots import load_description, load_robot
 
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 UR5E = load_description("ur5e")
 EDGES = {joint.child: joint.parent for joint in UR5E.joints}
 MOVING = [joint.child for joint in UR5E.joints if joint.moves]

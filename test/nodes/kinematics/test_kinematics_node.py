@@ -1,13 +1,11 @@
 """The kinematics node: right answers, over real DDS."""
 
-import time
-
 import numpy as np
 import pytest
 from geometry_msgs.msg import Point
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from sensor_msgs.msg import JointState
 from std_msgs.msg import String
+from waiting import publish_present
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import AnalyzeSingularity, GetJacobian, SolveFK, SolveIK, SolveIKBatch
@@ -52,20 +50,6 @@ def target(q=Q, chain=PUMA, frame=""):
 
 def positions(response):
     return np.array([list(point.positions) for point in response.solutions])
-
-
-def publish_present(graph, q, names=PUMA.joint_names):
-    """Publish a joint state until the node uses it as the present one."""
-    publisher = graph.client.create_publisher(JointState, "joint_states", 10)
-    timer = graph.client.create_timer(
-        0.01, lambda: publisher.publish(joint_state(names, np.asarray(q)))
-    )
-    deadline = time.monotonic() + 30.0
-    while time.monotonic() < deadline:
-        if solve_fk(graph).error_code == ErrorCode.NONE:
-            timer.cancel()
-            return
-    pytest.fail("the present state does not arrive")
 
 
 def test_fk_of_many_states_and_links_is_state_major(puma):
@@ -196,7 +180,7 @@ def test_an_empty_seed_is_the_present_state_else_the_mid_range(own_puma):
     middle = solve_ik(own_puma, target=target(), ignore_limits=True)
     expected = np.abs(positions(middle) - PUMA.midrange()).max(axis=1)
     np.testing.assert_allclose(middle.seed_distances, expected, atol=1e-9)
-    publish_present(own_puma, 0.9 * Q)
+    publish_present(own_puma, 0.9 * Q, PUMA.joint_names)
     near = solve_ik(own_puma, target=target(), ignore_limits=True)
     np.testing.assert_allclose(
         near.seed_distances, np.abs(positions(near) - 0.9 * Q).max(axis=1), atol=1e-9
@@ -208,7 +192,7 @@ def test_an_empty_seed_is_the_present_state_else_the_mid_range(own_puma):
 
 
 def test_present_state_beyond_a_limit_is_no_error(own_puma):
-    publish_present(own_puma, PUMA.upper + 1e-3)
+    publish_present(own_puma, PUMA.upper + 1e-3, PUMA.joint_names)
     assert solve_ik(own_puma, target=target()).error_code == 0
 
 
@@ -429,7 +413,7 @@ def test_the_present_state_is_waited_for_while_others_are_served(graph):
     assert solve_fk(graph, states=[joint_state((), Q)]).error_code == ErrorCode.NONE
     assert solve_ik(graph, target=target()).error_code == ErrorCode.NONE
     assert not any(future.done() for future in waiting)
-    publish_present(graph, Q)
+    publish_present(graph, Q, PUMA.joint_names)
     for future in waiting:
         answer = graph.wait_for(future)
         assert answer.error_code == ErrorCode.NONE, answer.error_msg

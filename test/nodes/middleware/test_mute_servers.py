@@ -10,6 +10,7 @@ from rclpy.action import ActionServer
 from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
+from waiting import until
 
 from robomech_interfaces.action import ExecuteTrajectory
 from robomech_interfaces.srv import SolveFK
@@ -71,13 +72,8 @@ def impatient(monkeypatch):
 
 def wait_for_viewer(node, service):
     """Wait until a node knows the services of the server."""
-    deadline = time.monotonic() + TIMEOUT
-    while (
-        not {service, f"{ACTION}/_action/send_goal"}
-        <= dict(node.get_service_names_and_types()).keys()
-    ):
-        assert time.monotonic() < deadline, "the server does not appear"
-        time.sleep(0.01)
+    names = {service, f"{ACTION}/_action/send_goal"}
+    until(lambda: names <= dict(node.get_service_names_and_types()).keys())
 
 
 @pytest.mark.parametrize(("kind", "missing"), [("request", SERVICE), ("goal", f"{ACTION}: goal")])

@@ -1,7 +1,6 @@
 """Bytes that are no message of their topic's type disturb nobody."""
 
 import struct
-import time
 
 import pytest
 from control_msgs.msg import JointJog
@@ -10,6 +9,7 @@ from raw_writer import RawWriter
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
+from waiting import until
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import AnalyzeSingularity, SolveIK
@@ -42,10 +42,7 @@ def test_unpacking_says_what_came(what):
 def flood(graph, kind, topic):
     """Send all kinds of corrupt bytes, some times, to whoever listens there."""
     publisher = graph.client.create_publisher(kind, topic, 100)
-    deadline = time.monotonic() + 30.0
-    while not publisher.get_subscription_count():
-        assert time.monotonic() < deadline, f"nobody listens to {topic}"
-        time.sleep(0.01)
+    until(publisher.get_subscription_count, f"nobody listens to {topic}")
     for data in 5 * list(CORRUPT.values()):
         publisher.publish(data)
     return publisher
@@ -77,10 +74,7 @@ def test_corrupt_requests_do_not_keep_others_waiting(graph):
     request = SolveIK.Request()
     assert graph.call(SolveIK, "kinematics/solve_ik", request).error_code
     writer = RawWriter(graph.client, SolveIK, "/kinematics/solve_ik")
-    deadline = time.monotonic() + 30.0
-    while not writer.readers():
-        assert time.monotonic() < deadline, "the service does not read from here"
-        time.sleep(0.01)
+    until(writer.readers, "the service does not read from here")
     sent = [writer.write(data) for data in 20 * list(CORRUPT.values())]
     assert sum(sent) >= 60
     for _ in range(3):

@@ -2,7 +2,6 @@
 
 import itertools
 import math
-import sys
 
 import numpy as np
 import pytest
@@ -17,17 +16,18 @@ from moveit_msgs.msg import (
     VisibilityConstraint,
 )
 from moveit_msgs.srv import GetCartesianPath
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 from trajectories import waypoints as points_of
 from trajectory_msgs.msg import JointTrajectory
+from waiting import hide_package
 
 from robomech_interfaces.srv import PlanCartesian, PlanJoint
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
+from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.robots import load_description, load_robot
 from robomech_ros.spatial import inverse_pose
@@ -37,7 +37,6 @@ PUMA = load_robot("puma560")
 Q = np.array([0.3, -0.4, 0.2, 0.5, 0.6, -0.7])
 HERE = forward_kinematics(PUMA, Q)
 SUCCESS = MoveItErrorCodes.SUCCESS
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 STEPS = np.array([[0.06, 0.0, 0.0], [0.06, 0.05, 0.03]])
 
 
@@ -377,11 +376,7 @@ def test_every_bad_request_is_refused_by_name_and_the_node_goes_on_serving(puma)
 
 
 def test_without_the_type_the_planner_serves_the_rest(graph, monkeypatch):
-    for name in [name for name in sys.modules if name.startswith("robomech_ros.nodes.moveit.")]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, "moveit_msgs", None)
-    monkeypatch.setitem(sys.modules, "moveit_msgs.msg", None)
-    monkeypatch.setitem(sys.modules, "moveit_msgs.srv", None)
+    hide_package(monkeypatch, "moveit_msgs", "robomech_ros.nodes.moveit.")
     node = graph.start(TrajectoryPlannerNode, robot_description="puma560")
     services = dict(node.get_service_names_and_types_by_node("trajectory_planner", "/"))
     assert "/trajectory_planner/plan_joint" in services

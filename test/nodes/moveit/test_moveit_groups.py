@@ -11,12 +11,12 @@ from moveit_msgs.msg import (
     RobotState,
 )
 from moveit_msgs.srv import GetCartesianPath, GetPositionIK
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 from two_armed import SRDF, URDF, joints_of
 
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import stamped_pose
+from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.robots import load_description, load_srdf
@@ -24,7 +24,6 @@ from robomech_ros.robots import load_description, load_srdf
 ROBOT = load_description(URDF)
 SEMANTIC = load_srdf(SRDF, ROBOT)
 NAMES = [joint.name for joint in ROBOT.joints if joint.moves]
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 OPTIONS = {"robot_description": URDF, "group": "left_arm", "state_timeout": 0.0}
 
 

@@ -3,7 +3,6 @@
 import json
 import math
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -23,11 +22,11 @@ from moveit_msgs.msg import (
     VisibilityConstraint,
 )
 from moveit_msgs.srv import GetPositionFK, GetPositionIK
-from sensor_msgs.msg import JointState, MultiDOFJointState
+from sensor_msgs.msg import MultiDOFJointState
 from shape_msgs.msg import Mesh, SolidPrimitive
 from std_msgs.msg import Header
+from waiting import hide_package, publish_present
 
-from robomech_interfaces.srv import SolveFK
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
@@ -110,20 +109,6 @@ def by_name(response):
 def positions(response, names=PUMA.joint_names):
     assert response.error_code.val == MoveItErrorCodes.SUCCESS, response.error_code.message
     return np.array([by_name(response)[name] for name in names])
-
-
-def publish_present(graph, q, names):
-    """Publish a joint state until the node uses it as the present one."""
-    publisher = graph.client.create_publisher(JointState, "joint_states", 10)
-    timer = graph.client.create_timer(
-        0.01, lambda: publisher.publish(joint_state(names, np.asarray(q, dtype=float)))
-    )
-    deadline = time.monotonic() + 30.0
-    while time.monotonic() < deadline:
-        if not graph.call(SolveFK, "kinematics/solve_fk", SolveFK.Request()).error_code:
-            timer.cancel()
-            return
-    pytest.fail("the present state does not arrive")
 
 
 @pytest.mark.parametrize("name", HASHES)
@@ -612,11 +597,7 @@ def test_a_finger_that_follows_another_is_where_the_other_has_it(gripped):
 
 
 def test_without_moveit_msgs_the_node_serves_the_rest(graph, monkeypatch):
-    ours = [name for name in sys.modules if name.startswith("robomech_ros.nodes.moveit.")]
-    for name in ours:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, "moveit_msgs", None)
-    monkeypatch.setitem(sys.modules, "moveit_msgs.msg", None)
+    hide_package(monkeypatch, "moveit_msgs", "robomech_ros.nodes.moveit.")
     node = graph.start(KinematicsNode, robot_description="puma560")
     services = dict(node.get_service_names_and_types_by_node("kinematics", "/"))
     assert "/kinematics/solve_ik" in services

@@ -6,12 +6,12 @@ import struct
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 
 import pytest
 from raw_writer import RawWriter
 from std_srvs.srv import Trigger
+from waiting import until
 
 from robomech_interfaces.srv import SolveFK
 from robomech_ros.nodes.process.memory import give_back_regularly
@@ -90,9 +90,7 @@ def test_corrupt_bytes_that_announce_millions_of_states_take_no_memory(graph, ki
     """Fifty bytes took 11 GB, and more than a minute in which nobody was answered."""
     graph.call(Trigger, "kinematics/ready", Trigger.Request())
     writer = RawWriter(graph.client, SolveFK, "/kinematics/solve_fk")
-    deadline = time.monotonic() + 60.0
-    while not writer.readers() and time.monotonic() < deadline:
-        time.sleep(0.05)
+    until(writer.readers)
     for count in (93_000_000, 40_000_000):
         data = b"\0\1\0\0" + struct.pack("<I", count) + b"\7" * 49
         assert writer.write(data)

@@ -4,9 +4,9 @@ import os
 import signal
 import subprocess
 import sys
-import time
 
 import pytest
+from waiting import until
 
 from robomech_ros.nodes.process.entry_points import NODE_MODULES
 from robomech_ros.nodes.process.process_group import ProcessGroup, node_command
@@ -127,9 +127,7 @@ def test_children_die_with_a_parent_that_is_killed():
     child = int(parent.stdout.readline())
     parent.kill()
     parent.wait()
-    deadline = time.monotonic() + 20.0
-    while _is_alive(child):
-        assert time.monotonic() < deadline, "the child lives on"
+    until(lambda: not _is_alive(child), "the child lives on")
     parent.stdout.close()
 
 
