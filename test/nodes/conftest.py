@@ -76,6 +76,10 @@ class Graph:
         finally:
             self.client.destroy_client(client)
 
+    def ask(self, kind: Any, service: str, **fields: Any) -> Any:
+        """Call a service with the fields of a request and return its answer."""
+        return self.call(kind, service, kind.Request(**fields))
+
     def call_until(
         self, kind: Any, service: str, request: Any, accept: Callable[[Any], bool]
     ) -> Any:

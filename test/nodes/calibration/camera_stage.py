@@ -100,7 +100,7 @@ class Stage:
     def ask(self, service, **fields):
         """Call a service of the node, whatever it answers."""
         kind = _KINDS[service]
-        return self.graph.call(kind, f"calibration/{service}", kind.Request(**fields))
+        return self.graph.ask(kind, f"calibration/{service}", **fields)
 
     def do(self, service, **fields):
         """Call a service that must succeed."""

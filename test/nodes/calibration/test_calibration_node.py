@@ -468,7 +468,7 @@ def test_a_folder_that_cannot_be_written_is_named(graph, folder, words):
 def test_frames_come_from_the_robot_where_none_are_given(graph):
     empty = dict.fromkeys(FRAMES, "")
     stage = Stage(graph, **{**empty, "robot_description": "puma560", "frame_prefix": "left/"})
-    assert stage.graph.call(Trigger, "calibration/ready", Trigger.Request()).success
+    assert stage.graph.ask(Trigger, "calibration/ready").success
     listed = stage.do("list_samples")
     assert listed.robot.header.frame_id == "left/base_link"
     robot, tracking, *_ = samples(np.random.default_rng(9), 8)

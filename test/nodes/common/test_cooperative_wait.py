@@ -45,10 +45,10 @@ def test_neither_pauses_nor_timers_that_are_destroyed_leave_anything_behind(grap
     node = graph.start(Pausing)
     services = ("pausing/pause", "pausing/end")
     for service in services:
-        assert graph.call(Trigger, service, Trigger.Request()).success
+        assert graph.ask(Trigger, service).success
     gc.collect()
     before = traces(node)
     for service in services:
-        assert graph.call(Trigger, service, Trigger.Request()).success
+        assert graph.ask(Trigger, service).success
     gc.collect()
     assert traces(node) == before

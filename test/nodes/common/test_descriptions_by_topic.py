@@ -33,11 +33,11 @@ def test_a_path_is_refused_unread_and_the_node_waits_on(graph, secret):
     text = logged(graph, "unusable robot on '/robot_description'")
     assert "expected the text of a URDF; names and files are for the parameter" in text
     assert "hunter2" not in text
-    answer = graph.call(Trigger, "kinematics/ready", Trigger.Request())
+    answer = graph.ask(Trigger, "kinematics/ready")
     assert not answer.success and "hunter2" not in answer.message
     publisher.publish(String(data=load_description("ur5e").document))
     logged(graph, "ready: ")
-    assert graph.call(Trigger, "kinematics/ready", Trigger.Request()).success
+    assert graph.ask(Trigger, "kinematics/ready").success
 
 
 def test_a_path_is_no_srdf_either(graph, secret):

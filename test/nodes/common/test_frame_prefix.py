@@ -152,10 +152,8 @@ def test_wrenches_and_loads_take_frames_with_the_prefix(left, graph):
         efforts.append(list(answer.effort))
         load = InertiaStamped(inertia=Inertia(m=1.0, ixx=0.1, iyy=0.1, izz=0.1))
         load.header.frame_id = frame
-        request = SetPayload.Request(payload=load)
-        assert graph.call(SetPayload, "left/dynamics/set_payload", request).error_code == 0
-        none = SetPayload.Request()
-        assert graph.call(SetPayload, "left/dynamics/set_payload", none).error_code == 0
+        assert graph.ask(SetPayload, "left/dynamics/set_payload", payload=load).error_code == 0
+        assert graph.ask(SetPayload, "left/dynamics/set_payload").error_code == 0
     assert efforts[0] == efforts[1]
 
 

@@ -175,7 +175,7 @@ def test_descriptors(graph):
 def test_every_parameter_has_a_value_to_be_asked_for(graph):
     node = graph.start(TableNode)
     names = [row.name for row in table_rows(Table)]
-    answer = graph.call(GetParameters, "table/get_parameters", GetParameters.Request(names=names))
+    answer = graph.ask(GetParameters, "table/get_parameters", names=names)
     values = dict(zip(names, answer.values, strict=True))
     assert values["tolerances"].type == ParameterType.PARAMETER_DOUBLE_ARRAY
     assert list(values["tolerances"].double_array_value) == []
@@ -188,10 +188,10 @@ def test_every_parameter_has_a_value_to_be_asked_for(graph):
 def test_all_parameters_of_a_node_are_dumped_at_once(graph, kind):
     """As `ros2 param dump` does."""
     name = graph.start(kind).get_name()
-    listed = graph.call(ListParameters, f"{name}/list_parameters", ListParameters.Request())
+    listed = graph.ask(ListParameters, f"{name}/list_parameters")
     names = listed.result.names
     assert {row.name for row in table_rows(kind.SETTINGS)} <= set(names)
-    answer = graph.call(GetParameters, f"{name}/get_parameters", GetParameters.Request(names=names))
+    answer = graph.ask(GetParameters, f"{name}/get_parameters", names=names)
     assert len(answer.values) == len(names)
     unset = ParameterType.PARAMETER_NOT_SET
     assert not [n for n, value in zip(names, answer.values, strict=True) if value.type == unset]

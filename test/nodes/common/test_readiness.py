@@ -15,7 +15,7 @@ from robomech_ros.robots import load_description
 
 
 def ready(graph, node):
-    answer = graph.call(Trigger, f"{node}/ready", Trigger.Request())
+    answer = graph.ask(Trigger, f"{node}/ready")
     return answer.success, answer.message
 
 

@@ -28,8 +28,7 @@ def said(graph, part):
 
 def posture(graph, name):
     """Ask where the tip is at a named posture."""
-    request = SolveFK.Request(states=[JointState(name=[name])])
-    return graph.call(SolveFK, "kinematics/solve_fk", request)
+    return graph.ask(SolveFK, "kinematics/solve_fk", states=[JointState(name=[name])])
 
 
 def test_what_is_wrong_with_a_state_is_said_at_once_and_refused_when_used(graph):
@@ -65,7 +64,7 @@ def test_an_unusable_srdf_that_is_repeated_is_said_once(graph, capfd):
         for document in bad:
             publisher.publish(String(data=document))
             # The answer comes behind what was heard before.
-            graph.call(Trigger, "kinematics/ready", Trigger.Request())
+            graph.ask(Trigger, "kinematics/ready")
     known = SRDF.replace('name="far"', 'name="there"').replace('"3.5"', '"0.5"')
     publisher.publish(String(data=known))
     for _ in range(1000):
@@ -86,13 +85,13 @@ def test_robot_and_groups_may_both_come_by_topics_in_any_order(graph, first):
     missing = "the SRDF with group 'right_arm'" if first == "robot_description" else "the robot"
     said(graph, f"waiting for {missing} on topic '/{topics[1]}'")
     for _ in range(1000):
-        ready = graph.call(Trigger, "kinematics/ready", Trigger.Request())
+        ready = graph.ask(Trigger, "kinematics/ready")
         if missing in ready.message:
             break
     assert not ready.success and missing in ready.message
     publishers[1].publish(String(data=texts[topics[1]]))
     said(graph, "ready: two_armed, right_base to right_tool, 6 joints")
-    assert graph.call(Trigger, "kinematics/ready", Trigger.Request()).success
+    assert graph.ask(Trigger, "kinematics/ready").success
     assert posture(graph, "home").error_code == 0
 
 

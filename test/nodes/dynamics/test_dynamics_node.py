@@ -58,8 +58,7 @@ def rod(graph):
 
 
 def inverse(graph, points, **fields):
-    request = InverseDynamics.Request(points=points, **fields)
-    return graph.call(InverseDynamics, "dynamics/inverse_dynamics", request)
+    return graph.ask(InverseDynamics, "dynamics/inverse_dynamics", points=points, **fields)
 
 
 def point(q, qd=None, qdd=None, t=0.0):
@@ -98,14 +97,12 @@ def test_another_gravity_and_a_wrench_on_the_tip(rod):
 
 def test_accelerations_and_inertia(rod):
     state = JointState(name=["hinge"], position=[0.3], velocity=[1.0], effort=[4.0])
-    answer = rod.call(
-        ForwardDynamics, "dynamics/forward_dynamics", ForwardDynamics.Request(state=state)
-    )
+    answer = rod.ask(ForwardDynamics, "dynamics/forward_dynamics", state=state)
     assert (answer.error_code, answer.joint_names) == (0, ["hinge"])
     np.testing.assert_allclose(answer.acceleration, [(4.0 - weight(0.3)) / INERTIA], rtol=1e-12)
-    answer = rod.call(MassMatrix, "dynamics/mass_matrix", MassMatrix.Request(state=state))
+    answer = rod.ask(MassMatrix, "dynamics/mass_matrix", state=state)
     np.testing.assert_allclose(answer.mass_matrix, [INERTIA], rtol=1e-12)
-    late = rod.call(MassMatrix, "dynamics/mass_matrix", MassMatrix.Request())
+    late = rod.ask(MassMatrix, "dynamics/mass_matrix")
     assert late.error_code == ErrorCode.NO_STATE
     assert "hinge" in late.error_msg
 
@@ -122,15 +119,14 @@ def test_efforts_with_names_act_on_the_present_posture(rod):
     answer = rod.call_until(ForwardDynamics, "dynamics/forward_dynamics", request, known)
     assert answer.error_code == ErrorCode.NONE, answer.error_msg
     np.testing.assert_allclose(answer.acceleration, [(4.0 - weight(0.3)) / INERTIA], rtol=1e-12)
-    present = rod.call(MassMatrix, "dynamics/mass_matrix", MassMatrix.Request())
+    present = rod.ask(MassMatrix, "dynamics/mass_matrix")
     np.testing.assert_allclose(present.mass_matrix, [INERTIA], rtol=1e-12)
 
 
 def test_names_without_any_numbers_are_refused(rod):
     """They were passed over, and the present state taken instead."""
     for kind, service in ((MassMatrix, "mass_matrix"), (ForwardDynamics, "forward_dynamics")):
-        named = kind.Request(state=JointState(name=["hinge"]))
-        answer = rod.call(kind, f"dynamics/{service}", named)
+        answer = rod.ask(kind, f"dynamics/{service}", state=JointState(name=["hinge"]))
         assert answer.error_code == ErrorCode.WRONG_SIZE
         assert "state.position has size 0, expected 1, one for every name" in answer.error_msg
 
@@ -147,7 +143,7 @@ def test_a_gravity_of_another_size_is_refused_when_it_is_set(rod):
 def payload(graph, frame="", **inertia):
     load = InertiaStamped(inertia=Inertia(**inertia))
     load.header.frame_id = frame
-    return graph.call(SetPayload, "dynamics/set_payload", SetPayload.Request(payload=load))
+    return graph.ask(SetPayload, "dynamics/set_payload", payload=load)
 
 
 def test_a_payload_is_put_on_and_taken_off(rod):
@@ -165,8 +161,7 @@ def test_a_summary_tells_peaks_energy_and_saturation(rod):
     # Lifted from hanging to level in 1 s, from rest to rest: the energy is the height's.
     points = [point(math.pi / 2.0, 0.0, 0.0), point(0.0, 0.0, 0.0, 1.0)]
     trajectory = JointTrajectory(joint_names=["hinge"], points=points)
-    request = SummarizeTorques.Request(trajectory=trajectory)
-    answer = rod.call(SummarizeTorques, "dynamics/summarize_torques", request)
+    answer = rod.ask(SummarizeTorques, "dynamics/summarize_torques", trajectory=trajectory)
     assert answer.error_code == ErrorCode.NONE, answer.error_msg
     net = answer.energy_out[0] - answer.energy_back[0]
     assert net == pytest.approx(MASS * G * LENGTH / 2.0, rel=1e-5)

@@ -46,8 +46,7 @@ def point(positions, velocities=(), accelerations=(), t=0.0):
 
 
 def inverse(graph, points, **fields):
-    request = InverseDynamics.Request(points=points, **fields)
-    return graph.call(InverseDynamics, "dynamics/inverse_dynamics", request)
+    return graph.ask(InverseDynamics, "dynamics/inverse_dynamics", points=points, **fields)
 
 
 def test_efforts_of_drives_named_or_not_and_of_all_joints(graph, robot):
@@ -97,12 +96,11 @@ def test_accelerations_inertia_and_payload(graph, robot):
     names = list(robot.drive_names)
     state = JointState(name=names, position=q[robot.drives_at].tolist())
     state.velocity, state.effort = rates.tolist(), efforts.tolist()
-    request = ForwardDynamics.Request(state=state)
-    answer = graph.call(ForwardDynamics, "dynamics/forward_dynamics", request)
+    answer = graph.ask(ForwardDynamics, "dynamics/forward_dynamics", state=state)
     assert answer.error_code == ErrorCode.NONE, answer.error_msg
     assert answer.joint_names == names
     np.testing.assert_allclose(answer.acceleration, gains, rtol=1e-7, atol=1e-7)
-    answer = graph.call(MassMatrix, "dynamics/mass_matrix", MassMatrix.Request(state=state))
+    answer = graph.ask(MassMatrix, "dynamics/mass_matrix", state=state)
     inertia = np.reshape(answer.mass_matrix, (len(names), -1))
     np.testing.assert_allclose(inertia, robot.mass_matrix(q), rtol=1e-9, atol=1e-12)
     load = Inertia(m=2.0, com=Vector3(z=0.1), ixx=0.01, iyy=0.02, izz=0.02)
@@ -126,8 +124,7 @@ def test_a_summary_over_a_motion_of_the_drives(graph, robot):
     still = np.zeros(len(start))
     trajectory = JointTrajectory(joint_names=list(robot.drive_names))
     trajectory.points = [point(start, still, still), point(end, still, still, t=1.0)]
-    request = SummarizeTorques.Request(trajectory=trajectory)
-    answer = graph.call(SummarizeTorques, "dynamics/summarize_torques", request)
+    answer = graph.ask(SummarizeTorques, "dynamics/summarize_torques", trajectory=trajectory)
     assert answer.error_code == ErrorCode.NONE, answer.error_msg
     assert answer.joint_names == list(robot.drive_names)
     first = np.abs(robot.inverse(robot.mechanism.home(), still, still, gravity=DOWN))
@@ -154,7 +151,7 @@ def test_what_is_refused_is_named(graph, robot):
     assert f"or all {len(q)} joints; '{name}' is passive" in answer.error_msg
     answer = inverse(graph, [point(np.full(len(robot.drive_names), np.nan))])
     assert answer.error_code == ErrorCode.NON_FINITE
-    answer = graph.call(MassMatrix, "dynamics/mass_matrix", MassMatrix.Request())
+    answer = graph.ask(MassMatrix, "dynamics/mass_matrix")
     assert answer.error_code == ErrorCode.NO_STATE
     assert robot.drive_names[0] in answer.error_msg
 
@@ -173,11 +170,10 @@ def test_a_singular_posture_among_the_points_has_its_code(graph):
     expected = "expected one in which the drives hold the platform"
     assert answer.error_msg == f"posture[1] is singular, {expected}"
     state = joint_state(names, singular)
-    answer = graph.call(MassMatrix, "dynamics/mass_matrix", MassMatrix.Request(state=state))
+    answer = graph.ask(MassMatrix, "dynamics/mass_matrix", state=state)
     assert answer.error_code == ErrorCode.SINGULAR
     assert answer.error_msg == f"posture is singular, {expected}"
-    request = ForwardDynamics.Request(state=state)
-    answer = graph.call(ForwardDynamics, "dynamics/forward_dynamics", request)
+    answer = graph.ask(ForwardDynamics, "dynamics/forward_dynamics", state=state)
     assert answer.error_code == ErrorCode.SINGULAR
 
 
@@ -188,7 +184,7 @@ def test_names_without_positions_are_refused_where_there_is_nothing_else_to_name
     assert answer.error_code == ErrorCode.WRONG_SIZE
     assert "state.position has size 0" in answer.error_msg
     state = JointState(name=["home"])
-    answer = graph.call(MassMatrix, "dynamics/mass_matrix", MassMatrix.Request(state=state))
+    answer = graph.ask(MassMatrix, "dynamics/mass_matrix", state=state)
     assert answer.error_code == ErrorCode.NONE, answer.error_msg
     expected = robot.mass_matrix(robot.mechanism.home())
     np.testing.assert_allclose(answer.mass_matrix, expected.ravel(), rtol=1e-9, atol=1e-12)

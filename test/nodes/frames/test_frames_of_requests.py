@@ -108,7 +108,7 @@ def kinematics(graph):
 def solve(tf, T, frame, stamp=0):
     target = stamped_pose(T, frame)
     target.header.stamp = instant(stamp)
-    return tf.graph.call(SolveIK, "kinematics/solve_ik", SolveIK.Request(target=target))
+    return tf.graph.ask(SolveIK, "kinematics/solve_ik", target=target)
 
 
 def assert_solved(response, T=GOAL):
@@ -306,8 +306,7 @@ def test_jacobians_and_workspace_in_the_world(kinematics):
         np.reshape(found.jacobian, (6, 6)), np.vstack((turn @ J[3:], turn @ J[:3])), atol=1e-12
     )
     poses = [stamped_pose(WORLD_BASE @ GOAL, "world"), stamped_pose(GOAL, "world")]
-    query = QueryWorkspace.Request(poses=poses)
-    answer = kinematics.graph.call(QueryWorkspace, "kinematics/query_workspace", query)
+    answer = kinematics.graph.ask(QueryWorkspace, "kinematics/query_workspace", poses=poses)
     assert list(answer.reachable) == [True, False], answer.error_msg
 
 
@@ -395,8 +394,7 @@ def test_a_force_in_the_world(graph):
 def test_without_tf2_msgs_it_is_said(graph, monkeypatch):
     hide_package(monkeypatch, "tf2_msgs")
     graph.start(KinematicsNode, robot_description="puma560")
-    request = SolveIK.Request(target=stamped_pose(GOAL, "world"))
-    response = graph.call(SolveIK, "kinematics/solve_ik", request)
+    response = graph.ask(SolveIK, "kinematics/solve_ik", target=stamped_pose(GOAL, "world"))
     assert response.error_code == ErrorCode.FRAME_UNAVAILABLE
     assert "the package tf2_msgs is not installed; known frames: base_link" in response.error_msg
 

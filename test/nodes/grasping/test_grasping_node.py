@@ -497,7 +497,7 @@ def test_without_a_hand_contacts_are_analysed_and_fingers_are_not(graph):
     graph.start(GraspingNode)
     answer = graph.call(AnalyzeGrasp, "grasping/analyze_grasp", requested(AnalyzeGrasp, CUBE))
     assert answer.force_closed
-    assert graph.call(Trigger, "grasping/ready", Trigger.Request()).success
+    assert graph.ask(Trigger, "grasping/ready").success
     refused = graph.call(SolveGrasp, "grasping/solve_grasp", touching())
     assert refused.error_code == ErrorCode.BAD_VALUE
     assert "robot_description is '', expected a hand" in refused.error_msg

@@ -33,15 +33,15 @@ def own_puma(graph):
 
 
 def solve_ik(graph, **fields):
-    return graph.call(SolveIK, "kinematics/solve_ik", SolveIK.Request(**fields))
+    return graph.ask(SolveIK, "kinematics/solve_ik", **fields)
 
 
 def solve_fk(graph, **fields):
-    return graph.call(SolveFK, "kinematics/solve_fk", SolveFK.Request(**fields))
+    return graph.ask(SolveFK, "kinematics/solve_fk", **fields)
 
 
 def get_jacobian(graph, **fields):
-    return graph.call(GetJacobian, "kinematics/get_jacobian", GetJacobian.Request(**fields))
+    return graph.ask(GetJacobian, "kinematics/get_jacobian", **fields)
 
 
 def target(q=Q, chain=PUMA, frame=""):
@@ -272,7 +272,7 @@ def test_batch_agrees_with_single_calls(puma):
 
 
 def test_empty_batch(puma):
-    response = puma.call(SolveIKBatch, "kinematics/solve_ik_batch", SolveIKBatch.Request())
+    response = puma.ask(SolveIKBatch, "kinematics/solve_ik_batch")
     assert response.error_code == 0
     assert list(response.counts) == list(response.solutions) == list(response.codes) == []
 
@@ -348,9 +348,7 @@ def test_states_without_names_mean_the_same_in_every_service(puma, given):
 
 
 def analyze(graph, **fields):
-    return graph.call(
-        AnalyzeSingularity, "kinematics/analyze_singularity", AnalyzeSingularity.Request(**fields)
-    )
+    return graph.ask(AnalyzeSingularity, "kinematics/analyze_singularity", **fields)
 
 
 def test_a_singular_posture_is_analysed(puma):
@@ -441,8 +439,7 @@ def test_a_batch_ends_in_its_time_and_says_what_is_left(graph, robot):
     p = stamped_pose(forward_kinematics(chain, chain.midrange()), "").pose
     row = [p.position.x, p.position.y, p.position.z]
     row += [p.orientation.x, p.orientation.y, p.orientation.z, p.orientation.w]
-    request = SolveIKBatch.Request(poses=row + unreachable(9_999))
-    response = graph.call(SolveIKBatch, "kinematics/solve_ik_batch", request)
+    response = graph.ask(SolveIKBatch, "kinematics/solve_ik_batch", poses=row + unreachable(9_999))
     assert response.error_code == ErrorCode.TIMED_OUT
     codes = list(response.codes)
     assert len(codes) == len(response.counts) == 10_000
@@ -474,5 +471,4 @@ def test_robot_from_the_topic(graph):
 
 def test_namespace(graph):
     graph.start(KinematicsNode, namespace="/left", robot_description="puma560")
-    request = SolveIK.Request(target=target())
-    assert graph.call(SolveIK, "/left/kinematics/solve_ik", request).error_code == 0
+    assert graph.ask(SolveIK, "/left/kinematics/solve_ik", target=target()).error_code == 0

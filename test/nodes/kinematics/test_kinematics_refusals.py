@@ -153,15 +153,13 @@ IK_REFUSALS = {
 @pytest.mark.parametrize("case", IK_REFUSALS)
 def test_solve_ik_refuses(puma, case):
     fields, code, words = IK_REFUSALS[case]
-    request = SolveIK.Request(**{"target": pose(), **fields})
-    response = puma.call(SolveIK, "kinematics/solve_ik", request)
+    response = puma.ask(SolveIK, "kinematics/solve_ik", **{"target": pose(), **fields})
     assert list(response.solutions) == []
     check(puma, response, code, words)
 
 
 def test_reach_says_by_how_much(puma):
-    request = SolveIK.Request(target=pose(position=(2.0, 0.0, 0.0)))
-    response = puma.call(SolveIK, "kinematics/solve_ik", request)
+    response = puma.ask(SolveIK, "kinematics/solve_ik", target=pose(position=(2.0, 0.0, 0.0)))
     assert response.error_code == ErrorCode.OUT_OF_REACH
     # Shoulder offset and forearm set the largest reach of the wrist; the tool adds nothing.
     gap = 2.0 - math.hypot(0.4318 + math.hypot(0.4318, 0.0203), 0.15005)
@@ -217,7 +215,7 @@ FK_REFUSALS = {
 @pytest.mark.parametrize("case", FK_REFUSALS)
 def test_solve_fk_refuses(puma, case):
     fields, code, words = FK_REFUSALS[case]
-    response = puma.call(SolveFK, "kinematics/solve_fk", SolveFK.Request(**fields))
+    response = puma.ask(SolveFK, "kinematics/solve_fk", **fields)
     assert list(response.poses) == []
     check(puma, response, code, words)
 
@@ -260,7 +258,7 @@ JACOBIAN_REFUSALS = {
 @pytest.mark.parametrize("case", JACOBIAN_REFUSALS)
 def test_get_jacobian_refuses(puma, case):
     fields, code, words = JACOBIAN_REFUSALS[case]
-    response = puma.call(GetJacobian, "kinematics/get_jacobian", GetJacobian.Request(**fields))
+    response = puma.ask(GetJacobian, "kinematics/get_jacobian", **fields)
     assert list(response.jacobian) == []
     check(puma, response, code, words)
 
@@ -288,7 +286,7 @@ BATCH_REFUSALS = {
 def test_solve_ik_batch_refuses(graph, case):
     graph.start(KinematicsNode, robot_description="puma560", max_batch_size=10)
     fields, code, words = BATCH_REFUSALS[case]
-    response = graph.call(SolveIKBatch, "kinematics/solve_ik_batch", SolveIKBatch.Request(**fields))
+    response = graph.ask(SolveIKBatch, "kinematics/solve_ik_batch", **fields)
     assert list(response.counts) == []
     check(graph, response, code, words)
 
@@ -296,8 +294,7 @@ def test_solve_ik_batch_refuses(graph, case):
 def test_solve_fk_refuses_more_poses_than_may_be(graph):
     graph.start(KinematicsNode, robot_description="puma560", max_batch_size=10)
     states = [JointState(position=[0.0] * 6)] * 6
-    few = SolveFK.Request(states=states, links=["tool0"])
-    assert len(graph.call(SolveFK, "kinematics/solve_fk", few).poses) == 6
+    assert len(graph.ask(SolveFK, "kinematics/solve_fk", states=states, links=["tool0"]).poses) == 6
     many = SolveFK.Request(states=states, links=["tool0", "base_link"])
     response = graph.call(SolveFK, "kinematics/solve_fk", many)
     assert list(response.poses) == []
@@ -320,8 +317,7 @@ def test_a_defect_is_answered_and_logged(puma, monkeypatch):
         raise ZeroDivisionError("a defect")
 
     monkeypatch.setattr(chain_manipulator, "inverse_kinematics", broken)
-    request = SolveIK.Request(target=pose())
-    response = puma.call(SolveIK, "kinematics/solve_ik", request)
+    response = puma.ask(SolveIK, "kinematics/solve_ik", target=pose())
     check(puma, response, ErrorCode.INTERNAL, ("ZeroDivisionError", "a defect"))
 
 

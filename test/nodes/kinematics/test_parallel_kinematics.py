@@ -40,7 +40,7 @@ class Asked:
         self.drives = self.home[self.mechanism.drive_index]
 
     def ask(self, kind, service, **fields):
-        return self.graph.call(kind, f"kinematics/{service}", kind.Request(**fields))
+        return self.graph.ask(kind, f"kinematics/{service}", **fields)
 
     def state(self, q):
         return joint_state(self.mechanism.joint_names, q)

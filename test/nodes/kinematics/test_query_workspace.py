@@ -24,8 +24,7 @@ Q = np.array([0.3, -0.4, 0.2, 0.5, 0.6, -0.7])
 
 
 def query(graph, poses, **fields):
-    request = QueryWorkspace.Request(poses=poses, **fields)
-    return graph.call(QueryWorkspace, "kinematics/query_workspace", request)
+    return graph.ask(QueryWorkspace, "kinematics/query_workspace", poses=poses, **fields)
 
 
 def test_poses_are_judged(graph):

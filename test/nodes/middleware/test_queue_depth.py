@@ -64,7 +64,7 @@ def test_a_request_whose_callback_fails_is_answered_with_a_reason(graph, waits):
 
     for kind, name in ((Trigger, "trigger"), (Empty, "empty")):
         serve(graph.client, kind, name, fail_later if waits else fail)
-    answer = graph.call(Trigger, "trigger", Trigger.Request())
+    answer = graph.ask(Trigger, "trigger")
     assert not answer.success
     assert answer.message == "internal error, please report it: ValueError: no such thing"
-    assert graph.call(Empty, "empty", Empty.Request()) == Empty.Response()
+    assert graph.ask(Empty, "empty") == Empty.Response()

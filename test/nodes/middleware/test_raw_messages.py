@@ -55,16 +55,14 @@ def test_requests_that_need_the_joint_state_are_answered_beside_them(graph):
     publisher.publish(JointState(name=names, position=[0.1] * 6))
     for data in CORRUPT.values():
         publisher.publish(data)
-    request = AnalyzeSingularity.Request()
-    answer = graph.call(AnalyzeSingularity, "kinematics/analyze_singularity", request)
+    answer = graph.ask(AnalyzeSingularity, "kinematics/analyze_singularity")
     assert answer.error_code == ErrorCode.NONE, answer.error_msg
 
 
 def test_the_reason_names_them_where_nothing_else_came(graph):
     graph.start(KinematicsNode, robot_description=ROBOT, state_timeout=0.2)
     flood(graph, JointState, "joint_states")
-    request = AnalyzeSingularity.Request()
-    answer = graph.call(AnalyzeSingularity, "kinematics/analyze_singularity", request)
+    answer = graph.ask(AnalyzeSingularity, "kinematics/analyze_singularity")
     assert answer.error_code == ErrorCode.NO_STATE
     assert "bytes are no message of the type JointState" in answer.error_msg
 

@@ -68,8 +68,7 @@ def shifted(*steps, of=HERE):
 
 def compute(graph, **fields):
     good = {"start_state": state(), "waypoints": shifted(STEPS[0]), "max_step": 0.01}
-    request = GetCartesianPath.Request(**(good | fields))
-    return graph.call(GetCartesianPath, "trajectory_planner/compute_cartesian_path", request)
+    return graph.ask(GetCartesianPath, "trajectory_planner/compute_cartesian_path", **good | fields)
 
 
 def test_others_are_served_while_a_long_path_is_planned(puma):
@@ -80,9 +79,7 @@ def test_others_are_served_while_a_long_path_is_planned(puma):
     service = "trajectory_planner/compute_cartesian_path"
     slow = puma.start_call(GetCartesianPath, service, request)
     ends = [joint_state(PUMA.joint_names, q) for q in (Q, Q + 0.1)]
-    quick = puma.call(
-        PlanJoint, "trajectory_planner/plan_joint", PlanJoint.Request(start=ends[0], goal=ends[1])
-    )
+    quick = puma.ask(PlanJoint, "trajectory_planner/plan_joint", start=ends[0], goal=ends[1])
     assert not slow.done()
     assert quick.error_code == 0, quick.error_msg
     checked(puma.wait_for(slow))

@@ -49,7 +49,7 @@ def pose_between(base, link, positions):
 def compute_ik(graph, seed, pose, **fields):
     request = PositionIKRequest(robot_state=state_of(seed), pose_stamped=pose, **fields)
     kind = GetPositionIK
-    return graph.call(kind, "kinematics/compute_ik", kind.Request(ik_request=request))
+    return graph.ask(kind, "kinematics/compute_ik", ik_request=request)
 
 
 @pytest.fixture

@@ -93,12 +93,11 @@ def target(q=Q, chain=PUMA, frame=""):
 
 
 def compute_ik(graph, **fields):
-    request = GetPositionIK.Request(ik_request=PositionIKRequest(**fields))
-    return graph.call(GetPositionIK, "kinematics/compute_ik", request)
+    return graph.ask(GetPositionIK, "kinematics/compute_ik", ik_request=PositionIKRequest(**fields))
 
 
 def compute_fk(graph, **fields):
-    return graph.call(GetPositionFK, "kinematics/compute_fk", GetPositionFK.Request(**fields))
+    return graph.ask(GetPositionFK, "kinematics/compute_fk", **fields)
 
 
 def by_name(response):

@@ -88,13 +88,13 @@ def largest_ever(process):
 
 def test_corrupt_bytes_that_announce_millions_of_states_take_no_memory(graph, kinematics):
     """Fifty bytes took 11 GB, and more than a minute in which nobody was answered."""
-    graph.call(Trigger, "kinematics/ready", Trigger.Request())
+    graph.ask(Trigger, "kinematics/ready")
     writer = RawWriter(graph.client, SolveFK, "/kinematics/solve_fk")
     until(writer.readers)
     for count in (93_000_000, 40_000_000):
         data = b"\0\1\0\0" + struct.pack("<I", count) + b"\7" * 49
         assert writer.write(data)
-        answer = graph.call(SolveFK, "kinematics/solve_fk", SolveFK.Request(links=["base_link"]))
+        answer = graph.ask(SolveFK, "kinematics/solve_fk", links=["base_link"])
         assert answer.error_code == 0, answer.error_msg
     writer.close()
     assert kinematics.poll() is None

@@ -35,7 +35,7 @@ class Nervous(Node):
 def test_a_failing_callback_does_not_end_the_node(graph, capfd):
     node = graph.start(Nervous)
     for _ in range(3):
-        assert graph.call(Trigger, "nervous/poke", Trigger.Request()).success
+        assert graph.ask(Trigger, "nervous/poke").success
     assert node.calls == 3
     assert "nerves" in capfd.readouterr().err
 
