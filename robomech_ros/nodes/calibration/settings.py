@@ -77,12 +77,7 @@ class CalibrationSettings(RobotSettings):
 
 
 def check_settings(settings: CalibrationSettings) -> None:
-    """Refuse a name that is not the plain name of a file.
-
-    Raises
-    ------
-    ParameterError
-    """
+    """Refuse a name that is not the plain name of a file."""
     if not is_plain_name(settings.name):
         raise ParameterError("name", settings.name, "letters, digits, '_', '-' and '.'")
 

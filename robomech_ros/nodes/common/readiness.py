@@ -24,14 +24,16 @@ class Readiness:
     """
 
     def __init__(self, node: Node, waits_for: str = "") -> None:
-        self._node = node
         self._waits_for = waits_for
         serve(node, Trigger, "~/ready", self._answer)
         if waits_for:
             node.get_logger().info(waits_for)
             # By the machine's time: simulated time may stand still.
             clock = Clock(clock_type=ClockType.STEADY_TIME)
-            self._timer = node.create_timer(REMINDER, self._remind, clock=clock)
+            logger = node.get_logger()
+            self._timer = node.create_timer(
+                REMINDER, lambda: logger.warning(self._waits_for), clock=clock
+            )
 
     def wait_for(self, what: str) -> None:
         """Note what is missing now, as a sentence that was logged already."""
@@ -47,6 +49,3 @@ class Readiness:
         response.success = not self._waits_for
         response.message = self._waits_for or "ready"
         return response
-
-    def _remind(self) -> None:
-        self._node.get_logger().warning(self._waits_for)

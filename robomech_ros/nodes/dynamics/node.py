@@ -91,7 +91,9 @@ class DynamicsNode(Node):
     @guarded
     async def _inverse_dynamics(self, request: Any, response: Any) -> Any:
         system = self._loaded
-        self._check_size("points", len(request.points))
+        count, most = len(request.points), self._table.settings.max_batch_size
+        if count > most:
+            raise WrongSizeError("points", count, f"at most {most}, the parameter max_batch_size")
         names = list(request.joint_names) or list(self._drives.names)
         points = request.points or [await self._present(names)]
         states = motions(points, names, self._drives)
@@ -168,12 +170,6 @@ class DynamicsNode(Node):
 
     def _gravity(self, request: Any) -> Array:
         return gravity_vector(request.gravity, np.array(self._table.settings.gravity))
-
-    def _check_size(self, what: str, count: int) -> None:
-        largest = self._table.settings.max_batch_size
-        if count > largest:
-            expected = f"at most {largest}, the parameter max_batch_size"
-            raise WrongSizeError(what, count, expected)
 
 
 def main(args: Sequence[str] | None = None) -> int:

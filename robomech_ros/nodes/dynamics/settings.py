@@ -41,11 +41,6 @@ class DynamicsSettings(StateSettings):
 
 
 def check_settings(settings: DynamicsSettings) -> None:
-    """Refuse a gravity that is no vector.
-
-    Raises
-    ------
-    ParameterError
-    """
+    """Refuse a gravity that is no vector."""
     if len(settings.gravity) != 3:
         raise ParameterError("gravity", list(settings.gravity), "a list of 3 numbers: x, y, z")

@@ -1,7 +1,7 @@
 """The tree of frames that tf describes: every frame with its parent, as far back as is known."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -223,17 +223,15 @@ class FrameTree:
             raise NoTransformError(why, may_come=False)
 
     def _pose(self, up: Sequence[str], down: Sequence[str], stamp: int) -> Array:
-        forth, back = np.eye(4), np.eye(4)
-        for T in self._steps(up, stamp):
-            forth = T @ forth
-        for T in self._steps(down, stamp):
-            back = T @ back
-        return rigid_inverse(back) @ forth
+        return rigid_inverse(self._product(down, stamp)) @ self._product(up, stamp)
 
-    def _steps(self, way: Sequence[str], stamp: int) -> Iterator[Array]:
+    def _product(self, way: Sequence[str], stamp: int) -> Array:
+        """Return the pose of the first frame of a way in the parent of the last."""
+        pose = np.eye(4)
         for frame in way:
             sample = self._histories[frame].at(stamp)
             T = np.eye(4)
             T[:3, :3] = matrix_from_quaternion(sample.turn)
             T[:3, 3] = sample.place
-            yield T
+            pose = T @ pose
+        return pose

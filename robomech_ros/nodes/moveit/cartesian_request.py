@@ -13,8 +13,7 @@ from robomech_ros.nodes.common.message_fields import finite_number, not_negative
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.request_sizes import check_waypoints
 from robomech_ros.nodes.moveit.constraints import Conditions, frames_of
-from robomech_ros.nodes.moveit.moveit_errors import refused_as
-from robomech_ros.nodes.moveit.serving import chain_of, refuse_collision_checks
+from robomech_ros.nodes.moveit.serving import chain_of, refuse_collision_checks, refused_as
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.robots import SerialChain
 from robomech_ros.typing import Array

@@ -29,8 +29,7 @@ from robomech_ros.nodes.common.joint_messages import joint_trajectory
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.moveit.cartesian_request import CartesianQuestion, read_question
-from robomech_ros.nodes.moveit.moveit_errors import refused_as
-from robomech_ros.nodes.moveit.serving import answering
+from robomech_ros.nodes.moveit.serving import answering, refused_as
 from robomech_ros.nodes.moveit.whole_robot import WholeRobot
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory import (

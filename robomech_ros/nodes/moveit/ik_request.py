@@ -10,8 +10,12 @@ from moveit_msgs.msg import MoveItErrorCodes
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.moveit.constraints import Conditions, frames_of
-from robomech_ros.nodes.moveit.moveit_errors import RejectedError, refused_as
-from robomech_ros.nodes.moveit.serving import chain_of, refuse_collision_checks
+from robomech_ros.nodes.moveit.serving import (
+    RejectedError,
+    chain_of,
+    refuse_collision_checks,
+    refused_as,
+)
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.robots import SerialChain
 from robomech_ros.typing import Array

@@ -16,8 +16,7 @@ from robomech_ros.nodes.common.cooperative_wait import TimeSlices
 from robomech_ros.nodes.common.pose_messages import stamped_pose
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.moveit.ik_request import IkRequest, IkTarget, read_ik_request
-from robomech_ros.nodes.moveit.moveit_errors import RejectedError, code_of_outcome, refused_as
-from robomech_ros.nodes.moveit.serving import answering
+from robomech_ros.nodes.moveit.serving import RejectedError, answering, code_of_outcome, refused_as
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.spatial import inverse_pose
 

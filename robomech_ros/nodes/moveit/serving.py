@@ -1,19 +1,63 @@
-"""Common part of all services with MoveIt types."""
+"""Common part of all services with MoveIt types: errors in MoveIt's codes, chains of groups."""
 
 import traceback
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from moveit_msgs.msg import MoveItErrorCodes
 from rclpy.node import Node
 
-from robomech_ros.errors import RobomechError
+from robomech_ros.errors import RobomechError, UnknownLinkError
+from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.nodes.common.error_codes import (
+    FrameUnavailableError,
+    NoStateError,
+    RobotMovesError,
+)
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
-from robomech_ros.nodes.moveit.moveit_errors import RejectedError, fill_code, refused_as
 from robomech_ros.robots import SerialChain
 
 _Callback = Callable[[Any, Any], Awaitable[Any]]
+# What these mean does not depend on the part of the request that they are found in.
+_CODES = (
+    (FrameUnavailableError, MoveItErrorCodes.FRAME_TRANSFORM_FAILURE),
+    (RobotMovesError, MoveItErrorCodes.START_STATE_INVALID),
+    (NoStateError, MoveItErrorCodes.ROBOT_STATE_STALE),
+    (UnknownLinkError, MoveItErrorCodes.INVALID_LINK_NAME),
+)
+
+
+class RejectedError(RobomechError):
+    """A request cannot be served; `code` is one of MoveItErrorCodes."""
+
+    def __init__(self, code: int, reason: str) -> None:
+        self.code = code
+        self.reason = reason
+        super().__init__(reason)
+
+
+@contextmanager
+def refused_as(code: int) -> Iterator[None]:
+    """Turn what is found wrong with a part of a request into a refusal with this code.
+
+    A frame, a present state or a link that is not known keeps the code of its own.
+    """
+    try:
+        yield
+    except RejectedError:
+        raise
+    except RobomechError as error:
+        own = next((own for kind, own in _CODES if isinstance(error, kind)), code)
+        raise RejectedError(own, str(error)) from error
+
+
+def code_of_outcome(status: Status) -> int:
+    """Return the code of inverse kinematics that found nothing."""
+    if status == Status.TIMED_OUT:
+        return int(MoveItErrorCodes.TIMED_OUT)
+    return int(MoveItErrorCodes.NO_IK_SOLUTION)
 
 
 def answering(node: Node, callback: _Callback) -> _Callback:
@@ -34,7 +78,10 @@ def answering(node: Node, callback: _Callback) -> _Callback:
             log.error(f"{callback.__name__} failed, please report this:\n{traceback.format_exc()}")
             code = MoveItErrorCodes.FAILURE
             text = f"internal error, please report it: {type(error).__name__}: {error}"
-        fill_code(response.error_code, code, text, source)
+        response.error_code.val = int(code)
+        # Some versions have no texts.
+        if hasattr(response.error_code, "message"):
+            response.error_code.message, response.error_code.source = text, source
         return response
 
     return call

@@ -13,7 +13,7 @@ from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.message_fields import finite_number
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.frames.robot_frames import FrameAttachment, RobotFrames
-from robomech_ros.nodes.moveit.moveit_errors import RejectedError
+from robomech_ros.nodes.moveit.serving import RejectedError
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose
 from robomech_ros.typing import Array

@@ -53,10 +53,6 @@ class NodesOfKind:
 _OF_ARMS = ("joint_limits", "srdf", "group", "base_link", "tip_link", "calibration", "auto_execute")
 
 
-def _drive(robot: str) -> str:
-    return rolling_robot(robot).drive
-
-
 def _legged(robot: str) -> object:
     # What is compiled for legs is loaded only where there are some.
     from robomech_ros.walking import load_legged
@@ -72,7 +68,7 @@ KIND_NODES = {
         load=rolling_robot,
         refused=_OF_ARMS,
         frame_prefix="tf_frame_prefix",
-        variant=_drive,
+        variant=lambda robot: rolling_robot(robot).drive,
         demonstration="robomech_ros.nodes.demonstration.rolling_session",
     ),
     "hand": NodesOfKind(

@@ -19,6 +19,7 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 import rclpy
+from rclpy.clock import Clock, ClockType
 from rclpy.context import Context
 from rclpy.exceptions import ROSInterruptException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -30,7 +31,6 @@ from rclpy.utilities import remove_ros_args
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.process.clean_pages import release_clean_pages
-from robomech_ros.nodes.process.duplicate_nodes import watch_for_duplicate_nodes
 from robomech_ros.nodes.process.entry_points import EXIT_CANNOT_START
 from robomech_ros.nodes.process.memory import bound_memory, give_back_regularly
 from robomech_ros.nodes.process.simulated_clock import watch_for_simulated_time
@@ -42,6 +42,9 @@ _STOP_SECONDS = 3.0
 _DELIVERY_SECONDS = 0.1
 # Threads of Fast DDS may wait for each other when peers leave at the same time (its issue 6502).
 _FAREWELL_SECONDS = 5.0
+# How often to look after a node's start for others of its name, s, and how many times: discovery
+# takes its time.
+LOOK_PERIOD, _LOOKS = 1.0, 3
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
@@ -185,6 +188,34 @@ def run_nodes(factories: Sequence[Callable[[], Node]], args: Sequence[str] | Non
     signals.get()
     spinner.stop()
     return _end(nodes, 0)
+
+
+def watch_for_duplicate_nodes(nodes: Sequence[Node]) -> None:
+    """Log once, soon after the start, which nodes were in this domain and namespace already."""
+    if not nodes:
+        return
+    clock, said, first = Clock(clock_type=ClockType.STEADY_TIME), set[str](), nodes[0]
+    looks = iter(range(_LOOKS))
+
+    def look() -> None:
+        if next(looks) == _LOOKS - 1:
+            timer.cancel()
+        found = [
+            f"{namespace.rstrip('/')}/{name}"
+            for name, namespace in first.get_node_names_and_namespaces()
+        ]
+        for node in nodes:
+            name = node.get_fully_qualified_name()
+            if found.count(name) > 1 and name not in said:
+                said.add(name)
+                text = (
+                    f"another node '{name}' is in this domain: both answer the same services and "
+                    "move the same topics. End one of them, or set ROS_DOMAIN_ID, or a namespace "
+                    "(robomech bringup --namespace). One that was killed is seen for up to 20 s"
+                )
+                node.get_logger().error(text)
+
+    timer = first.create_timer(LOOK_PERIOD, look, clock=clock)
 
 
 def _start_failed(program: str, error: Exception) -> int:

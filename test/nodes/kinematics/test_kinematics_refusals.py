@@ -27,6 +27,13 @@ def puma(shared):
     return shared(KinematicsNode, robot_description="puma560")
 
 
+@pytest.fixture
+def few(graph):
+    """A node that handles few poses at once."""
+    graph.start(KinematicsNode, robot_description="puma560", max_batch_size=10)
+    return graph
+
+
 def still_serves(graph):
     request = SolveFK.Request(states=[joint_state(NAMES, Q)])
     return graph.call(SolveFK, "kinematics/solve_fk", request).error_code == ErrorCode.NONE
@@ -150,14 +157,6 @@ IK_REFUSALS = {
 }
 
 
-@pytest.mark.parametrize("case", IK_REFUSALS)
-def test_solve_ik_refuses(puma, case):
-    fields, code, words = IK_REFUSALS[case]
-    response = puma.ask(SolveIK, "kinematics/solve_ik", **{"target": pose(), **fields})
-    assert list(response.solutions) == []
-    check(puma, response, code, words)
-
-
 def test_reach_says_by_how_much(puma):
     response = puma.ask(SolveIK, "kinematics/solve_ik", target=pose(position=(2.0, 0.0, 0.0)))
     assert response.error_code == ErrorCode.OUT_OF_REACH
@@ -212,14 +211,6 @@ FK_REFUSALS = {
 }
 
 
-@pytest.mark.parametrize("case", FK_REFUSALS)
-def test_solve_fk_refuses(puma, case):
-    fields, code, words = FK_REFUSALS[case]
-    response = puma.ask(SolveFK, "kinematics/solve_fk", **fields)
-    assert list(response.poses) == []
-    check(puma, response, code, words)
-
-
 JACOBIAN_REFUSALS = {
     "a link that nothing moves": (
         {"state": state(NAMES, Q), "tip_link": "base_link"},
@@ -255,14 +246,6 @@ JACOBIAN_REFUSALS = {
 }
 
 
-@pytest.mark.parametrize("case", JACOBIAN_REFUSALS)
-def test_get_jacobian_refuses(puma, case):
-    fields, code, words = JACOBIAN_REFUSALS[case]
-    response = puma.ask(GetJacobian, "kinematics/get_jacobian", **fields)
-    assert list(response.jacobian) == []
-    check(puma, response, code, words)
-
-
 UNIT = [0.4, 0.1, 0.3, 0.0, 0.0, 0.0, 1.0]
 BATCH_REFUSALS = {
     "not a multiple of seven": ({"poses": UNIT[:6]}, ErrorCode.WRONG_SIZE, ("multiple of 7",)),
@@ -282,25 +265,34 @@ BATCH_REFUSALS = {
 }
 
 
-@pytest.mark.parametrize("case", BATCH_REFUSALS)
-def test_solve_ik_batch_refuses(graph, case):
-    graph.start(KinematicsNode, robot_description="puma560", max_batch_size=10)
-    fields, code, words = BATCH_REFUSALS[case]
-    response = graph.ask(SolveIKBatch, "kinematics/solve_ik_batch", **fields)
-    assert list(response.counts) == []
-    check(graph, response, code, words)
+# By service, with the list of its answer that stays empty.
+REFUSALS = {
+    "solve_ik": (SolveIK, IK_REFUSALS, "solutions"),
+    "solve_fk": (SolveFK, FK_REFUSALS, "poses"),
+    "get_jacobian": (GetJacobian, JACOBIAN_REFUSALS, "jacobian"),
+    "solve_ik_batch": (SolveIKBatch, BATCH_REFUSALS, "counts"),
+}
 
 
-def test_solve_fk_refuses_more_poses_than_may_be(graph):
-    graph.start(KinematicsNode, robot_description="puma560", max_batch_size=10)
+@pytest.mark.parametrize(
+    ("service", "case"), [(service, case) for service in REFUSALS for case in REFUSALS[service][1]]
+)
+def test_a_bad_request_is_refused(few, service, case):
+    kind, cases, empty = REFUSALS[service]
+    fields, code, words = cases[case]
+    good = {"target": pose()} if kind is SolveIK else {}
+    response = few.ask(kind, f"kinematics/{service}", **(good | fields))
+    assert list(getattr(response, empty)) == []
+    check(few, response, code, words)
+
+
+def test_solve_fk_refuses_more_poses_than_may_be(few):
     states = [JointState(position=[0.0] * 6)] * 6
-    assert len(graph.ask(SolveFK, "kinematics/solve_fk", states=states, links=["tool0"]).poses) == 6
+    assert len(few.ask(SolveFK, "kinematics/solve_fk", states=states, links=["tool0"]).poses) == 6
     many = SolveFK.Request(states=states, links=["tool0", "base_link"])
-    response = graph.call(SolveFK, "kinematics/solve_fk", many)
+    response = few.call(SolveFK, "kinematics/solve_fk", many)
     assert list(response.poses) == []
-    check(
-        graph, response, ErrorCode.WRONG_SIZE, ("states times links has size 12", "max_batch_size")
-    )
+    check(few, response, ErrorCode.WRONG_SIZE, ("states times links has size 12", "max_batch_size"))
 
 
 def test_timeout_is_kept(graph):

@@ -5,20 +5,20 @@ from rcl_interfaces.msg import Log
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from robomech_ros.nodes.process import duplicate_nodes
+from robomech_ros.nodes.process import run
 
 LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 @pytest.fixture
 def looking_soon(monkeypatch):
-    monkeypatch.setattr(duplicate_nodes, "PERIOD", 0.2)
+    monkeypatch.setattr(run, "LOOK_PERIOD", 0.2)
 
 
 def watched(name):
     def make(**options):
         node = Node(name, **options)
-        duplicate_nodes.watch_for_duplicate_nodes([node])
+        run.watch_for_duplicate_nodes([node])
         return node
 
     return make
