@@ -138,14 +138,6 @@ class ChainManipulator:
         """Return the errors of position (m) and angle (rad) of postures (k, n)."""
         return distances_between(T, forward_kinematics(self._chain, q))
 
-    def pose(self, way: SerialChain, q: Array) -> Array:
-        """Return the pose (4, 4) of the tip in the base."""
-        return forward_kinematics(way, q)
-
-    def point_jacobian(self, way: SerialChain, q: Array, point: Array) -> Array:
-        """Return the Jacobian (6, n) of a point of the tip link."""
-        return point_jacobian(way, q, point)
-
     def jacobian(
         self, carrier: SerialChain, q: Array, point: Array, axes: Array | None
     ) -> tuple[Array, Sequence[str]]:
@@ -159,7 +151,10 @@ class ChainManipulator:
             await self._worker.do(partial(posture_report, way, q))
             self._measured.add(way)
         report = posture_report(way, q, point=point)
+        T = forward_kinematics(way, q)
         return PostureReport(
+            T[:3, :3] @ point + T[:3, 3],
+            point_jacobian(way, q, point),
             report.singular_values,
             report.rank,
             report.manipulability,

@@ -36,11 +36,18 @@ class PostureReport:
 
     Attributes
     ----------
+    position : ndarray, shape (3,)
+        Of the point, in the base (m).
+    jacobian : ndarray, shape (6, m), or None
+        Of the point in the axes of the base, angular rows first; None where the drives of a
+        parallel robot do not determine its motion.
     lost_directions, free_directions : ndarray, shape (r, 6)
         Twists of the point that are lost, and those it can have with locked drives, angular first,
         in the base.
     """
 
+    position: Array
+    jacobian: Array | None
     singular_values: Array
     rank: int
     manipulability: float
@@ -92,12 +99,6 @@ class Manipulator(Protocol):
 
     def pose_errors(self, T: Array, q: Array) -> tuple[Array, Array]:
         """Return the errors of position (m) and angle (rad) of postures (k, n), (k,) each."""
-
-    def pose(self, way: Any, q: Array) -> Array:
-        """Return the pose (4, 4) of the tip in the base in a posture."""
-
-    def point_jacobian(self, way: Any, q: Array, point: Array) -> Array | None:
-        """Return the Jacobian (6, m) of a point of the tip, None where it is not determined."""
 
     def jacobian(
         self, carrier: SerialChain, q: Array, point: Array, axes: Array | None

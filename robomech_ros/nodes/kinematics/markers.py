@@ -13,6 +13,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from robomech_ros.kinetostatics import Workspace, manipulability_ellipsoid
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
 from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.kinematics.manipulator import PostureReport
 from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
@@ -82,23 +83,13 @@ class MarkerPublisher:
             await self._on_watched()
 
 
-def posture_markers(position: Array, J: Array | None, lost: Array, free: Array) -> list[Marker]:
+def posture_markers(report: PostureReport) -> list[Marker]:
     """Make the ellipsoids of velocity and force of a point, and arrows of lost and free directions.
 
     The half axes of the first are the singular values of the linear rows of the Jacobian, those
     of the second their inverses; each is drawn with a longest half axis of 0.15 m.
-
-    Parameters
-    ----------
-    position : ndarray, shape (3,)
-        Of the point (m).
-    J : ndarray, shape (6, n), or None
-        Its Jacobian in the axes of the base, angular rows first; None where the drives of a
-        parallel robot do not determine its motion.
-    lost, free : ndarray, shape (k, 6)
-        Twists of the point that are lost, and those that it can have with locked drives, angular
-        first, in the base.
     """
+    position, J = report.position, report.jacobian
     markers: list[Marker] = []
     if J is not None and J[3:].any():
         found = manipulability_ellipsoid(J[3:])
@@ -108,9 +99,10 @@ def posture_markers(position: Array, J: Array | None, lost: Array, free: Array) 
             _ellipsoid("velocity_ellipsoid", position, found.axes, velocity, _VELOCITY),
             _ellipsoid("force_ellipsoid", position, found.axes, force, _FORCE),
         ]
-    lost_markers = _arrows("lost_directions", position, lost, (_LOST_LINEAR, _LOST_ANGULAR))
-    free_markers = _arrows("free_directions", position, free, (_FREE_LINEAR, _FREE_ANGULAR))
-    return [*markers, *lost_markers, *free_markers]
+    lost, free = report.lost_directions, report.free_directions
+    markers += _arrows("lost_directions", position, lost, (_LOST_LINEAR, _LOST_ANGULAR))
+    markers += _arrows("free_directions", position, free, (_FREE_LINEAR, _FREE_ANGULAR))
+    return markers
 
 
 def _arrows(

@@ -175,15 +175,12 @@ class KinematicsNode(Node):
 
     @guarded
     async def _analyze_singularity(self, request: Any, response: Any) -> Any:
-        robot, way = self._robot, self._robot.way_to(request.tip_link)
+        way = self._robot.way_to(request.tip_link)
         q, point, axes = await self._posture_asked(way, request)
-        report = await robot.singularity(way, q, point)
+        report = await self._robot.singularity(way, q, point)
         encode_report(report, axes, self._model.full_frame(request.reference_frame), response)
         if self._table.settings.publish_markers:
-            T, J = robot.pose(way, q), robot.point_jacobian(way, q, point)
-            at = T[:3, :3] @ point + T[:3, 3]
-            directions = report.lost_directions, report.free_directions
-            self._markers.show_posture(posture_markers(at, J, *directions))
+            self._markers.show_posture(posture_markers(report))
         return answer(response)
 
     @guarded

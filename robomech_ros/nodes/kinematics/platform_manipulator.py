@@ -1,6 +1,7 @@
 """Kinematics of parallel robots for the services of the node."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -146,18 +147,6 @@ class PlatformManipulator:
         """Return the errors of position (m) and angle (rad) of postures (k, n)."""
         return limb_errors(self._mechanism, q, T)
 
-    def pose(self, way: Mechanism, q: Array) -> Array:
-        """Return the pose (4, 4) of the platform in the base."""
-        return way.pose(q)
-
-    def point_jacobian(self, way: Mechanism, q: Array, point: Array) -> Array | None:
-        """Return the Jacobian (6, m), None where the drives do not determine the motion."""
-        try:
-            twists = way.twist_matrix(q)
-        except SingularPostureError:
-            return None
-        return transfer_twist(twists.T, np.zeros(3), way.pose(q)[:3, :3] @ point).T
-
     def jacobian(
         self, carrier: SerialChain, q: Array, point: Array, axes: Array | None
     ) -> tuple[Array, Sequence[str]]:
@@ -174,10 +163,11 @@ class PlatformManipulator:
     def _report(self, q: Array, point: Array) -> PostureReport:
         mechanism = self._mechanism
         T = mechanism.pose(q)
+        origin, at = np.zeros(3), T[:3, :3] @ point
         own = q if isinstance(self._robot, Mechanism) else q[mechanism.drive_index]
         found = loop_singularity(self._robot, T, own)
         lost, free = (
-            transfer_twist(twists, np.zeros(3), T[:3, :3] @ point) if len(twists) else twists
+            transfer_twist(twists, origin, at) if len(twists) else twists
             for twists in (found.lost_directions, found.free_directions)
         )
         text = found.summary
@@ -186,11 +176,14 @@ class PlatformManipulator:
                 f": {found.distances[1]:.3g} from type 2 and {found.distances[0]:.3g} from type 1, "
                 f"lengths over {found.length:.4g} m"
             )
-        try:
-            values = np.linalg.svd(mechanism.twist_matrix(q), compute_uv=False)
-        except SingularPostureError:
-            values = np.full(1, np.inf)
+        J, values = None, np.full(1, np.inf)
+        with suppress(SingularPostureError):
+            twists = mechanism.twist_matrix(q)
+            J = transfer_twist(twists.T, origin, at).T
+            values = np.linalg.svd(twists, compute_uv=False)
         return PostureReport(
+            at + T[:3, 3],
+            J,
             found.singular_values,
             len(found.singular_values) - len(found.free_directions),
             float(np.prod(values)),
