@@ -42,14 +42,7 @@ class ResultBroadcaster:
             self._publisher = node.create_publisher(TFMessage, "/tf_static", LATCHED)
 
     def publish(self, parent: str, sensor: str, T: Array) -> str:
-        """Publish the pose (4, 4) of the sensor in its parent; says why it was not, else "".
-
-        Parameters
-        ----------
-        parent, sensor : str
-            Frames of tf.
-        T : ndarray, shape (4, 4)
-        """
+        """Publish the pose (4, 4) of the sensor in its parent; says why it was not, else ""."""
         if self._publisher is None:
             return self._listener.missing
         if not sensor:
@@ -71,13 +64,7 @@ class ResultBroadcaster:
         return ""
 
     def _top(self, parent: str, sensor: str) -> tuple[str, Array]:
-        """Find the uppermost frame of the sensor's, and the sensor in it.
-
-        Raises
-        ------
-        NoTransformError
-            Others have placed it, or it moves in it.
-        """
+        """Find the uppermost frame of the sensor's, and the sensor in it; refuse a foreign one."""
         self._listener.look()
         tree = self._listener.tree
         if sensor not in tree:

@@ -105,13 +105,7 @@ class Samples:
         return first
 
     def remove(self, index: int) -> None:
-        """Remove a sample.
-
-        Raises
-        ------
-        BadValueError
-            There is none of this number.
-        """
+        """Remove a sample; refuse a number that there is not."""
         if not 0 <= index < len(self):
             there = f"0 to {len(self) - 1}" if len(self) else "nothing: there are no samples"
             raise BadValueError("index", index, f"{there}, LAST (-1) or ALL (-2)")

@@ -42,13 +42,7 @@ def listed_names(text: str) -> list[str]:
 
 
 def known_finger_joints(model: RobotModel, settings: GripperNames) -> tuple[Joint, ...]:
-    """Find the joints of the gripper behind the chain; none if the robot has no gripper.
-
-    Raises
-    ------
-    ParameterError
-        The parameter gripper_joints does not fit the robot.
-    """
+    """Find the joints of the gripper behind the chain; none if the robot has no gripper."""
     names = listed_names(settings.gripper_joints)
     if not names and settings.robot_description_semantic:
         names = list(model.semantic.tool_joints(model.chain))

@@ -42,13 +42,7 @@ def not_negative(what: str, value: float, expected: str) -> float:
 
 
 def seconds_from_duration(duration: Duration, what: str) -> float:
-    """Convert a duration message to s.
-
-    Raises
-    ------
-    BadValueError
-        It is negative.
-    """
+    """Convert a duration message, which must not be negative, to s."""
     seconds = duration.sec + duration.nanosec / NANO
     return not_negative(what, seconds, "a duration that is not negative (s)")
 

@@ -32,15 +32,7 @@ def full_covariance(planar: Array, places: tuple[int, ...]) -> Array:
 
 
 def odometry_frame(node: Node, topic: str) -> Any:
-    """Make the publisher of tf2_msgs/TFMessage; None, with a warning, without these messages.
-
-    Parameters
-    ----------
-    node : Node
-        Its owner.
-    topic : str
-        Such as ``/tf``.
-    """
+    """Make the publisher of tf2_msgs/TFMessage; None, with a warning, without these messages."""
     try:
         from tf2_msgs.msg import TFMessage
     except ImportError as error:

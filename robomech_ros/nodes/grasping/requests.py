@@ -128,13 +128,7 @@ class GivenHand:
         self._prefix = frame_prefix
 
     def required(self) -> Hand:
-        """Return the hand.
-
-        Raises
-        ------
-        BadValueError
-            The node has none.
-        """
+        """Return the hand; refuse the request if the node has none."""
         if self._hand is None:
             expected = "a hand, given at the start: this request is about its fingers"
             raise BadValueError("the parameter robot_description", "", expected)
@@ -145,25 +139,14 @@ class GivenHand:
         return given or self.palm
 
     def require_palm(self, given: str) -> None:
-        """Refuse a frame that is not the palm's.
-
-        Raises
-        ------
-        FrameUnavailableError
-        """
+        """Refuse a frame that is not the palm's."""
         known = {"", self.palm, self.palm.removeprefix(self._prefix)}
         if given.removeprefix("/") not in known:
             why = "contacts of a hand are taken in the frame of its palm alone"
             raise FrameUnavailableError(given, [self.palm], why)
 
     def state(self, request: Any) -> Array | None:
-        """Read the joint positions (n,) of a request in the frame of the palm; None = not given.
-
-        Raises
-        ------
-        RobomechError
-            The node has no hand, or they are not those of its joints.
-        """
+        """Read the joint positions (n,) of a request in the frame of the palm; None = not given."""
         if is_empty(request.state):
             return None
         hand = self.required()

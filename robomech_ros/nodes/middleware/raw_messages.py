@@ -15,14 +15,7 @@ class UnreadableMessageError(RobomechError):
 
 
 def unpack(data: bytes, kind: type) -> Any:
-    """Return the message in serialised bytes.
-
-    Parameters
-    ----------
-    data : bytes
-        As a raw subscription gives them.
-    kind : type
-        Of the message.
+    """Return the message of a type in the bytes of a raw subscription.
 
     Raises
     ------

@@ -19,7 +19,7 @@ def add_moveit_services(
     patience: Callable[[], float],
     check_size: Callable[[str, int], None],
 ) -> bool:
-    """Add compute_ik and compute_fk to a node, where their types are installed.
+    """Add compute_ik and compute_fk to a node, if their types are installed; say whether they are.
 
     Parameters
     ----------
@@ -35,11 +35,6 @@ def add_moveit_services(
         Gives the time (s) that a request waits for the present state.
     check_size : callable
         Raises where there is more of something than the node handles at once.
-
-    Returns
-    -------
-    bool
-        Whether they are there.
     """
 
     def add() -> None:
@@ -59,7 +54,7 @@ def add_cartesian_path_service(
     settings: Callable[[], Any],
     worker: Worker,
 ) -> bool:
-    """Add compute_cartesian_path to a node, where its type is installed.
+    """Add compute_cartesian_path to a node, if its type is installed; say whether it is.
 
     What it computes is not published: the client has it executed.
 
@@ -71,11 +66,6 @@ def add_cartesian_path_service(
         Gives the parameters of the planner.
     worker : Worker
         Plans, while the node serves others.
-
-    Returns
-    -------
-    bool
-        Whether it is there.
     """
 
     def add() -> None:

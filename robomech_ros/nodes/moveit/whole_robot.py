@@ -130,13 +130,7 @@ class WholeRobot:
         return message
 
     def joints_to(self, frame: str) -> tuple[str, ...]:
-        """Name the joints between the base and a link; of a frame fixed to the base, none.
-
-        Raises
-        ------
-        UnknownLinkError, RobotDescriptionError
-            There is no such link, or no chain to it.
-        """
+        """Name the joints between the base and a link; of a frame fixed to the base, none."""
         if self.model.link_of(frame) in self.model.fixed_frames:
             return ()
         return self.model.chain_to(frame).joint_names
@@ -150,10 +144,6 @@ class WholeRobot:
             "" is the base.
         patience : float
             How long to wait for each (s).
-
-        Raises
-        ------
-        FrameUnavailableError
         """
         return {frame: await self._frames.place(frame, patience) for frame in set(frames)}
 

@@ -15,12 +15,8 @@ def release_clean_pages() -> int:
     """Drop the unchanged pages of files from this process, 70 MB of them.
 
     LLVM was needed to load the kernels, and many other libraries only to begin.  The kernel reads
-    again what is needed again, mostly from its page cache.
-
-    Returns
-    -------
-    int
-        Bytes of address space that were released; 0 where there is no such thing.
+    again what is needed again, mostly from its page cache.  Return the released bytes of address
+    space, 0 where there is no such thing.
     """
     try:
         mappings = _MAPPINGS.read_text(encoding="utf-8", errors="replace")

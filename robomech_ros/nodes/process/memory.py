@@ -37,13 +37,7 @@ def bound_memory(largest: int = LARGEST_DATA) -> None:
 
 @contextmanager
 def bounded_memory(largest: int = LARGEST_DATA) -> Iterator[None]:
-    """Bound the memory of this process as `bound_memory` does, while the body runs.
-
-    Parameters
-    ----------
-    largest : int, optional
-        Of the data of the process (bytes).
-    """
+    """Bound the memory of this process as `bound_memory` does, while the body runs."""
     before = resource.getrlimit(resource.RLIMIT_DATA)
     bound_memory(largest)
     try:
@@ -53,20 +47,10 @@ def bounded_memory(largest: int = LARGEST_DATA) -> Iterator[None]:
 
 
 def give_back_regularly(period: float = PERIOD) -> threading.Event:
-    """Trim all heaps of this process again and again, in a thread of its own.
+    """Trim all heaps of this process every period (s), until the returned event is set.
 
     Every thread that allocates has a heap, and a burst of large requests leaves holes in several;
     the GNU C library returns none of them by itself.  Other C libraries are left alone.
-
-    Parameters
-    ----------
-    period : float, optional
-        Time between two trims (s).
-
-    Returns
-    -------
-    threading.Event
-        Set it to end the thread.
     """
     over = threading.Event()
     try:

@@ -189,6 +189,10 @@ def test_a_robot_of_four_axes_gets_five_numbers_and_the_free_direction(stage):
     assert "not determined along 0.0000 0.0000 1.0000 of hand" in answer.summary
 
 
+def eight():
+    return samples(np.random.default_rng(1), 8)[:2]
+
+
 REFUSED = {
     "none": (lambda: (np.zeros((0, 4, 4)),) * 2, {}, 108, "has size 0, expected 3 or more"),
     "too few": (lambda: samples(np.random.default_rng(1), 2)[:2], {}, 108, "has size 2"),
@@ -199,52 +203,31 @@ REFUSED = {
         "samples that differ from each other has size 2, expected 3 or more",
     ),
     "pure translations": (
-        lambda: about([0.0, 0.0, 0.0]),
-        {},
-        207,
+        lambda: about([0.0, 0.0, 0.0]), {}, 207,
         "expected rotations about two axes that are not parallel",
     ),
     "the other mount": (
-        lambda: samples(np.random.default_rng(1), 8)[:2],
-        {"mount": EYE_TO_HAND},
-        208,
+        eight, {"mount": EYE_TO_HAND}, 208,
         "mount is 'eye-to-hand', expected 'eye-in-hand', with which the samples fit",
     ),
     "inverted poses": (
-        lambda: [f(p) for f, p in zip(
-            (inverse_pose, np.asarray), samples(np.random.default_rng(1), 8)[:2], strict=True)],
-        {},
-        208,
+        lambda: [inverse_pose(eight()[0]), eight()[1]], {}, 208,
         "if the mount is right, invert one list",
     ),
     "a sensor in mm": (
-        lambda: in_two_units(*samples(np.random.default_rng(1), 8)[:2]),
-        {},
-        208,
+        lambda: in_two_units(*eight()), {}, 208,
         "unit of positions is 'probably m in robot_poses and mm in sensor_poses', expected m",
     ),
     "an unknown mount": (
-        lambda: samples(np.random.default_rng(1), 8)[:2],
-        {"mount": 7},
-        109,
+        eight, {"mount": 7}, 109,
         "mount is 7, expected CONFIGURED (0), EYE_IN_HAND (1) or EYE_TO_HAND (2)",
     ),
-    "noise of three numbers": (
-        lambda: samples(np.random.default_rng(1), 8)[:2],
-        {"noise": [1.0, 1.0, 1.0]},
-        108,
-        "noise has shape",
-    ),
+    "noise of three numbers": (eight, {"noise": [1.0, 1.0, 1.0]}, 108, "noise has shape"),
     "noise that is no number": (
-        lambda: samples(np.random.default_rng(1), 8)[:2],
-        {"noise": [math.nan, 1.0, 1.0, 1.0]},
-        104,
-        "noise[0] is nan",
+        eight, {"noise": [math.nan, 1.0, 1.0, 1.0]}, 104, "noise[0] is nan",
     ),
     "a candidate that is none": (
-        lambda: samples(np.random.default_rng(1), 8)[:2],
-        {"candidates": unreadable(turn=0.0)},
-        103,
+        eight, {"candidates": unreadable(turn=0.0)}, 103,
         "candidates.poses[0].orientation: all zero",
     ),
 }  # fmt: skip

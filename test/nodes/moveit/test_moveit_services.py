@@ -380,8 +380,34 @@ def test_a_constraint_on_another_branch_needs_its_state(gripped):
         assert compute_ik(gripped, robot_state=whole, **fields).error_code.val == code
 
 
+JOINT = PUMA.joint_names[0]
+
+
 def constrained(**fields):
     return {"constraints": Constraints(**fields)}
+
+
+def position(**fields):
+    """A constraint on the position of the tool."""
+    given = {"link_name": "tool0", **fields}
+    return constrained(position_constraints=[PositionConstraint(**given)])
+
+
+def region(kind, sizes):
+    """A volume about the base in which the tool has to be."""
+    return position(constraint_region=volume(kind, sizes, (0.0, 0.0, 0.0)))
+
+
+def joint(**fields):
+    """A constraint on the first joint."""
+    given = {"joint_name": JOINT, **fields}
+    return constrained(joint_constraints=[JointConstraint(**given)])
+
+
+def orientation(**fields):
+    """A constraint on the orientation of the tool."""
+    given = {"link_name": "tool0", **fields}
+    return constrained(orientation_constraints=[OrientationConstraint(**given)])
 
 
 def moved(**fields):
@@ -395,7 +421,6 @@ WRONG = MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS
 STATE = MoveItErrorCodes.INVALID_ROBOT_STATE
 LINK = MoveItErrorCodes.INVALID_LINK_NAME
 NO_COLLISIONS = MoveItErrorCodes.COLLISION_CHECKING_UNAVAILABLE
-JOINT = PUMA.joint_names[0]
 REFUSALS = {
     "group": ({"group_name": "legs"}, MoveItErrorCodes.INVALID_GROUP_NAME, ["legs", "puma560"]),
     "collisions": ({"avoid_collisions": True}, NO_COLLISIONS, ["avoid_collisions"]),
@@ -453,80 +478,22 @@ REFUSALS = {
     "visibility": (
         constrained(visibility_constraints=[VisibilityConstraint()]), WRONG, ["visibility"],
     ),
-    "joint of a constraint": (
-        constrained(joint_constraints=[JointConstraint(joint_name="knee")]), WRONG, ["knee"],
-    ),
+    "joint of a constraint": (joint(joint_name="knee"), WRONG, ["knee"]),
     "tolerance": (
-        constrained(joint_constraints=[JointConstraint(joint_name=JOINT, tolerance_above=-1.0)]),
-        WRONG,
-        ["joint_constraints[0].tolerance_above", "-1.0"],
+        joint(tolerance_above=-1.0), WRONG, ["joint_constraints[0].tolerance_above", "-1.0"],
     ),
-    "weight": (
-        constrained(joint_constraints=[JointConstraint(joint_name=JOINT, weight=math.nan)]),
-        WRONG,
-        ["joint_constraints[0].weight"],
-    ),
-    "link of a constraint": (
-        constrained(orientation_constraints=[OrientationConstraint(link_name="nose")]),
-        LINK,
-        ["nose"],
-    ),
+    "weight": (joint(weight=math.nan), WRONG, ["joint_constraints[0].weight"]),
+    "link of a constraint": (orientation(link_name="nose"), LINK, ["nose"]),
     "frame of a constraint": (
-        constrained(
-            position_constraints=[
-                PositionConstraint(link_name="tool0", header=Header(frame_id="moon"))
-            ]
-        ),
+        position(header=Header(frame_id="moon")),
         MoveItErrorCodes.FRAME_TRANSFORM_FAILURE,
         ["moon"],
     ),
-    "kind of turn": (
-        constrained(
-            orientation_constraints=[OrientationConstraint(link_name="tool0", parameterization=7)]
-        ),
-        WRONG,
-        ["parameterization", "7"],
-    ),
-    "no volume": (
-        constrained(position_constraints=[PositionConstraint(link_name="tool0")]),
-        WRONG,
-        ["primitive_poses"],
-    ),
-    "mesh": (
-        constrained(
-            position_constraints=[
-                PositionConstraint(
-                    link_name="tool0", constraint_region=BoundingVolume(meshes=[Mesh()])
-                )
-            ]
-        ),
-        WRONG,
-        ["meshes"],
-    ),
-    "cone": (
-        constrained(
-            position_constraints=[
-                PositionConstraint(
-                    link_name="tool0",
-                    constraint_region=volume(SolidPrimitive.CONE, [1.0, 1.0], (0.0, 0.0, 0.0)),
-                )
-            ]
-        ),
-        WRONG,
-        ["CYLINDER"],
-    ),
-    "box of one size": (
-        constrained(
-            position_constraints=[
-                PositionConstraint(
-                    link_name="tool0",
-                    constraint_region=volume(SolidPrimitive.BOX, [1.0], (0.0, 0.0, 0.0)),
-                )
-            ]
-        ),
-        WRONG,
-        ["dimensions"],
-    ),
+    "kind of turn": (orientation(parameterization=7), WRONG, ["parameterization", "7"]),
+    "no volume": (position(), WRONG, ["primitive_poses"]),
+    "mesh": (position(constraint_region=BoundingVolume(meshes=[Mesh()])), WRONG, ["meshes"]),
+    "cone": (region(SolidPrimitive.CONE, [1.0, 1.0]), WRONG, ["CYLINDER"]),
+    "box of one size": (region(SolidPrimitive.BOX, [1.0]), WRONG, ["dimensions"]),
 }  # fmt: skip
 
 
