@@ -127,11 +127,10 @@ class Sampler:
 
     def _too_old(self, track: PoseTrack, wanted: int) -> NoPoseError:
         age = (wanted - self._known_until(track)) / NANO
-        of = "of the target's" if track is self._robot else "of the request"
-        hint = (
-            "do two clocks differ?" if track is self._robot else "does the sensor see the target?"
-        )
-        return NoPoseError(track.what, f"the last is from {age:.3g} s before the time {of}; {hint}")
+        hint = "of the request; does the sensor see the target?"
+        if track is self._robot:
+            hint = "of the target's; do two clocks differ?"
+        return NoPoseError(track.what, f"the last is from {age:.3g} s before the time {hint}")
 
     def _sample(self, instant: int) -> tuple[Array, Array]:
         """Return both poses at an instant, unless the hand moved just before."""

@@ -121,23 +121,18 @@ class _WaitingNode:
         source: SemanticSource,
         begin: Callable[[str], None],
     ) -> None:
-        self._node = node
+        self._node, self._source, self._begin = node, source, begin
         self._complaints = ThrottledLog(node.get_logger())
-        self._source = source
-        self._begin = begin
         self._done = False
-        self._group = settings.group
-        self._robot = settings.robot_description
+        self._group, self._robot = settings.group, settings.robot_description
         self._by_topic = not self._robot
         source.on_news = self._try
         self._place = node.resolve_topic_name(TOPIC if self._by_topic else SEMANTIC_TOPIC)
+        text = self._waits_for_group()
         if self._by_topic:
             node.create_subscription(String, TOPIC, self._receive, LATCHED)
-            self._readiness = Readiness(
-                node, self._waits_for("the robot", TOPIC, "robot_state_publisher")
-            )
-        else:
-            self._readiness = Readiness(node, self._waits_for_group())
+            text = self._waits_for("the robot", TOPIC, "robot_state_publisher")
+        self._readiness = Readiness(node, text)
 
     def _waits_for(self, what: str, topic: str, publisher: str) -> str:
         place = self._node.resolve_topic_name(topic)

@@ -9,15 +9,6 @@ from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.typing import Array
 
 
-def system_of(model: RobotModel) -> DynamicSystem:
-    """Return what is asked for its dynamics: the configured chain, or a parallel robot."""
-    if model.mechanism is None:
-        return ChainDynamics(model.chain)
-    from robomech_ros.parallel import ParallelDynamics
-
-    return ParallelDynamics(model.mechanism)
-
-
 class Drives:
     """The m drives of a robot with n joints: all of a chain, some of a parallel robot.
 
@@ -29,6 +20,8 @@ class Drives:
 
     Attributes
     ----------
+    system : DynamicSystem
+        What is asked for its dynamics, without a payload.
     names : tuple of str
         The drives.
     joint_names : tuple of str
@@ -37,13 +30,22 @@ class Drives:
         Where the drives are among these.
     way : SerialChain or Mechanism
         What states are read for.
+    home : ndarray, shape (n,)
+        A posture of it (rad or m).
     """
 
     def __init__(self, model: RobotModel, joints: JointPositions) -> None:
-        system = system_of(model)
-        self.names, self.joint_names = system.drive_names, system.joint_names
-        self.places = system.drives_at
-        self.way: Way = model.chain if model.mechanism is None else model.mechanism
+        self.system: DynamicSystem
+        if model.mechanism is None:
+            self.way: Way = model.chain
+            self.system, self.home = ChainDynamics(model.chain), model.chain.midrange()
+        else:
+            from robomech_ros.parallel import ParallelDynamics
+
+            self.way, self.home = model.mechanism, model.mechanism.home()
+            self.system = ParallelDynamics(model.mechanism)
+        self.names, self.joint_names = self.system.drive_names, self.system.joint_names
+        self.places = self.system.drives_at
         self._joints = joints
 
     def named(self, names: list[str]) -> tuple[str, ...]:

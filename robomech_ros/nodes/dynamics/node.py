@@ -27,7 +27,7 @@ from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.received_trajectory import received_trajectory
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
-from robomech_ros.nodes.dynamics.drives import Drives, system_of
+from robomech_ros.nodes.dynamics.drives import Drives
 from robomech_ros.nodes.dynamics.messages import (
     encode_summary,
     gravity_vector,
@@ -62,7 +62,7 @@ class DynamicsNode(Node):
         self._model = model
         self._joints = JointPositions(model, self._monitor)
         self._drives = Drives(model, self._joints)
-        self._loaded = self._empty = system_of(model)
+        self._loaded = self._empty = self._drives.system
         self._frames = RobotFrames(self, model, self._monitor, lambda: self._table.settings)
         serve(self, SetPayload, "~/set_payload", self._set_payload)
         # While one of these waits for a joint state or a frame, others are served.
@@ -80,11 +80,10 @@ class DynamicsNode(Node):
             self.get_logger().warning(f"ready, but every request will be refused: {error}")
 
     def _announce(self, system: DynamicSystem) -> None:
-        model = self._model
-        home = model.chain.midrange() if model.mechanism is None else model.mechanism.home()
-        system.mass_matrix(home)
+        chain = self._model.chain
+        system.mass_matrix(self._drives.home)
         self.get_logger().info(
-            f"ready: {system.name}, {model.chain.base} to {model.chain.tip}, "
+            f"ready: {system.name}, {chain.base} to {chain.tip}, "
             f"{len(system.joint_names)} joints, moving mass {system.mass:.4g} kg"
         )
 

@@ -29,7 +29,7 @@ from robomech_ros.kinematics import InverseKinematicsResult
 from robomech_ros.nodes.common.error_codes import answer
 from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.pose_messages import linear_rows_first, stamped_twist
-from robomech_ros.nodes.grasping.requests import in_space
+from robomech_ros.nodes.grasping.requests import HandPosture, in_space
 from robomech_ros.outcomes import Code
 from robomech_ros.typing import Array
 
@@ -92,14 +92,7 @@ class GraspAnalysis:
 
 
 def analysed(
-    contacts: Sequence[Contact],
-    matrix: Array,
-    *,
-    origin: Array,
-    length: float,
-    tolerance: float,
-    max_wrenches: int,
-    made_by: tuple[Hand, Array, Sequence[int] | None] | None,
+    contacts: Sequence[Contact], matrix: Array, made_by: HandPosture | None, **options: Any
 ) -> GraspAnalysis:
     """Analyse contacts.
 
@@ -108,26 +101,18 @@ def analysed(
     contacts : sequence of Contact
     matrix : ndarray, shape (6, m), or (3, m) in the plane
         Their grasp matrix about the origin.
-    origin, length, tolerance, max_wrenches
-        As for :func:`grasp_quality`.
-    made_by : tuple or None
-        The hand, its joint positions, and which finger makes each contact.
+    made_by : HandPosture or None
+    **options
+        Of :func:`grasp_quality`.
 
     Raises
     ------
     RobomechError
         Contacts that the hand cannot make, or a tolerance or length that is none.
     """
-    quality = grasp_quality(
-        contacts, length=length, origin=origin, tolerance=tolerance, max_wrenches=max_wrenches
-    )
-    found = (
-        is_force_closed(contacts),
-        is_form_closed(contacts),
-        quality,
-        matrix,
-        internal_forces(contacts),
-    )
+    quality = grasp_quality(contacts, **options)
+    closed = is_force_closed(contacts), is_form_closed(contacts)
+    found = *closed, quality, matrix, internal_forces(contacts)
     if made_by is None:
         return GraspAnalysis(*found)
     hand, q, fingers = made_by
@@ -158,14 +143,10 @@ def fill_forces(found: ContactForces, load: Array, frame: str, response: Any) ->
 
 
 def fill_efforts(
-    hand: Hand,
-    q: Array,
-    contacts: Sequence[Contact],
-    components: Array,
-    fingers: Sequence[int] | None,
-    response: Any,
+    made_by: HandPosture, contacts: Sequence[Contact], components: Array, response: Any
 ) -> None:
     """Write the efforts that exert contact forces to a ContactForces response."""
+    hand, q, fingers = made_by
     efforts = finger_torques(hand, q, contacts, components, fingers=fingers)
     limits = np.concatenate([one.effort for one in hand.fingers])
     names = hand.joint_names

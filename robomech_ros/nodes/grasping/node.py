@@ -88,17 +88,15 @@ class GraspingNode(Node):
         contacts = read_contacts(request)
         origin = read_origin(request)
         matrix = grasp_matrix(contacts, origin)
-        q = self._hand.state(request)
-        fingers = self._hand.fingers(request.fingers, len(contacts))
         work = partial(
             analysed,
             contacts,
             matrix,
+            self._hand.posture(request, len(contacts)),
             origin=origin,
             length=request.length or min(max(span(contacts, origin), SHORTEST), LARGEST_LENGTH),
             tolerance=request.tolerance or _TOLERANCE,
             max_wrenches=self._table.settings.max_wrenches,
-            made_by=None if q is None else (self._hand.required(), q, fingers),
         )
         found = await self._analyses.do(work, self._table.settings.max_queue_time)
         return found.fill(self._hand.frame(request.frame_id), response)
@@ -110,14 +108,12 @@ class GraspingNode(Node):
             raise BadValueError("smallest", request.smallest, "LARGEST (0) or TOTAL (1)")
         load = load_wrench(request)
         origin = read_origin(request)
-        q = self._hand.state(request)
-        fingers = self._hand.fingers(request.fingers, len(contacts))
+        made_by = self._hand.posture(request, len(contacts))
         smallest = SMALLEST[request.smallest]
         work = partial(contact_forces, contacts, load, origin=origin, smallest=smallest)
         found = await self._forces.do(work)
-        if q is not None and found.status is ForceStatus.HELD:
-            hand = self._hand.required()
-            fill_efforts(hand, q, contacts, found.components, fingers, response)
+        if made_by is not None and found.status is ForceStatus.HELD:
+            fill_efforts(made_by, contacts, found.components, response)
         return fill_forces(found, load, self._hand.frame(request.frame_id), response)
 
     @guarded

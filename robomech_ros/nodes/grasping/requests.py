@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from geometry_msgs.msg import Vector3
@@ -111,6 +111,14 @@ def in_space(wrench: Array) -> Array:
     return np.array([0.0, 0.0, wrench[0], wrench[1], wrench[2], 0.0])
 
 
+class HandPosture(NamedTuple):
+    """A hand that makes contacts, its joint positions (n,), and which finger makes each contact."""
+
+    hand: Hand
+    q: Array
+    fingers: Sequence[int] | None
+
+
 class GivenHand:
     """The hand of the node, for requests that name it.
 
@@ -145,13 +153,19 @@ class GivenHand:
             why = "contacts of a hand are taken in the frame of its palm alone"
             raise FrameUnavailableError(given, [self.palm], why)
 
-    def state(self, request: Any) -> Array | None:
-        """Read the joint positions (n,) of a request in the frame of the palm; None = not given."""
+    def posture(self, request: Any, count: int) -> HandPosture | None:
+        """Read in which posture, given in the frame of the palm, the hand makes so many contacts.
+
+        None where the request has no state.
+        """
         if is_empty(request.state):
+            # Wrong names of fingers are refused all the same.
+            self.fingers(request.fingers, count)
             return None
         hand = self.required()
         self.require_palm(request.frame_id)
-        return positions_by_name(request.state, hand.joint_names, "state")
+        q = positions_by_name(request.state, hand.joint_names, "state")
+        return HandPosture(hand, q, self.fingers(request.fingers, count))
 
     def fingers(
         self, names: Sequence[str], count: int, *, each_once: bool = False
