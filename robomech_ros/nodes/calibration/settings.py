@@ -48,22 +48,20 @@ class CalibrationSettings(RobotSettings):
         3.0,
         "Longest wait of take_sample for a stationary robot and a new detection; other requests "
         "are served meanwhile",
-        0.0,
-        LONGEST_WAIT,
-        "s",
+        (0.0, LONGEST_WAIT, "s"),
         read_only=False,
     )
     still_time: float = parameter(
-        0.3, "Time that the robot must be at rest before a sample", 0.0, 5.0, "s", read_only=False
+        0.3, "Time that the robot must be at rest before a sample", (0.0, 5.0, "s"), read_only=False
     )
     still_distance: float = parameter(
-        5e-4, "Largest translation of the hand in that time", 0.0, 1.0, "m", read_only=False
+        5e-4, "Largest translation of the hand in that time", (0.0, 1.0, "m"), read_only=False
     )
     still_angle: float = parameter(
-        2e-3, "Largest rotation of the hand in that time", 0.0, 3.2, "rad", read_only=False
+        2e-3, "Largest rotation of the hand in that time", (0.0, 3.2, "rad"), read_only=False
     )
     max_samples: int = parameter(
-        500, "Largest number of samples", 3, 2000, "samples", read_only=False
+        500, "Largest number of samples", (3, 2000, "samples"), read_only=False
     )
     name: str = parameter("calibration", "File name of save, for requests without one")
     folder: str = parameter(

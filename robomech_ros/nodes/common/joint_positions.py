@@ -30,9 +30,7 @@ class StateSettings(FrameSettings):
         1.0,
         "Longest wait of a request for the first joint state or for a frame, if it needs one; "
         "other requests are served meanwhile. 0 = no wait",
-        0.0,
-        60.0,
-        "s",
+        (0.0, 60.0, "s"),
         read_only=False,
     )
 

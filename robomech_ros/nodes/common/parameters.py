@@ -6,7 +6,7 @@ time, the help text, and a frozen object with the values::
 
     @dataclass(frozen=True)
     class Settings:
-        rate: float = parameter(100.0, "How often joint_states is published", 1.0, 1000.0, "Hz")
+        rate: float = parameter(100.0, "Rate of joint_states", (1.0, 1000.0, "Hz"))
 
     settings = NodeParameters(node, Settings).settings
 
@@ -18,6 +18,7 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Generic, TypeVar, get_args, get_type_hints
 
 from rcl_interfaces.msg import (
@@ -188,19 +189,23 @@ class ParameterRow:
 def parameter(
     default: Any,
     description: str,
-    low: float | None = None,
-    high: float | None = None,
-    unit: str = "",
+    limits: tuple[Any, ...] = (),
     *,
     choices: tuple[str, ...] = (),
     read_only: bool = True,
 ) -> Any:
     """Make a field of a settings dataclass that is a parameter of the node.
 
-    The arguments are those of `ParameterRow`, which takes name and type from the field.
+    The arguments are those of `ParameterRow`, which takes name and type from the field; ``limits``
+    holds the lowest and the highest value, each of which may be None, and the unit if there is one.
     """
+    low, high, unit = (*limits, "")[:3] if limits else (None, None, "")
     row = ParameterRow("", None, default, description, low, high, unit, choices, read_only)
     return field(default=default, metadata={_METADATA: row})
+
+
+# A parameter that may be set at run time.
+changeable = partial(parameter, read_only=False)
 
 
 def table_rows(table: type) -> tuple[ParameterRow, ...]:

@@ -78,9 +78,7 @@ class FrameSettings(RobotSettings):
     max_transform_age: float = parameter(
         10.0,
         "Largest age of a /tf transform for requests without a time stamp",
-        0.01,
-        1e9,
-        "s",
+        (0.01, 1e9, "s"),
         read_only=False,
     )
 

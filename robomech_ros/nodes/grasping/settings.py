@@ -20,16 +20,13 @@ class GraspingSettings:
         2000,
         "Largest number of wrenches used for the quality bounds; then these are returned as they "
         "are",
-        10,
-        5000,
+        (10, 5000),
         read_only=False,
     )
     max_queue_time: float = parameter(
         30.0,
         "Longest wait of analyze_grasp for earlier requests; then it fails with code 205",
-        1e-9,
-        1e6,
-        "s",
+        (1e-9, 1e6, "s"),
         read_only=False,
     )
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros.execution.controller.follower_settings import FollowerSettings
-from robomech_ros.nodes.common.parameters import ParameterError, parameter
+from robomech_ros.nodes.common.parameters import ParameterError, changeable, parameter
 from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
 from robomech_ros.nodes.joint_trajectory_controller.gripper_settings import GripperSettings
 from robomech_ros.trajectory.limits import Limits
@@ -20,13 +20,13 @@ class ControllerSettings(GripperSettings):
     """Parameters of the node."""
 
     publish_rate: float = parameter(
-        100.0, "Rate of the simulated motion and of joint_states", 1.0, 1000.0, "Hz"
+        100.0, "Rate of the simulated motion and of joint_states", (1.0, 1000.0, "Hz")
     )
     action_monitor_rate: float = parameter(
-        20.0, "Rate of action feedback; at most publish_rate", 0.1, 1000.0, "Hz"
+        20.0, "Rate of action feedback; at most publish_rate", (0.1, 1000.0, "Hz")
     )
     state_publish_rate: float = parameter(
-        50.0, "Rate of controller_state; at most publish_rate", 0.1, 1000.0, "Hz"
+        50.0, "Rate of controller_state; at most publish_rate", (0.1, 1000.0, "Hz")
     )
     initial_positions: tuple[float, ...] = parameter(
         (),
@@ -38,44 +38,30 @@ class ControllerSettings(GripperSettings):
         0.01,
         "Largest distance of a trajectory's first point, at time 0, from the current position of "
         "a joint at rest, rad or m",
-        0.0,
-        10.0,
+        (0.0, 10.0),
     )
-    path_tolerance: float = parameter(
+    path_tolerance: float = changeable(
         0.0,
         "Largest deviation of a joint from its path while moving, rad or m; 0 = any distance",
-        0.0,
-        10.0,
-        read_only=False,
+        (0.0, 10.0),
     )
-    goal_tolerance: float = parameter(
+    goal_tolerance: float = changeable(
         0.01,
         "Largest deviation of a joint from the last point at the end, rad or m; 0 = any distance",
-        0.0,
-        10.0,
-        read_only=False,
+        (0.0, 10.0),
     )
-    stopped_velocity_tolerance: float = parameter(
-        0.01,
-        "Largest joint speed at the end, rad/s or m/s; 0 = any speed",
-        0.0,
-        10.0,
-        read_only=False,
+    stopped_velocity_tolerance: float = changeable(
+        0.01, "Largest joint speed at the end, rad/s or m/s; 0 = any speed", (0.0, 10.0)
     )
-    goal_time: float = parameter(
+    goal_time: float = changeable(
         1.0,
         "Time after its end in which a trajectory may still reach its goal; 0 = any time",
-        0.0,
-        3600.0,
-        "s",
-        read_only=False,
+        (0.0, 3600.0, "s"),
     )
     cmd_timeout: float = parameter(
         0.0,
         "Longest time after its end that a trajectory may last; then the robot holds. 0 = any time",
-        0.0,
-        3600.0,
-        "s",
+        (0.0, 3600.0, "s"),
     )
     allow_partial_joints_goal: bool = parameter(
         False, "Accept trajectories that name only some of the joints; the others hold"
@@ -98,18 +84,17 @@ class ControllerSettings(GripperSettings):
         5.0,
         "Largest ratio of acceleration to its limit on the curve through points with velocities; "
         "trajectories beyond it are rejected. 0 = any. Ratios from 1 on are logged",
-        0.0,
-        1e6,
+        (0.0, 1e6),
     )
     max_points: int = parameter(
-        10_000, "Largest number of points; longer trajectories are rejected", 1, 1_000_000, "points"
+        10_000,
+        "Largest number of points; longer trajectories are rejected",
+        (1, 1_000_000, "points"),
     )
     max_duration: float = parameter(
         3600.0,
         "Longest trajectory, and longest wait for its start; longer ones are rejected",
-        0.001,
-        1e6,
-        "s",
+        (0.001, 1e6, "s"),
     )
     simulation: str = parameter(
         KINEMATIC,
@@ -123,48 +108,34 @@ class ControllerSettings(GripperSettings):
         choices=("computed-torque", "pd-gravity"),
     )
     dynamic_bandwidth: float = parameter(
-        50.0, "Dynamic: natural frequency of the error decay", 1.0, 200.0, "rad/s"
+        50.0, "Dynamic: natural frequency of the error decay", (1.0, 200.0, "rad/s")
     )
     dynamic_damping: float = parameter(
-        1.0, "Dynamic: damping ratio of the error decay; 1 = critical", 0.1, 2.0
+        1.0, "Dynamic: damping ratio of the error decay; 1 = critical", (0.1, 2.0)
     )
     dynamic_observer: float = parameter(
         2000.0,
         "Dynamic: rate of the observer that compensates unmodelled efforts, such as those of a "
         "payload; 0 = off",
-        0.0,
-        10_000.0,
-        "rad/s",
+        (0.0, 10_000.0, "rad/s"),
     )
     gravity: tuple[float, ...] = parameter(
         (0.0, 0.0, -9.81),
         "Dynamic: gravity vector (down) in the base link of the chain",
-        -1000.0,
-        1000.0,
-        "m/s^2",
+        (-1000.0, 1000.0, "m/s^2"),
     )
-    payload_mass: float = parameter(
-        0.0,
-        "Dynamic: mass at the tip that the drive controller does not know",
-        0.0,
-        1000.0,
-        "kg",
-        read_only=False,
+    payload_mass: float = changeable(
+        0.0, "Dynamic: mass at the tip that the drive controller does not know", (0.0, 1000.0, "kg")
     )
-    payload_com: tuple[float, ...] = parameter(
+    payload_com: tuple[float, ...] = changeable(
         (0.0, 0.0, 0.0),
         "Dynamic: position of that mass in the frame of the tip",
-        -10.0,
-        10.0,
-        "m",
-        read_only=False,
+        (-10.0, 10.0, "m"),
     )
     tracking_lag: float = parameter(
         0.0,
         "Kinematic: time constant of the joints behind their commands; 0 = none",
-        0.0,
-        100.0,
-        "s",
+        (0.0, 100.0, "s"),
     )
     publish_frames: str = parameter(
         AUTO,
@@ -172,44 +143,36 @@ class ControllerSettings(GripperSettings):
         "without another publisher",
         choices=(AUTO, ALWAYS, NEVER),
     )
-    frame_rate: float = parameter(20.0, "Rate of /tf; at most publish_rate", 0.1, 1000.0, "Hz")
+    frame_rate: float = parameter(20.0, "Rate of /tf; at most publish_rate", (0.1, 1000.0, "Hz"))
     publish_description: bool = parameter(
         True,
         "Publish the robot of the parameter robot_description as a URDF on the latched topic "
         "robot_description, and the SRDF of robot_description_semantic on the topic of that name. "
         "Each is published only without another publisher",
     )
-    fault_stuck_joints: str = parameter(
-        "",
-        "Simulated fault: joints that do not move, separated by commas. Empty = none",
-        read_only=False,
+    fault_stuck_joints: str = changeable(
+        "", "Simulated fault: joints that do not move, separated by commas. Empty = none"
     )
-    fault_delay: float = parameter(
-        0.0, "Simulated fault: delay of the commands to the joints", 0.0, 10.0, "s", read_only=False
+    fault_delay: float = changeable(
+        0.0, "Simulated fault: delay of the commands to the joints", (0.0, 10.0, "s")
     )
-    fault_dropped_commands: float = parameter(
+    fault_dropped_commands: float = changeable(
         0.0,
         "Simulated fault: fraction of lost commands; joints then keep the previous one",
-        0.0,
-        1.0,
-        read_only=False,
+        (0.0, 1.0),
     )
-    fault_offset: tuple[float, ...] = parameter(
+    fault_offset: tuple[float, ...] = changeable(
         (),
         "Simulated fault: offset of the joint sensors, base to tip, rad or m. Empty = none",
-        -10.0,
-        10.0,
-        read_only=False,
+        (-10.0, 10.0),
     )
-    fault_noise: float = parameter(
+    fault_noise: float = changeable(
         0.0,
         "Simulated fault: standard deviation of the noise on measured positions, rad or m",
-        0.0,
-        1.0,
-        read_only=False,
+        (0.0, 1.0),
     )
-    fault_seed: int = parameter(
-        0, "Seed of the noise, and of the choice of lost commands", 0, 2**31 - 1, read_only=False
+    fault_seed: int = changeable(
+        0, "Seed of the noise, and of the choice of lost commands", (0, 2**31 - 1)
     )
 
 

@@ -14,18 +14,14 @@ class KinematicsSettings(StateSettings):
         10_000,
         "Largest number of poses in one request of SolveIKBatch or QueryWorkspace, and in one "
         "answer of SolveFK",
-        1,
-        10_000_000,
-        "poses",
+        (1, 10_000_000, "poses"),
         read_only=False,
     )
     batch_timeout: float = parameter(
         60.0,
         "Time limit of one SolveIKBatch or QueryWorkspace request; the remaining poses then get "
         "the code TIMED_OUT. Other requests are served meanwhile",
-        0.001,
-        3600.0,
-        "s",
+        (0.001, 3600.0, "s"),
         read_only=False,
     )
     publish_markers: bool = parameter(

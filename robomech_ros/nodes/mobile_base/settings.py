@@ -83,55 +83,51 @@ class MobileBaseSettings(_LimitsOfAxes):
         choices=(KINEMATIC, DYNAMIC),
     )
     update_rate: float = parameter(
-        100.0, "Rate at which limits are applied and wheels are commanded", 1.0, 1000.0, "Hz"
+        100.0, "Rate at which limits are applied and wheels are commanded", (1.0, 1000.0, "Hz")
     )
-    publish_rate: float = parameter(50.0, "Rate of odometry and joint states", 0.1, 1000.0, "Hz")
+    publish_rate: float = parameter(50.0, "Rate of odometry and joint states", (0.1, 1000.0, "Hz"))
     cmd_vel_timeout: float = parameter(
         0.5,
         "diff, omni, swerve: command timeout; the base then brakes. 0: no timeout for diff and "
         "swerve, omni always brakes",
-        0.0,
-        3600.0,
-        "s",
+        (0.0, 3600.0, "s"),
     )
     reference_timeout: float = parameter(
         _OFF,
         "mecanum, bicycle, tricycle, ackermann: command timeout. 0 = a command lasts for one "
         "update, NaN = 0 for mecanum, else 1",
-        0.0,
-        3600.0,
-        "s",
+        (0.0, 3600.0, "s"),
     )
     left_wheel_names: tuple[str, ...] = parameter((), "diff: joints of the left wheels")
     right_wheel_names: tuple[str, ...] = parameter((), "diff: joints of the right wheels")
-    wheel_separation: float = parameter(0.0, "diff: distance between the wheels", 0.0, 1e3, "m")
-    wheel_radius: float = parameter(0.0, "diff, omni: wheel radius", 0.0, 1e3, "m")
-    wheel_separation_multiplier: float = parameter(1.0, "diff: factor of the separation", 0.0, 1e3)
-    left_wheel_radius_multiplier: float = parameter(1.0, "diff: left radius factor", 0.0, 1e3)
-    right_wheel_radius_multiplier: float = parameter(1.0, "diff: right radius factor", 0.0, 1e3)
+    wheel_separation: float = parameter(0.0, "diff: distance between the wheels", (0.0, 1e3, "m"))
+    wheel_radius: float = parameter(0.0, "diff, omni: wheel radius", (0.0, 1e3, "m"))
+    wheel_separation_multiplier: float = parameter(
+        1.0, "diff: factor of the separation", (0.0, 1e3)
+    )
+    left_wheel_radius_multiplier: float = parameter(1.0, "diff: left radius factor", (0.0, 1e3))
+    right_wheel_radius_multiplier: float = parameter(1.0, "diff: right radius factor", (0.0, 1e3))
     wheel_names: tuple[str, ...] = parameter((), "omni: joints, counter-clockwise, evenly spaced")
-    wheel_offset: float = parameter(0.0, "omni: angle x to first wheel", -10.0, 10.0, "rad")
-    robot_radius: float = parameter(0.0, "omni: centre to wheel distance", 0.0, 1e3, "m")
+    wheel_offset: float = parameter(0.0, "omni: angle x to first wheel", (-10.0, 10.0, "rad"))
+    robot_radius: float = parameter(0.0, "omni: centre to wheel distance", (0.0, 1e3, "m"))
     front_left_wheel_command_joint_name: str = parameter("", "mecanum: front left wheel joint")
     front_right_wheel_command_joint_name: str = parameter("", "mecanum: front right wheel joint")
     rear_right_wheel_command_joint_name: str = parameter("", "mecanum: rear right wheel joint")
     rear_left_wheel_command_joint_name: str = parameter("", "mecanum: rear left wheel joint")
     kinematics__base_frame_offset__x: float = parameter(
-        0.0, "mecanum: x of the centre of the wheels in the base", -1e3, 1e3, "m"
+        0.0, "mecanum: x of the centre of the wheels in the base", (-1e3, 1e3, "m")
     )
     kinematics__base_frame_offset__y: float = parameter(
-        0.0, "mecanum: y of the centre of the wheels in the base", -1e3, 1e3, "m"
+        0.0, "mecanum: y of the centre of the wheels in the base", (-1e3, 1e3, "m")
     )
     kinematics__base_frame_offset__theta: float = parameter(
-        0.0, "mecanum: heading of the wheels in the base", -10.0, 10.0, "rad"
+        0.0, "mecanum: heading of the wheels in the base", (-10.0, 10.0, "rad")
     )
-    kinematics__wheels_radius: float = parameter(0.0, "mecanum: wheel radius", 0.0, 1e3, "m")
+    kinematics__wheels_radius: float = parameter(0.0, "mecanum: wheel radius", (0.0, 1e3, "m"))
     kinematics__sum_of_robot_center_projection_on_X_Y_axis: float = parameter(
         0.0,
         "mecanum: x plus y of the front left wheel, from the centre of the wheels",
-        0.0,
-        1e3,
-        "m",
+        (0.0, 1e3, "m"),
     )
     traction_joints_names: tuple[str, ...] = parameter(
         (), "bicycle, tricycle, ackermann: joints of the driven rear wheels, right one first"
@@ -139,34 +135,34 @@ class MobileBaseSettings(_LimitsOfAxes):
     steering_joints_names: tuple[str, ...] = parameter(
         (), "bicycle, tricycle, ackermann: joints of the front wheels, right one first"
     )
-    wheelbase: float = parameter(0.0, "bicycle, tricycle, ackermann: axle to axle", 0.0, 1e3, "m")
+    wheelbase: float = parameter(0.0, "bicycle, tricycle, ackermann: axle to axle", (0.0, 1e3, "m"))
     traction_track_width: float = parameter(
-        0.0, "tricycle, ackermann: distance between the rear wheels", 0.0, 1e3, "m"
+        0.0, "tricycle, ackermann: distance between the rear wheels", (0.0, 1e3, "m")
     )
     steering_track_width: float = parameter(
-        0.0, "ackermann: distance between the front wheels; 0 = as at the rear", 0.0, 1e3, "m"
+        0.0, "ackermann: distance between the front wheels; 0 = as at the rear", (0.0, 1e3, "m")
     )
     traction_wheels_radius: float = parameter(
-        0.0, "bicycle, tricycle, ackermann: wheel radius", 0.0, 1e3, "m"
+        0.0, "bicycle, tricycle, ackermann: wheel radius", (0.0, 1e3, "m")
     )
     traction_wheel_radius: float = parameter(
-        0.0, "bicycle: the same, under its name for that drive", 0.0, 1e3, "m"
+        0.0, "bicycle: the same, under its name for that drive", (0.0, 1e3, "m")
     )
-    wheel_track: float = parameter(0.0, "tricycle: old name of traction_track_width", 0.0, 1e3, "m")
+    wheel_track: float = parameter(
+        0.0, "tricycle: old name of traction_track_width", (0.0, 1e3, "m")
+    )
     max_wheel_rate: float = parameter(
         _OFF,
         "Rate limit of each driven wheel; the curvature is kept. NaN = that of the robot",
-        0.0,
-        1e6,
-        "rad/s",
+        (0.0, 1e6, "rad/s"),
     )
     max_steering_rate: float = parameter(
-        _OFF, "Rate limit of each steered wheel; NaN = that of the robot", 0.0, 1e6, "rad/s"
+        _OFF, "Rate limit of each steered wheel; NaN = that of the robot", (0.0, 1e6, "rad/s")
     )
     open_loop: bool = parameter(False, "Odometry from limited commands, not wheels")
     position_feedback: bool = parameter(True, "Odometry from wheel positions, not velocities")
     velocity_rolling_window_size: int = parameter(
-        10, "Number of twists whose mean is published; not for omni, mecanum and swerve", 1, 10000
+        10, "Number of twists whose mean is published; not for omni, mecanum and swerve", (1, 10000)
     )
     publish_limited_velocity: bool = parameter(False, "Publish ~/cmd_vel_out")
     odom_frame_id: str = parameter("odom", "Frame of odometry")
@@ -179,7 +175,7 @@ class MobileBaseSettings(_LimitsOfAxes):
         choices=(AUTO, ALWAYS, NEVER),
     )
     frame_rate: float = parameter(
-        20.0, "Rate of the wheel frames; at most publish_rate", 0.1, 1000.0, "Hz"
+        20.0, "Rate of the wheel frames; at most publish_rate", (0.1, 1000.0, "Hz")
     )
     publish_description: bool = parameter(
         True,
@@ -189,19 +185,19 @@ class MobileBaseSettings(_LimitsOfAxes):
     tf_frame_prefix_enable: bool = parameter(True, "Add a prefix to all frames")
     tf_frame_prefix: str = parameter("", "Prefix of all frames; empty or '~' = the namespace")
     pose_covariance_diagonal: tuple[float, ...] = parameter(
-        (), "Pose: x, y, z, roll, pitch, yaw; empty = grows with distance and slip", 0.0, 1e9
+        (), "Pose: x, y, z, roll, pitch, yaw; empty = grows with distance and slip", (0.0, 1e9)
     )
     twist_covariance_diagonal: tuple[float, ...] = parameter(
-        (), "Twist variances in the same order; empty = those of the wheels", 0.0, 1e9
+        (), "Twist variances in the same order; empty = those of the wheels", (0.0, 1e9)
     )
     diagonal_covariance__pose: tuple[float, ...] = parameter(
-        (), "omni: same as pose_covariance_diagonal", 0.0, 1e9
+        (), "omni: same as pose_covariance_diagonal", (0.0, 1e9)
     )
     diagonal_covariance__twist: tuple[float, ...] = parameter(
-        (), "omni: same as twist_covariance_diagonal", 0.0, 1e9
+        (), "omni: same as twist_covariance_diagonal", (0.0, 1e9)
     )
     initial_wheel_position: float = parameter(
-        0.0, "Initial position of the simulated wheels", -1e6, 1e6, "rad"
+        0.0, "Initial position of the simulated wheels", (-1e6, 1e6, "rad")
     )
 
 

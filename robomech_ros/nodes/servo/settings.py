@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from robomech_ros.nodes.common.parameters import ParameterError, parameter
+from robomech_ros.nodes.common.parameters import ParameterError, changeable, parameter
 from robomech_ros.nodes.common.robot_description import FrameSettings
 from robomech_ros.servo.servo import ServoSettings
 
@@ -20,99 +20,79 @@ class ServoNodeSettings(FrameSettings):
         "Command topic of the controller (trajectory_msgs/JointTrajectory)",
     )
     publish_rate: float = parameter(
-        100.0, "Rate of trajectory messages during motion", 20.0, 1000.0, "Hz"
+        100.0, "Rate of trajectory messages during motion", (20.0, 1000.0, "Hz")
     )
-    command_timeout: float = parameter(
-        0.1, "Command timeout; the robot then brakes", 0.01, 1.0, "s", read_only=False
+    command_timeout: float = changeable(
+        0.1, "Command timeout; the robot then brakes", (0.01, 1.0, "s")
     )
-    command_in_type: str = parameter(
+    command_in_type: str = changeable(
         SPEED_UNITS,
         "Units of commands: speed_units = rad/s and m/s, unitless = fractions of the three scales "
         "below, -1 to 1",
         choices=(SPEED_UNITS, UNITLESS),
-        read_only=False,
     )
-    linear_scale: float = parameter(
+    linear_scale: float = changeable(
         0.4,
         "Linear speed of unitless commands of 1, and towards pose targets",
-        1e-6,
-        100.0,
-        "m/s",
-        read_only=False,
+        (1e-6, 100.0, "m/s"),
     )
-    rotational_scale: float = parameter(
+    rotational_scale: float = changeable(
         0.8,
         "Angular speed of unitless commands of 1, and towards pose targets",
-        1e-6,
-        100.0,
-        "rad/s",
-        read_only=False,
+        (1e-6, 100.0, "rad/s"),
     )
-    joint_scale: float = parameter(
-        0.5, "Largest joint speed of unitless commands, rad/s or m/s", 1e-6, 100.0, read_only=False
+    joint_scale: float = changeable(
+        0.5, "Largest joint speed of unitless commands, rad/s or m/s", (1e-6, 100.0)
     )
-    free_directions: tuple[str, ...] = parameter(
+    free_directions: tuple[str, ...] = changeable(
         (),
         "Components of the tip's pose that twists and pose targets leave free: some of x, y, z, "
         "rx, ry, rz, along and about the axes of the tip. Examples: rz for a tool with an axis; "
         "rx, ry, rz for positions alone (MoveIt's drift dimensions). Empty = none",
-        read_only=False,
     )
     lower_singularity_threshold: float = parameter(
         30.0,
         "Condition number (lengths divided by the characteristic length) above which motions "
         "towards a singularity are slowed down",
-        1.0,
-        1e5,
+        (1.0, 1e5),
     )
     hard_stop_singularity_threshold: float = parameter(
-        90.0, "Condition number at which motions into a singularity stop", 1.0, 1e5
+        90.0, "Condition number at which motions into a singularity stop", (1.0, 1e5)
     )
     characteristic_length: float = parameter(
         0.0,
         "Length that divides linear motions in condition numbers; 0 = that of the robot, computed "
         "at startup in a few seconds",
-        0.0,
-        1e3,
-        "m",
+        (0.0, 1e3, "m"),
     )
     lead: int = parameter(
         2,
         "Number of periods by which a point is sent ahead of its time. A message may be this late "
         "without disturbing the motion; commands take effect that much later",
-        1,
-        20,
-        "periods",
+        (1, 20, "periods"),
     )
     max_lead: int = parameter(
         10,
         "Largest lead while points are late, as on a busy machine. It falls by one period a "
         "second after 10 s without late points. Values up to lead = constant lead",
-        1,
-        50,
-        "periods",
+        (1, 50, "periods"),
     )
     tracking_tolerance: float = parameter(
         0.1,
         "Largest deviation of a joint from its commands of the last tracking_delay, rad or m, "
         "before the stream stops; 0 = any distance",
-        0.0,
-        10.0,
+        (0.0, 10.0),
     )
     tracking_delay: float = parameter(
         0.2,
         "Allowed lag of the joints behind their commands. The stream also stops if no joint "
         "states arrive for this time plus 0.5 s",
-        0.0,
-        5.0,
-        "s",
+        (0.0, 5.0, "s"),
     )
     halt_messages: int = parameter(
         4,
         "Number of stop messages after the last command; then other nodes can move the robot",
-        1,
-        1000,
-        "messages",
+        (1, 1000, "messages"),
     )
 
     @property

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from robomech_ros.execution.client.dispatch_settings import DispatchSettings
 from robomech_ros.execution.client.execution_request import Transport
-from robomech_ros.nodes.common.parameters import ParameterError, parameter
+from robomech_ros.nodes.common.parameters import ParameterError, changeable, parameter
 from robomech_ros.nodes.common.robot_description import RobotSettings
 from robomech_ros.nodes.middleware.liveliness import SHORTEST_LEASE
 from robomech_ros.nodes.trajectory_publisher.action_transport import ActionGoals, AskedTolerances
@@ -24,16 +24,13 @@ class PublisherSettings(RobotSettings):
         "trajectory_planner/planned_trajectory",
         "Latched topic of the planner, besides planned_trajectory. Empty = none",
     )
-    auto_execute: bool = parameter(
-        False,
-        "Execute every new plan at once; otherwise only on request through ~/execute",
-        read_only=False,
+    auto_execute: bool = changeable(
+        False, "Execute every new plan at once; otherwise only on request through ~/execute"
     )
-    program: str = parameter(
+    program: str = changeable(
         "",
         "YAML file of the program for ~/run_program: its path, or its name in program_folder. "
         "Only such a name may be set at run time. Empty = none",
-        read_only=False,
     )
     program_folder: str = parameter(
         "", "Folder of all programs that may run. Empty = only the one named at startup"
@@ -49,70 +46,61 @@ class PublisherSettings(RobotSettings):
         0.0,
         "Path tolerance sent with every action goal, rad or m; 0 = the controller's default, -1 = "
         "any distance",
-        -1.0,
-        10.0,
+        (-1.0, 10.0),
     )
     controller_goal_tolerance: float = parameter(
         0.0,
         "Tolerance at the last point, sent with every action goal, rad or m; 0 = the controller's "
         "default, -1 = any distance",
-        -1.0,
-        10.0,
+        (-1.0, 10.0),
     )
     controller_goal_time: float = parameter(
         0.0,
         "Time to reach the goal after the end of a trajectory, sent with every action goal; 0 = "
         "the controller's default",
-        0.0,
-        3600.0,
-        "s",
+        (0.0, 3600.0, "s"),
     )
     queue_size: int = parameter(
         50,
         "Largest number of trajectories that wait for the current one",
-        1,
-        10_000,
-        "trajectories",
+        (1, 10_000, "trajectories"),
     )
     start_tolerance: float = parameter(
         0.01,
         "Largest distance of a trajectory's start from the current position, rad or m",
-        0.0,
-        10.0,
+        (0.0, 10.0),
     )
     goal_tolerance: float = parameter(
-        0.01, "Largest distance of the robot from the last point at arrival, rad or m", 1e-9, 10.0
+        0.01, "Largest distance of the robot from the last point at arrival, rad or m", (1e-9, 10.0)
     )
     controller_timeout: float = parameter(
-        3.0, "Absence of the controller after which it counts as disconnected", 0.1, 3600.0, "s"
+        3.0, "Absence of the controller after which it counts as disconnected", (0.1, 3600.0, "s")
     )
     controller_lease: float = parameter(
         1.0,
         "Liveliness lease of the simulated controller; when it expires, the process counts as "
         "dead at once. controller_timeout applies to other controllers",
-        SHORTEST_LEASE,
-        3600.0,
-        "s",
+        (SHORTEST_LEASE, 3600.0, "s"),
     )
     arrival_timeout: float = parameter(
-        2.0, "Longest time from the end of a motion to its arrival", 0.1, 3600.0, "s"
+        2.0, "Longest time from the end of a motion to its arrival", (0.1, 3600.0, "s")
     )
     standstill_timeout: float = parameter(
         1.0,
         "Longest standstill away from the goal during a trajectory sent by topic; then the robot "
         "counts as stopped",
-        0.1,
-        3600.0,
-        "s",
+        (0.1, 3600.0, "s"),
     )
     watch_rate: float = parameter(
-        20.0, "Rate of joint state checks during a motion", 1.0, 1000.0, "Hz"
+        20.0, "Rate of joint state checks during a motion", (1.0, 1000.0, "Hz")
     )
     max_points: int = parameter(
-        10_000, "Largest number of points; longer trajectories are rejected", 1, 1_000_000, "points"
+        10_000,
+        "Largest number of points; longer trajectories are rejected",
+        (1, 1_000_000, "points"),
     )
     max_duration: float = parameter(
-        3600.0, "Longest trajectory; longer ones are rejected", 0.001, 1e6, "s"
+        3600.0, "Longest trajectory; longer ones are rejected", (0.001, 1e6, "s")
     )
 
 

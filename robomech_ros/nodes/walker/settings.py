@@ -25,59 +25,50 @@ class WalkerSettings:
         "", "Initial gait; empty = tripod, or crawl on four legs", choices=("", *GAITS)
     )
     update_rate: float = parameter(
-        100.0, "Rate of feet and joints: points of the trajectory", 20.0, 1000.0, "Hz"
+        100.0, "Rate of feet and joints: points of the trajectory", (20.0, 1000.0, "Hz")
     )
     publish_rate: float = parameter(
-        50.0, "Rate of trajectory, odometry and contact messages", 1.0, 1000.0, "Hz"
+        50.0, "Rate of trajectory, odometry and contact messages", (1.0, 1000.0, "Hz")
     )
     lead: float = parameter(
         0.2,
         "Time by which the walk is computed ahead. A message to the controller may be this late "
         "without disturbing the walk; commands take effect that much later",
-        0.1,
-        1.0,
-        "s",
+        (0.1, 1.0, "s"),
     )
     cmd_vel_timeout: float = parameter(
-        0.5, "Command timeout; the robot then stops, all feet down", 0.01, 3600.0, "s"
+        0.5, "Command timeout; the robot then stops, all feet down", (0.01, 3600.0, "s")
     )
     cycle: float = parameter(
         0.0,
         "Duration of a gait cycle; 0 = chosen for robot and gait: joints stay below 60 % of their "
         "speed limits at the longest stride",
-        0.0,
-        60.0,
-        "s",
+        (0.0, 60.0, "s"),
     )
-    lift: float = parameter(0.03, "Height to which feet are lifted", 1e-4, 10.0, "m")
+    lift: float = parameter(0.03, "Height to which feet are lifted", (1e-4, 10.0, "m"))
     stability_bound: float = parameter(
         math.nan,
         "Smallest allowed stability margin; NaN = 0.01, or -0.04 for the trot, which is supported "
         "on lines",
-        -10.0,
-        10.0,
-        "m",
+        (-10.0, 10.0, "m"),
     )
     max_linear_acceleration: float = parameter(
-        0.5, "Largest acceleration of the walk, forward and sideways", 1e-3, 1e3, "m/s^2"
+        0.5, "Largest acceleration of the walk, forward and sideways", (1e-3, 1e3, "m/s^2")
     )
     max_angular_acceleration: float = parameter(
-        1.0, "Largest angular acceleration of the walk, about the vertical", 1e-3, 1e3, "rad/s^2"
+        1.0, "Largest angular acceleration of the walk, about the vertical", (1e-3, 1e3, "rad/s^2")
     )
     joint_speed: float = parameter(
         0.95,
         "Fraction of the joint speed limits to use; the controller is slightly faster between two "
         "points",
-        0.01,
-        1.0,
+        (0.01, 1.0),
     )
     body_pose_duration: float = parameter(
         1.0,
         "Duration of a trunk motion to a new body_pose; longer if its acceleration would tip the "
         "robot",
-        0.01,
-        3600.0,
-        "s",
+        (0.01, 3600.0, "s"),
     )
     command_out_topic: str = parameter(
         "joint_trajectory_controller/joint_trajectory",
@@ -87,30 +78,24 @@ class WalkerSettings:
         0.1,
         "Largest deviation of a joint from its commands of the last tracking_delay, rad or m, "
         "before the walker stops commanding the robot; 0 = any distance",
-        0.0,
-        10.0,
+        (0.0, 10.0),
     )
     tracking_delay: float = parameter(
         0.2,
         "Allowed lag of the joints behind their commands. The walker also stops commanding if no "
         "joint states arrive for this time plus 0.5 s",
-        0.0,
-        5.0,
-        "s",
+        (0.0, 5.0, "s"),
     )
     rising_speed: float = parameter(
         0.2,
         "Fraction of the joint speed limits at which a robot that is not standing rises at the "
         "first command",
-        0.01,
-        1.0,
+        (0.01, 1.0),
     )
     foot_slip: float = parameter(
         1e-4,
         "Variance of foot slip per metre of trunk travel, for the covariance of odometry",
-        0.0,
-        1.0,
-        "m^2/m",
+        (0.0, 1.0, "m^2/m"),
     )
     odom_frame_id: str = parameter("odom", "Frame of odometry")
     enable_odom_tf: bool = parameter(True, "Publish the frame of the trunk on tf")

@@ -35,11 +35,11 @@ NODES = [
 
 @dataclass(frozen=True)
 class Table:
-    rate: float = parameter(100.0, "How often", 1.0, 1000.0, "Hz")
-    count: int = parameter(3, "How many", 1)
+    rate: float = parameter(100.0, "How often", (1.0, 1000.0, "Hz"))
+    count: int = parameter(3, "How many", (1, None))
     method: str = parameter("fast", "How", choices=("fast", "slow"))
-    tolerances: tuple[float, ...] = parameter((), "How close", 0.0)
-    scale: float = parameter(1.0, "How much", 0.0, 2.0, read_only=False)
+    tolerances: tuple[float, ...] = parameter((), "How close", (0.0, None))
+    scale: float = parameter(1.0, "How much", (0.0, 2.0), read_only=False)
     enabled: bool = parameter(True, "Whether")
     names: tuple[str, ...] = parameter((), "Which")
 
