@@ -29,6 +29,13 @@ class State:
     velocity: Array
     acceleration: Array
 
+    def __sub__(self, other: "State") -> "State":
+        return State(
+            self.position - other.position,
+            self.velocity - other.velocity,
+            self.acceleration - other.acceleration,
+        )
+
 
 def at_rest(position: Array) -> State:
     """Return the state of joints that stand somewhere (rad or m)."""

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robomech_ros.execution.stopping import pace_drop
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import Sample
 from robomech_ros.typing import Array
 
-# The pace never rises from 0 to 1 in less than this, s.
-SHORTEST_START = 0.02
+# The pace never goes from 0 to 1 or back in less than this (s): a stop within one control cycle
+# would be a step of velocity.
+SHORTEST_CHANGE = 0.02
 # Steps of the integration, s, and how many there are at most.
 _STEP = 0.0025
 _MAX_STEPS = 8000
@@ -97,8 +97,8 @@ def pace_change(
     rows = [(0.0, place, pace, 0.0)]
     time, end = 0.0, float(curve.breaks[-1])
     while pace != target and place < end and len(rows) <= _MAX_STEPS:
-        rate = _rate(curve, place, pace, target, limit)
         step = _STEP
+        rate = _rate(curve, place, pace, target, step, limit)
         if rate and (target - pace) / rate < step:
             step = (target - pace) / rate
         rows[-1] = (*rows[-1][:3], rate)
@@ -129,8 +129,8 @@ def paced_step(
     """
     rate, left, end = 0.0, span, float(curve.breaks[-1])
     while left > 0.0 and pace != target and place < end:
-        rate = _rate(curve, place, pace, target, limit)
         step = min(left, max(_STEP, span / _MAX_STEPS))
+        rate = _rate(curve, place, pace, target, step, limit)
         reached = bool(rate) and (target - pace) / rate <= step
         step = (target - pace) / rate if reached else step
         place += (pace + 0.5 * rate * step) * step
@@ -143,21 +143,26 @@ def paced_step(
 
 
 def _rate(
-    curve: PiecewisePolynomial, place: float, pace: float, target: float, limit: Array
+    curve: PiecewisePolynomial, place: float, pace: float, target: float, step: float, limit: Array
 ) -> float:
-    """Return how fast the pace changes (1/s), judged in the middle of the next step."""
-    sample = curve.sample(place + 0.5 * pace * _STEP)
-    if target < pace:
-        return -pace_drop(sample, pace, limit)
-    return _pace_rise(sample, pace, limit)
+    """Return how fast the pace changes (1/s) in the next step (s), by the midpoint rule."""
+    way = -1.0 if target < pace else 1.0
+    most = _most_change(curve.sample(place), pace, way, limit)
+    halfway = pace + way * min(0.5 * most * step, abs(target - pace))
+    middle = curve.sample(place + 0.25 * (pace + halfway) * step)
+    return way * _most_change(middle, halfway, way, limit)
 
 
-def _pace_rise(sample: Sample, pace: float, limit: Array) -> float:
-    """Return how fast the pace may rise (1/s), as `pace_drop` how fast it may fall."""
+def _most_change(sample: Sample, pace: float, way: float, limit: Array) -> float:
+    """Return how fast the pace may rise (1/s), or fall where `way` is -1.
+
+    No joint exceeds its limit then; 0 where the curve itself already takes all of it.
+    """
     speed = np.abs(sample.velocity)
-    spare = limit - np.sign(sample.velocity) * sample.acceleration * pace * pace
+    # Joints that stand still do not mind.
     moving = speed > 1e-12
     if not moving.any():
-        return 1.0 / SHORTEST_START
-    rise = float(np.min(spare[moving] / speed[moving]))
-    return min(max(rise, 0.0), 1.0 / SHORTEST_START)
+        return 1.0 / SHORTEST_CHANGE
+    spare = limit - way * np.sign(sample.velocity) * sample.acceleration * pace * pace
+    most = float(np.min(spare[moving] / speed[moving]))
+    return min(max(most, 0.0), 1.0 / SHORTEST_CHANGE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -52,6 +52,13 @@ class Waypoints:
     def curve(self) -> PiecewisePolynomial:
         """The curve that a controller interpolates through these waypoints."""
         return interpolant(self.times, self.positions, self.velocities, self.accelerations)
+
+    def part(self, rows: Any) -> Waypoints:
+        """Return some of the waypoints, by an index of rows as numpy takes it."""
+        rates = (
+            None if rate is None else rate[rows] for rate in (self.velocities, self.accelerations)
+        )
+        return Waypoints(self.times[rows], self.positions[rows], *rates)
 
 
 def discretise(

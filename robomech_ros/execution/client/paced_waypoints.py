@@ -1,13 +1,14 @@
 """Waypoints of a trajectory at another pace than planned."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from robomech_ros.execution.time_scaling import TimeScaling
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.waypoints import Waypoints
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array
 
 # Time between points while the pace changes, and what points are apart at least, s.
 _PERIOD = 0.02
@@ -58,7 +59,7 @@ def paced_waypoints(
         return _joined(np.array(times) + lead, rows, None)
     place, _, _ = scaling.after(times[-1])
     left = waypoints.times > place + _NEAREST * scaling.pace
-    rest = slowed_waypoints(_chosen(waypoints, left), scaling.pace)
+    rest = slowed_waypoints(waypoints.part(left), scaling.pace)
     if not left.any():
         # The end is nearer than points may be to each other.
         times[-1] = max(times[-1], float(times[-1]) + (curve.breaks[-1] - place) / scaling.pace)
@@ -66,7 +67,7 @@ def paced_waypoints(
         rows[1][-1], rows[2][-1] = 0.0, math.nan
         return _joined(np.array(times) + lead, rows, None)
     since = lead + times[-1] - place / scaling.pace
-    later = Waypoints(rest.times + since, rest.positions, rest.velocities, rest.accelerations)
+    later = replace(rest, times=rest.times + since)
     return _joined(np.array(times) + lead, rows, later)
 
 
@@ -77,16 +78,6 @@ def _point(
     sample = curve.sample(min(place, curve.breaks[-1]))
     acceleration = sample.acceleration * pace * pace + sample.velocity * rate
     return sample.position, sample.velocity * pace, acceleration
-
-
-def _chosen(waypoints: Waypoints, which: BoolArray) -> Waypoints:
-    velocities, accelerations = waypoints.velocities, waypoints.accelerations
-    return Waypoints(
-        waypoints.times[which],
-        waypoints.positions[which],
-        None if velocities is None else velocities[which],
-        None if accelerations is None else accelerations[which],
-    )
 
 
 def _joined(times: Array, rows: list[Array], later: Waypoints | None) -> Waypoints:

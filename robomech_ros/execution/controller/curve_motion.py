@@ -7,7 +7,6 @@ q'' p^2 + q' dp/dt.
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
 from robomech_ros.execution.joints import State, at_rest
-from robomech_ros.execution.stopping import slowed_down
 from robomech_ros.execution.time_scaling import paced_step
 from robomech_ros.typing import Array
 
@@ -56,24 +55,27 @@ class CurveMotion:
 
     def go_on(self, goal: TrajectoryGoal, span: float) -> None:
         """Follow the curve of a goal for `span` (s)."""
-        goal.time, self.pace, rate = paced_step(
-            goal.curve, goal.time, self.pace, self.scale, span, self._acceleration
-        )
+        rate = self._advance(goal, self.scale, span)
         self.desired = self.state_at(goal, goal.time, rate)
         self.hold(span)
 
     def slow_down(self, goal: TrajectoryGoal, span: float) -> bool:
         """Slow down on the curve of a goal for `span` (s); returns whether it stands then."""
-        goal.time, self.pace, drop = slowed_down(
-            goal.curve, goal.time, self.pace, span, self._acceleration
-        )
+        rate = self._advance(goal, 0.0, span)
         if self.pace <= 0.0 or goal.time >= goal.curve.duration:
             self.pace = 0.0
             self.desired = at_rest(goal.curve.sample(goal.time).position)
         else:
-            self.desired = self.state_at(goal, goal.time, -drop)
+            self.desired = self.state_at(goal, goal.time, rate)
         self.hold(span)
         return self.pace <= 0.0
+
+    def _advance(self, goal: TrajectoryGoal, pace: float, span: float) -> float:
+        """Move on for `span` (s) towards a pace; returns how fast the pace changes (1/s)."""
+        goal.time, self.pace, rate = paced_step(
+            goal.curve, goal.time, self.pace, pace, span, self._acceleration
+        )
+        return rate
 
     def hold(self, span: float) -> None:
         """Let the joints follow what is desired for `span` (s)."""

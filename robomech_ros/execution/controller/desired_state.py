@@ -4,7 +4,7 @@ from robomech_ros.execution.controller.follower import Phase, TrajectoryFollower
 from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
 from robomech_ros.execution.joints import State, at_rest
 from robomech_ros.execution.rejections import TrajectoryRefusedError
-from robomech_ros.execution.stopping import slowed_down
+from robomech_ros.execution.time_scaling import paced_step
 
 
 def past_the_end(follower: TrajectoryFollower, ahead: float) -> float:
@@ -40,7 +40,8 @@ def desired_state(follower: TrajectoryFollower, ahead: float) -> State:
     """
     waiting = follower.waiting
     if waiting is not None and follower.now + ahead >= waiting.begin:
-        return _sampled(waiting, follower.now + ahead - waiting.begin)
+        sample = waiting.curve.sample(follower.now + ahead - waiting.begin)
+        return State(sample.position, sample.velocity, sample.acceleration)
     goal, pace = follower.active, follower.motion.pace
     if goal is None:
         held = follower.now - follower.held_since
@@ -57,19 +58,14 @@ def desired_state(follower: TrajectoryFollower, ahead: float) -> State:
     return follower.motion.state_ahead(goal, ahead)
 
 
-def _sampled(goal: TrajectoryGoal, time: float) -> State:
-    sample = goal.curve.sample(time)
-    return State(sample.position, sample.velocity, sample.acceleration)
-
-
 def _while_stopping(follower: TrajectoryFollower, goal: TrajectoryGoal, ahead: float) -> State:
-    time, pace, drop = slowed_down(
-        goal.curve, goal.time, follower.motion.pace, ahead, follower.joints.acceleration
+    time, pace, rate = paced_step(
+        goal.curve, goal.time, follower.motion.pace, 0.0, ahead, follower.joints.acceleration
     )
     sample = goal.curve.sample(time)
     if pace <= 0.0:
         return at_rest(sample.position)
-    acceleration = sample.acceleration * pace * pace - sample.velocity * drop
+    acceleration = sample.acceleration * pace * pace + sample.velocity * rate
     return State(sample.position, sample.velocity * pace, acceleration)
 
 

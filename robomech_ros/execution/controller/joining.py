@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -170,27 +171,17 @@ def _remaining(waypoints: Waypoints, present: State, joints: Joints, late: float
     over = int(np.searchsorted(waypoints.times, late + _INSTANT, side="right"))
     if over == len(waypoints.times):
         raise TrajectoryOverError(late, waypoints.times[-1])
-    left = _part(waypoints, slice(over, None), late)
+    left = waypoints.part(slice(over, None))
+    left = replace(left, times=left.times - late)
     near = int(np.searchsorted(left.times, LATENCY, side="right"))
     for k in range(min(_PASSED_OVER, near)):
-        point = _part(left, slice(k, k + 1))
+        point = left.part(slice(k, k + 1))
         place = _turned(point, present, joints, 0.0)
         if _violation(approached(point, place, present), joints) is None:
-            return _part(left, slice(k, None))
+            return left.part(slice(k, None))
         if _violation(interpolant([0.0], place), joints) is not None:
             break  # Nobody should be there at any time.
     return left
-
-
-def _part(waypoints: Waypoints, part: slice, late: float = 0.0) -> Waypoints:
-    """Return some of the points, sooner by a time (s)."""
-    velocities, accelerations = waypoints.velocities, waypoints.accelerations
-    return Waypoints(
-        waypoints.times[part] - late,
-        waypoints.positions[part],
-        None if velocities is None else velocities[part],
-        None if accelerations is None else accelerations[part],
-    )
 
 
 def _require_near(start: Array, present: State, joints: Joints, tolerance: float) -> None:

@@ -1,5 +1,7 @@
 """Holds a motion to its tolerances."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
@@ -44,64 +46,41 @@ def verdict(
 def _held_to_tolerances(
     goal: TrajectoryGoal, desired: State, actual: State, joints: Joints
 ) -> MotionResult | None:
-    over = goal.time - goal.arrival
+    over, allowed, off = goal.time - goal.arrival, goal.tolerances, desired - actual
     if over < 0.0:
-        return _off_path(goal, desired, actual, joints)
+        path = "its path", "the velocity of its path", "the acceleration of its path"
+        limits = allowed.path, allowed.path_velocity, allowed.path_acceleration
+        return _complaint(Code.PATH_TOLERANCE, path, off, limits, joints)
     if not goal.arrived:
-        found = _off_goal(goal, desired, actual, joints)
+        rest = "the velocity at its goal" if goal.braking else "rest"
+        at_goal = "its goal", rest, "its last acceleration"
+        limits = allowed.goal, allowed.velocity, allowed.goal_acceleration
+        found = _complaint(Code.GOAL_TOLERANCE, at_goal, off, limits, joints)
         if found is not None:
-            return found if over > goal.tolerances.goal_time else None
+            return found if over > allowed.goal_time else None
         goal.arrived = True
     return MotionResult(Code.NONE, "") if over >= goal.braking else None
 
 
-def _off_path(
-    goal: TrajectoryGoal, desired: State, actual: State, joints: Joints
-) -> MotionResult | None:
-    allowed, code = goal.tolerances, Code.PATH_TOLERANCE
-    off = desired.position - actual.position
-    change = desired.velocity - actual.velocity
-    push = desired.acceleration - actual.acceleration
-    return (
-        _complaint(code, "its path", off, allowed.path, joints)
-        or _complaint(code, "the velocity of its path", change, allowed.path_velocity, joints, 1)
-        or _complaint(
-            code, "the acceleration of its path", push, allowed.path_acceleration, joints, 2
-        )
-    )
-
-
-def _off_goal(
-    goal: TrajectoryGoal, desired: State, actual: State, joints: Joints
-) -> MotionResult | None:
-    allowed, code = goal.tolerances, Code.GOAL_TOLERANCE
-    rest = "the velocity at its goal" if goal.braking else "rest"
-    off = desired.position - actual.position
-    change = desired.velocity - actual.velocity
-    push = desired.acceleration - actual.acceleration
-    return (
-        _complaint(code, "its goal", off, allowed.goal, joints)
-        or _complaint(code, rest, change, allowed.velocity, joints, 1)
-        or _complaint(code, "its last acceleration", push, allowed.goal_acceleration, joints, 2)
-    )
-
-
 def _complaint(
-    code: int, what: str, difference: Array, allowed: Array | None, joints: Joints, order: int = 0
+    code: int, whats: Sequence[str], off: State, limits: Sequence[Array | None], joints: Joints
 ) -> MotionResult | None:
-    """Name the joint that is worst, if it is off by more than allowed."""
-    if allowed is None:
-        return None
-    off = np.abs(difference)
-    worst = int(np.argmax(off - allowed))
-    if off[worst] <= allowed[worst]:
-        return None
-    unit = joints.limits.unit(worst, order)
-    unit = f" {unit}" if unit else ""
-    return MotionResult(
-        code,
-        (
-            f"joint '{joints.names[worst]}' is {off[worst]:.4g}{unit} off {what}, "
+    """Name the worst joint of the first of positions and rates that is off by more than allowed."""
+    differences = off.position, off.velocity, off.acceleration
+    for order, (what, difference, allowed) in enumerate(
+        zip(whats, differences, limits, strict=True)
+    ):
+        if allowed is None:
+            continue
+        amounts = np.abs(difference)
+        worst = int(np.argmax(amounts - allowed))
+        if amounts[worst] <= allowed[worst]:
+            continue
+        unit = joints.limits.unit(worst, order)
+        unit = f" {unit}" if unit else ""
+        text = (
+            f"joint '{joints.names[worst]}' is {amounts[worst]:.4g}{unit} off {what}, "
             f"the tolerance is {allowed[worst]:.4g}{unit}"
-        ),
-    )
+        )
+        return MotionResult(code, text)
+    return None

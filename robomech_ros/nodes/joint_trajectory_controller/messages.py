@@ -23,6 +23,7 @@ def fill_feedback(message: Any, desired: State, actual: State, time: float) -> N
     when = duration_from_seconds(time)
     message.desired = point_from_state(desired, when)
     message.actual = point_from_state(actual, when)
-    message.error.positions = floats(desired.position - actual.position)
-    message.error.velocities = floats(desired.velocity - actual.velocity)
+    error = desired - actual
+    message.error.positions = floats(error.position)
+    message.error.velocities = floats(error.velocity)
     message.error.time_from_start = when

@@ -52,12 +52,7 @@ class ControllerState:
         stamp.sec, stamp.nanosec = self._robot.stamp()
         message.reference = point_from_state(desired, time)
         message.feedback = point_from_state(actual, time)
-        error = State(
-            desired.position - actual.position,
-            desired.velocity - actual.velocity,
-            desired.acceleration - actual.acceleration,
-        )
-        message.error = point_from_state(error, time)
+        message.error = point_from_state(desired - actual, time)
         # The commands of the simulated joints are positions.
         message.output.positions = message.reference.positions
         message.output.time_from_start = time
