@@ -19,7 +19,7 @@ _FIELDS = ("path_position_tolerance", "goal_position_tolerance", "goal_velocity_
 
 
 class ExecuteMessages:
-    """Reads goals and writes results of ExecuteTrajectory; see `ActionMessages`.
+    """Reads goals and writes results of ExecuteTrajectory.
 
     Parameters
     ----------
@@ -39,7 +39,10 @@ class ExecuteMessages:
     def tolerances(
         self, message: Any, default: Tolerances, joint_names: Sequence[str]
     ) -> tuple[Tolerances, str]:
-        """Read the tolerances of a goal; those that do not make sense are refused."""
+        """Read the tolerances of a goal, and say what of them does not hold: nothing.
+
+        Those that do not make sense are refused.
+        """
         names = message.trajectory.joint_names
         known = [*joint_names, *self._others]
         order = joint_order(names, known, partial=True)[: len(joint_names)]

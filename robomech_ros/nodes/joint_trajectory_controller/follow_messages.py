@@ -33,7 +33,7 @@ _NANO = 1e-9
 
 
 class FollowMessages:
-    """Reads goals and writes results of FollowJointTrajectory; see `ActionMessages`.
+    """Reads goals and writes results of FollowJointTrajectory.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class FollowMessages:
     def tolerances(
         self, message: Any, default: Tolerances, joint_names: Sequence[str]
     ) -> tuple[Tolerances, str]:
-        """Read the tolerances of a goal.
+        """Read the tolerances of a goal, and say what of them does not hold.
 
         As in ros2_control the defaults hold, all of them, where one tolerance is at fault.
 

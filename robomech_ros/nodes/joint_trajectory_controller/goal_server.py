@@ -5,8 +5,7 @@ no reason to the client.
 """
 
 import traceback
-from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from builtin_interfaces.msg import Time
 from rclpy.action.server import ServerGoalHandle
@@ -15,7 +14,6 @@ from rclpy.task import Future
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
-from robomech_ros.execution.joints import State
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.nodes.common.cooperative_wait import wake
 from robomech_ros.nodes.joint_trajectory_controller.action_base import ActionBase
@@ -24,34 +22,9 @@ from robomech_ros.nodes.joint_trajectory_controller.commands import log_end
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.outcomes import Code
 
-
-class ActionMessages(Protocol):
-    """Messages of an action: what its goals ask for, and how its results are put.
-
-    Attributes
-    ----------
-    kind : type
-        The action.
-    name : str
-        Its name below that of the joints.
-    """
-
-    kind: Any
-    name: str
-
-    def tolerances(
-        self, message: Any, default: Tolerances, joint_names: Sequence[str]
-    ) -> tuple[Tolerances, str]:
-        """Read the tolerances of a goal, and say what of them does not hold."""
-
-    def refused(self, error: Exception) -> Any:
-        """Make the result of a goal that is not executed; most errors are RobomechError."""
-
-    def ended(self, result: GoalResult, note: str) -> Any:
-        """Make the result of a motion."""
-
-    def feedback(self, goal: TrajectoryGoal, desired: State, actual: State, stamp: Time) -> Any:
-        """Tell how far a motion has come."""
+if TYPE_CHECKING:
+    from robomech_ros.nodes.joint_trajectory_controller.execute_messages import ExecuteMessages
+    from robomech_ros.nodes.joint_trajectory_controller.follow_messages import FollowMessages
 
 
 class GoalServer(ActionBase[TrajectoryGoal]):
@@ -63,11 +36,13 @@ class GoalServer(ActionBase[TrajectoryGoal]):
         Owner of the action server.
     robot : CommandedJoints
         What executes.
-    messages : ActionMessages
-        Those of the action.
+    messages : ExecuteMessages or FollowMessages
+        Those of the action: what its goals ask for, and how its results are put.
     """
 
-    def __init__(self, node: Node, robot: CommandedJoints, messages: ActionMessages) -> None:
+    def __init__(
+        self, node: Node, robot: CommandedJoints, messages: "ExecuteMessages | FollowMessages"
+    ) -> None:
         self._robot = robot
         self._messages = messages
         self._log = ThrottledLog(node.get_logger())

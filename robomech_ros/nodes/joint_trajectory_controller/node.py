@@ -27,7 +27,6 @@ from robomech_ros.nodes.joint_trajectory_controller.diagnostics import (
     robot_condition,
 )
 from robomech_ros.nodes.joint_trajectory_controller.execute_messages import ExecuteMessages
-from robomech_ros.nodes.joint_trajectory_controller.fault_settings import faults_of
 from robomech_ros.nodes.joint_trajectory_controller.goal_server import GoalServer
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper, gripper_of
 from robomech_ros.nodes.joint_trajectory_controller.gripper.interfaces import serve_gripper
@@ -39,6 +38,7 @@ from robomech_ros.nodes.joint_trajectory_controller.robot import (
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
     ControllerSettings,
     check_simulation,
+    faults_of,
 )
 from robomech_ros.nodes.joint_trajectory_controller.shutdown import Shutdown
 from robomech_ros.nodes.process.run import run_node

@@ -1,13 +1,15 @@
 """Parameters of the simulated robot."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from robomech_ros.execution.controller.follower_settings import FollowerSettings
+from robomech_ros.execution.controller.simulated_joints import Faults
+from robomech_ros.nodes.common.gripper_names import GripperNames, listed_names
 from robomech_ros.nodes.common.parameters import ParameterError, changeable, parameter
 from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
-from robomech_ros.nodes.joint_trajectory_controller.gripper_settings import GripperSettings
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.typing import Array
 
@@ -16,9 +18,44 @@ SPLINES, NO_INTERPOLATION = "splines", "none"
 
 
 @dataclass(frozen=True)
-class ControllerSettings(GripperSettings):
-    """Parameters of the node."""
+class ControllerSettings(GripperNames):
+    """Parameters of the node.
 
+    Those of the gripper have names as of ros2_control's gripper controllers, with ``gripper_``
+    before them.
+    """
+
+    parallel_gripper_controller: str = parameter(
+        "parallel_gripper_controller",
+        "Name before /gripper_cmd (ParallelGripperCommand); must differ from gripper_controller",
+    )
+    gripper_goal_tolerance: float = parameter(
+        0.01,
+        "Largest distance from the goal of a finger joint that has reached it, rad or m",
+        (0.0, 10.0),
+    )
+    gripper_allow_stalling: bool = changeable(
+        False, "gripper_cmd succeeds if an object between the fingers stops them"
+    )
+    gripper_stall_velocity_threshold: float = parameter(
+        0.001, "Largest speed of a finger joint at rest, rad/s or m/s", (0.0, 10.0)
+    )
+    gripper_stall_timeout: float = parameter(
+        1.0, "Time at rest after which the fingers count as stalled", (0.0, 60.0, "s")
+    )
+    gripper_max_effort: float = parameter(
+        0.0, "Largest effort of a finger joint, N m or N; 0 = its effort limit", (0.0, 1e6)
+    )
+    gripper_max_velocity: float = parameter(
+        0.0,
+        "Speed of a finger joint during gripper_cmd, rad/s or m/s; 0 = as its limit allows",
+        (0.0, 1e3),
+    )
+    gripper_object_width: float = changeable(
+        0.0,
+        "Width of a simulated object that stops closing fingers; 0 = no object",
+        (0.0, 10.0, "m"),
+    )
     publish_rate: float = parameter(
         100.0, "Rate of the simulated motion and of joint_states", (1.0, 1000.0, "Hz")
     )
@@ -228,3 +265,33 @@ def initial_position(settings: ControllerSettings, limits: Limits, home: Array) 
             allowed = f"from {low:.6g} to {high:.6g} {unit} for joint '{joint}'"
             raise ParameterError("initial_positions", value, allowed)
     return position
+
+
+def faults_of(
+    settings: ControllerSettings, joint_names: Sequence[str], others: Sequence[str] = ()
+) -> Faults:
+    """Read the faults of the joints of a robot; its fingers may be stuck, too.
+
+    Raises
+    ------
+    ParameterError
+        A joint that the robot does not have, or not one offset for every joint.
+    """
+    names = list(joint_names)
+    stuck = listed_names(settings.fault_stuck_joints)
+    for name in stuck:
+        if name not in names and name not in others:
+            allowed = f"names with commas between, of {', '.join((*names, *others))}"
+            raise ParameterError("fault_stuck_joints", settings.fault_stuck_joints, allowed)
+    offset = settings.fault_offset
+    if offset and len(offset) != len(names):
+        allowed = f"a list of {len(names)} numbers, for {', '.join(names)}, or empty"
+        raise ParameterError("fault_offset", list(offset), allowed)
+    return Faults(
+        stuck=np.isin(names, stuck),
+        offset=np.array(offset) if offset else np.zeros(len(names)),
+        delay=settings.fault_delay,
+        dropped=settings.fault_dropped_commands,
+        noise=settings.fault_noise,
+        seed=settings.fault_seed,
+    )

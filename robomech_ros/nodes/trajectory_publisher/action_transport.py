@@ -2,17 +2,22 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalStatus
 from rclpy.node import Node
 from rclpy.task import Future
 from trajectory_msgs.msg import JointTrajectory
 
+from robomech_interfaces.action import ExecuteTrajectory
 from robomech_ros.execution.client.execution_request import ExecutionRequest
 from robomech_ros.execution.motion_result import MotionResult
+from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.middleware.queue_depth import ask_action
 from robomech_ros.outcomes import Code
+
+if TYPE_CHECKING:
+    from robomech_ros.nodes.trajectory_publisher.follow_goals import FollowGoals
 
 OnResult = Callable[[ExecutionRequest, int, str], None]
 Moved = Callable[[], bool]
@@ -42,25 +47,25 @@ def request_topic(action: str) -> str:
     return f"rq{action}/_action/send_goalRequest"
 
 
-class ActionGoals(Protocol):
-    """Goals of an action: how they are put, and what results mean.
+class ExecuteGoals:
+    """Goals of ExecuteTrajectory: how they are put, and what results mean."""
 
-    Attributes
-    ----------
-    kind : type
-        The action.
-    name : str
-        Its name below the controller.
-    """
-
-    kind: Any
-    name: str
+    kind = ExecuteTrajectory
+    name = "execute_trajectory"
 
     def goal(self, trajectory: JointTrajectory, tolerances: AskedTolerances) -> Any:
-        """Make a goal."""
+        """Make a goal, which names a tolerance for every joint or for none."""
+        count = len(trajectory.joint_names)
+        return ExecuteTrajectory.Goal(
+            trajectory=trajectory,
+            path_position_tolerance=[tolerances.path] * count if tolerances.path else [],
+            goal_position_tolerance=[tolerances.goal] * count if tolerances.goal else [],
+            goal_time_tolerance=duration_from_seconds(tolerances.goal_time),
+        )
 
     def verdict(self, status: int, result: Any, began: bool) -> MotionResult:
-        """Return the code and the text of a result; `began` says whether the robot moved."""
+        """Return code and text, which the result has."""
+        return MotionResult(int(result.error_code), str(result.error_msg))
 
 
 class ActionTransport:
@@ -72,7 +77,7 @@ class ActionTransport:
         Owner of the client.
     controller : str
         Name of the controller.
-    goals : ActionGoals
+    goals : ExecuteGoals or FollowGoals
         Those of the action.
     tolerances : AskedTolerances
         What every goal asks of the controller.
@@ -84,7 +89,7 @@ class ActionTransport:
         self,
         node: Node,
         controller: str,
-        goals: ActionGoals,
+        goals: "ExecuteGoals | FollowGoals",
         tolerances: AskedTolerances,
         on_result: OnResult,
     ) -> None:

@@ -9,20 +9,14 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import Execute
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.client.execution_request import (
-    ExecutionReport,
-    ExecutionRequest,
-    Transport,
-)
+from robomech_ros.execution.client.execution_request import ExecutionReport, ExecutionRequest
 from robomech_ros.execution.client.position_check import off_goal, off_start
 from robomech_ros.nodes.common.error_codes import NoStateError, answer, code_of
 from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.trajectory_publisher.controller_client import ControllerClient
-from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
-from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
 from robomech_ros.nodes.trajectory_publisher.received_plans import ReceivedPlans
-from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
+from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings, answering_transport
 from robomech_ros.nodes.trajectory_publisher.speed_services import CANCELLED
 from robomech_ros.outcomes import Code
 
@@ -46,33 +40,16 @@ class ExecuteService:
     settings : PublisherSettings
         How far the robot may be from start and goal.
     plans : ReceivedPlans
-        Where the latest plan is.
-    reader : DeliveryReader
-        Makes deliveries.
-    loop : DispatchLoop
-        Executes them.
+        Where the latest plan is, what makes deliveries, and what executes them.
     link : ControllerClient
         Knows where the robot is.
-    transport : Transport
-        How trajectories reach the controller.
     """
 
     def __init__(
-        self,
-        node: Node,
-        settings: PublisherSettings,
-        plans: ReceivedPlans,
-        reader: DeliveryReader,
-        loop: DispatchLoop,
-        link: ControllerClient,
-        transport: Transport,
+        self, node: Node, settings: PublisherSettings, plans: ReceivedPlans, link: ControllerClient
     ) -> None:
-        self._settings = settings
-        self._plans = plans
-        self._reader = reader
-        self._loop = loop
-        self._link = link
-        self._transport = transport
+        self._settings, self._plans, self._link = settings, plans, link
+        self._transport = answering_transport(settings)
         serve(node, Execute, "~/execute", self._execute, callback_group=ReentrantCallbackGroup())
 
     async def _execute(self, request: Any, response: Any) -> Any:
@@ -94,23 +71,20 @@ class ExecuteService:
         A client that gives the latest plan, which is executed anyway, means that one.
         """
         if not (_asks_for_latest(trajectory) or self._plans.executes(trajectory)):
-            return self._offered(trajectory)
+            delivery = self._plans.asked = self._plans.reader.read(trajectory, self._transport)
+            self._plans.loop.offer(delivery)
+            return delivery
         latest = self._plans.latest
         if latest is None:
             raise NoPlanError(self._plans.topics)
         if self._in_hand(latest) or self._stands_at_the_end_of(latest):
             return latest
-        self._plans.latest = self._reader.read(latest.trajectory, self._transport)
-        self._loop.offer(self._plans.latest)
+        self._plans.latest = self._plans.reader.read(latest.trajectory, self._transport)
+        self._plans.loop.offer(self._plans.latest)
         return self._plans.latest
 
-    def _offered(self, trajectory: JointTrajectory) -> ExecutionRequest:
-        delivery = self._plans.asked = self._reader.read(trajectory, self._transport)
-        self._loop.offer(delivery)
-        return delivery
-
     def _in_hand(self, delivery: ExecutionRequest) -> bool:
-        dispatcher = self._loop.dispatcher
+        dispatcher = self._plans.loop.dispatcher
         return delivery is dispatcher.current or delivery in dispatcher.queue
 
     def _stands_at_the_end_of(self, delivery: ExecutionRequest) -> bool:

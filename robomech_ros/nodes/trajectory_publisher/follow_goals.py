@@ -33,7 +33,7 @@ _NOTHING = "Goal successfully reached!"
 
 
 class FollowGoals:
-    """Puts goals of FollowJointTrajectory; see `ActionGoals`."""
+    """Goals of FollowJointTrajectory: how they are put, and what results mean."""
 
     kind = FollowJointTrajectory
     name = "follow_joint_trajectory"

@@ -15,12 +15,10 @@ from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.common.status_report import NodeHealth, StatusReport
 from robomech_ros.nodes.middleware.liveliness import LivelinessMonitor
 from robomech_ros.nodes.process.run import run_node
-from robomech_ros.nodes.trajectory_publisher.action_transport import ActionTransport
+from robomech_ros.nodes.trajectory_publisher.action_transport import ActionTransport, ExecuteGoals
 from robomech_ros.nodes.trajectory_publisher.controller_client import ControllerClient
 from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals
-from robomech_ros.nodes.trajectory_publisher.diagnostics import execution_condition
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
-from robomech_ros.nodes.trajectory_publisher.execute_goals import ExecuteGoals
 from robomech_ros.nodes.trajectory_publisher.execute_service import ExecuteService
 from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
 from robomech_ros.nodes.trajectory_publisher.program_file import check_program_change
@@ -65,7 +63,7 @@ class TrajectoryPublisherNode(Node):
         self._loop = DispatchLoop(self, clock, self._link, settings)
         self._reader = DeliveryReader(clock, *limits)
         self._plans = ReceivedPlans(self, table, self._reader, self._loop)
-        ExecuteService(self, settings, self._plans, self._reader, self._loop, self._link, transport)
+        ExecuteService(self, settings, self._plans, self._link)
         self._runner = ProgramRunner(self, clock, self._loop.offer, transport, limits)
         self._programs = ProgramService(self, table, self._runner, self._loop, self._link)
         SpeedServices(self, self._loop, self._runner.cancel, self._plans.give_up)
@@ -90,8 +88,23 @@ class TrajectoryPublisherNode(Node):
         self._loop.conclude(delivery, code, text)
 
     def _condition(self) -> NodeHealth:
-        refusal, program = self._plans.refusal, self._runner.condition
-        return execution_condition(self._loop.dispatcher, refusal, program)
+        """Describe what is executed; a warning while something waits, and after a failure."""
+        dispatcher, refusal = self._loop.dispatcher, self._plans.refusal
+        tally = dispatcher.tally
+        trouble = dispatcher.queue.stalled or refusal or tally.last_failure
+        summary = "executing" if dispatcher.current is not None else "idle"
+        summary = "paused" if dispatcher.paused else summary
+        values = {
+            "speed": f"{dispatcher.speed:g}",
+            "waiting": len(dispatcher.queue),
+            "sent": tally.sent,
+            "arrived": tally.arrived,
+            "failed": tally.failed,
+            "last failure": tally.last_failure,
+            "last refusal": refusal,
+            "program": self._runner.condition,
+        }
+        return NodeHealth(f"{summary}; {trouble}" if trouble else summary, bool(trouble), values)
 
     def stop(self) -> None:
         """Answer those who wait; a motion that was sent goes on."""

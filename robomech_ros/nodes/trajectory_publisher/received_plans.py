@@ -64,8 +64,8 @@ class ReceivedPlans:
         self._node, self._log = node, ThrottledLog(node.get_logger())
         self._started = time.time_ns()
         self._table = table
-        self._reader = reader
-        self._loop = loop
+        self.reader = reader
+        self.loop = loop
         self._next: Future | None = None
         self._waiting = self._given_up = 0
         self.latest: ExecutionRequest | None = None
@@ -135,9 +135,9 @@ class ReceivedPlans:
                 # The request for it was faster.
                 self.latest = asked
             else:
-                self.latest = self._reader.read(plan, Transport(settings.transport))
+                self.latest = self.reader.read(plan, Transport(settings.transport))
                 if settings.auto_execute:
-                    self._loop.offer(self.latest)
+                    self.loop.offer(self.latest)
             self.refusal = ""
         except RobomechError as error:
             self.refusal = str(error)

@@ -1,14 +1,17 @@
 """Parameters of the trajectory publisher."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from robomech_ros.execution.client.dispatch_settings import DispatchSettings
 from robomech_ros.execution.client.execution_request import Transport
 from robomech_ros.nodes.common.parameters import ParameterError, changeable, parameter
 from robomech_ros.nodes.common.robot_description import RobotSettings
 from robomech_ros.nodes.middleware.liveliness import SHORTEST_LEASE
-from robomech_ros.nodes.trajectory_publisher.action_transport import ActionGoals, AskedTolerances
-from robomech_ros.nodes.trajectory_publisher.execute_goals import ExecuteGoals
+from robomech_ros.nodes.trajectory_publisher.action_transport import AskedTolerances, ExecuteGoals
+
+if TYPE_CHECKING:
+    from robomech_ros.nodes.trajectory_publisher.follow_goals import FollowGoals
 
 
 @dataclass(frozen=True)
@@ -130,7 +133,7 @@ def asked_tolerances(settings: PublisherSettings) -> AskedTolerances:
     return asked
 
 
-def action_goals(transport: Transport) -> ActionGoals:
+def action_goals(transport: Transport) -> "ExecuteGoals | FollowGoals":
     """Return the action of a transport.
 
     Raises

@@ -14,7 +14,7 @@ from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.nodes.common.cooperative_wait import wake
 from robomech_ros.nodes.common.error_codes import code_of
 from robomech_ros.nodes.joint_trajectory_controller.action_base import ActionBase
-from robomech_ros.nodes.joint_trajectory_controller.gripper.command_messages import CommandMessages
+from robomech_ros.nodes.joint_trajectory_controller.gripper.command_messages import GripperMessages
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.outcomes import name_of
@@ -37,11 +37,11 @@ class CommandServer(ActionBase[FingerMotion]):
         What moves.
     place : str
         Name below which the action is.
-    messages : CommandMessages
+    messages : GripperMessages
         Those of the action.
     """
 
-    def __init__(self, node: Node, gripper: Gripper, place: str, messages: CommandMessages) -> None:
+    def __init__(self, node: Node, gripper: Gripper, place: str, messages: GripperMessages) -> None:
         self._gripper = gripper
         self._messages = messages
         self._log = ThrottledLog(node.get_logger())
