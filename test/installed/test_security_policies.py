@@ -90,7 +90,7 @@ def seen(outsider, node, way):
     """Return what a node of the graph does; nothing while it is not there."""
     if (node, "/left") not in outsider.node.get_node_names_and_namespaces():
         return set()
-    return set(getattr(rights_of(outsider.node, node, "/left"), way))
+    return set(rights_of(outsider.node, node, "/left").names[way])
 
 
 def publish_frames(node):

@@ -2,16 +2,13 @@
 
 import argparse
 import math
-import signal
-import sys
 from pathlib import Path
 
-from robomech_ros.cli.warmup import demonstration_modules, warm
 from robomech_ros.errors import BadValueError
+from robomech_ros.nodes.commands.demo import run_demonstration
 from robomech_ros.robots import load_robot
 from robomech_ros.robots.documents.numbers_in_text import integer, number
 
-EXIT_FAILED = 1
 _TYPES = ("eye_in_hand", "eye_on_base")
 # A wrong sample is told by the others from eight on, where one of them is wrong.
 _LEAST_SAMPLES, _MOST_SAMPLES = 8, 40
@@ -59,20 +56,11 @@ def run(args: argparse.Namespace) -> int:
         if not (math.isfinite(value) and 0.0 <= value <= _MOST_NOISE):
             raise BadValueError(option, value, f"0 to {_MOST_NOISE:g}")
     load_robot(args.robot)
-    # Contexts are left in order on SIGTERM, too: no node outlives the demonstration.
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
-    warm(demonstration_modules("calibration"), silent_if_quick=True)
-    from robomech_ros.nodes.demonstration.calibration_session import (
-        DemoOptions,
-        demonstrate_calibration,
-    )
-    from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
 
-    try:
-        demonstrate_calibration(
-            DemoOptions(args.robot, args.type, args.samples, noise), args.output
-        )
-    except DemoFailedError as error:
-        print(f"robomech calibrate-demo failed: {error}", file=sys.stderr)
-        return EXIT_FAILED
-    return 0
+    def demonstration() -> None:
+        from robomech_ros.nodes.demonstration import calibration_session as session
+
+        options = session.DemoOptions(args.robot, args.type, args.samples, noise)
+        session.demonstrate_calibration(options, args.output)
+
+    return run_demonstration("calibrate-demo", "calibration", demonstration)

@@ -3,6 +3,7 @@
 import argparse
 import signal
 import sys
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -94,20 +95,30 @@ def run(args: argparse.Namespace) -> int:
     if not 0.0 <= args.payload <= HEAVIEST_PAYLOAD:
         raise BadValueError("--payload", args.payload, f"0 to {HEAVIEST_PAYLOAD:g} kg")
     _check_folder(args.output)
-    # Contexts are left in order on SIGTERM, too: no node outlives the demonstration.
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
-    warm(demonstration_modules(kind_of(args.robot)), silent_if_quick=True)
-    from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
-    from robomech_ros.nodes.demonstration.limits import Which
-    from robomech_ros.nodes.demonstration.session import demonstrate
 
-    try:
+    def demonstration() -> None:
         if own is not None:
             import_module(own.demonstration).demonstrate(args.robot, args.output)
-            return 0
+            return
+        from robomech_ros.nodes.demonstration.limits import Which
+        from robomech_ros.nodes.demonstration.session import demonstrate
+
         payload = args.payload if args.dynamic else None
         demonstrate(Which(args.robot, args.srdf, args.group), args.output, payload)
+
+    return run_demonstration("demo", kind_of(args.robot), demonstration)
+
+
+def run_demonstration(command: str, kind: str, demonstration: Callable[[], None]) -> int:
+    """Run the demonstration of a command, for a kind of robot; returns 0 if all succeeded, else 1."""
+    # Contexts are left in order on SIGTERM, too: no node outlives the demonstration.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    warm(demonstration_modules(kind), silent_if_quick=True)
+    from robomech_ros.nodes.demonstration.suite import DemoFailedError
+
+    try:
+        demonstration()
     except DemoFailedError as error:
-        print(f"robomech demo failed: {error}", file=sys.stderr)
+        print(f"robomech {command} failed: {error}", file=sys.stderr)
         return EXIT_FAILED
     return 0

@@ -1,6 +1,6 @@
 """Access policy of SROS2 for all topics, services and actions of the nodes."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
@@ -24,28 +24,20 @@ _KINDS = (
 
 @dataclass(frozen=True)
 class NodeRights:
-    """Rights of one node, each a tuple of full names in alphabetical order.
+    """Rights of one node.
 
     Attributes
     ----------
     name, namespace : str
         Of the node.
-    publish, subscribe : tuple of str
-        Topics.
-    reply, request : tuple of str
-        Services that it offers, and those that it calls.
-    execute, call : tuple of str
-        Actions likewise.
+    names : mapping
+        Full names in alphabetical order, by right: publish and subscribe of topics, reply and
+        request of services, execute and call of actions.
     """
 
     name: str
     namespace: str
-    publish: tuple[str, ...]
-    subscribe: tuple[str, ...]
-    reply: tuple[str, ...]
-    request: tuple[str, ...]
-    execute: tuple[str, ...]
-    call: tuple[str, ...]
+    names: Mapping[str, Sequence[str]]
 
 
 def rights_of(observer: Node, name: str, namespace: str) -> NodeRights:
@@ -59,20 +51,19 @@ def rights_of(observer: Node, name: str, namespace: str) -> NodeRights:
         Of the node.
     """
     at = name, namespace
-    return NodeRights(
-        name,
-        namespace,
-        _names(observer.get_publisher_names_and_types_by_node(*at)),
-        _names(observer.get_subscriber_names_and_types_by_node(*at)),
-        _names(observer.get_service_names_and_types_by_node(*at)),
-        _names(observer.get_client_names_and_types_by_node(*at)),
-        _names(get_action_server_names_and_types_by_node(observer, *at)),
-        _names(get_action_client_names_and_types_by_node(observer, *at)),
-    )
-
-
-def _names(found: Iterable[tuple[str, list[str]]]) -> tuple[str, ...]:
-    return tuple(sorted(name for name, _ in found if _PART_OF_ACTION not in name))
+    found = {
+        "publish": observer.get_publisher_names_and_types_by_node(*at),
+        "subscribe": observer.get_subscriber_names_and_types_by_node(*at),
+        "reply": observer.get_service_names_and_types_by_node(*at),
+        "request": observer.get_client_names_and_types_by_node(*at),
+        "execute": get_action_server_names_and_types_by_node(observer, *at),
+        "call": get_action_client_names_and_types_by_node(observer, *at),
+    }
+    names = {
+        way: sorted(name for name, _ in rows if _PART_OF_ACTION not in name)
+        for way, rows in found.items()
+    }
+    return NodeRights(name, namespace, names)
 
 
 def policy_xml(rights: Iterable[NodeRights], enclave: str) -> str:
@@ -99,8 +90,7 @@ def _rules(node: NodeRights) -> Iterator[ElementTree.Element]:
     """Yield one element for each right that the node makes use of."""
     for element, entry, ways in _KINDS:
         for way in ways:
-            names = getattr(node, way)
-            if names:
+            if names := node.names[way]:
                 rule = ElementTree.Element(element, {way: "ALLOW"})
                 for name in names:
                     ElementTree.SubElement(rule, entry).text = name

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -25,11 +26,11 @@ from robomech_ros.nodes.demonstration.camera import (
 from robomech_ros.nodes.demonstration.client import DemoClient, running_client
 from robomech_ros.nodes.demonstration.limits import Which, chain_with_limits
 from robomech_ros.nodes.demonstration.postures import pick_and_place
-from robomech_ros.nodes.demonstration.report import Reporter
+from robomech_ros.nodes.demonstration.report import Reporter, write_page
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.plotting.calibrations import plot_calibration
 from robomech_ros.robots import SerialChain, load_description
-from robomech_ros.rvs import ViewUnavailableError, write_calibration
+from robomech_ros.rvs import write_calibration
 
 
 @dataclass(frozen=True)
@@ -72,23 +73,15 @@ def demonstrate_calibration(wanted: DemoOptions, output: Path) -> None:
     chain, notice = chain_with_limits(which)
     if notice:
         reporter.say(notice)
-    _session(which, chain, wanted, output.resolve(), reporter)
-
-
-def _session(
-    which: Which, chain: SerialChain, wanted: DemoOptions, output: Path, reporter: Reporter
-) -> None:
+    output = output.resolve()
     mount = MOUNT_OF_TYPE[wanted.calibration_type]
     reporter.heading(f"{chain.name}: where is the camera? ({mount})")
-    on_tf = _tf_is_there()
+    on_tf = find_spec("tf2_msgs") is not None
     began = time.perf_counter()
     with running_client(_commands(which, wanted, output, on_tf), chain) as (suite, client):
         client.wait_until_up(SERVICES)
         up = time.perf_counter()
-        reporter.say(
-            f"up after {up - began:.1f} s, each a process of its own in ROS domain "
-            f"{suite.domain}: {', '.join(suite.names)}"
-        )
+        reporter.say(f"up after {up - began:.1f} s, {suite.says}")
         reporter.say(
             f"the camera's noise: {wanted.noise[1] * 1e3:g} mm and {wanted.noise[0] * 1e3:g} "
             f"mrad in each coordinate; it speaks {'on /tf' if on_tf else 'on topics'}, and "
@@ -102,14 +95,6 @@ def _session(
         _tell(client, task, chain, reporter, output)
         reporter.say(_page(client, which, chain, mount, output))
         reporter.say(f"everything worked, in {time.perf_counter() - up:.1f} s")
-
-
-def _tf_is_there() -> bool:
-    try:
-        import tf2_msgs.msg  # noqa: F401
-    except ImportError:
-        return False
-    return True
 
 
 def _commands(which: Which, wanted: DemoOptions, output: Path, on_tf: bool) -> dict[str, list[str]]:
@@ -167,10 +152,9 @@ def _page(client: DemoClient, which: Which, chain: SerialChain, mount: str, outp
         np.array([matrix_from_pose(pose) for pose in poses.poses])
         for poses in (listed.robot, listed.tracking)
     )
-    path = output / f"{chain.name}_calibration.html"
     result, title = hand_eye(robot, tracking, mount=mount), f"{chain.name}: where is the camera?"
-    try:
-        write_calibration(path, load_description(which.robot), chain, result, tracking, title=title)
-    except ViewUnavailableError as error:
-        return f"no page: {error}"
-    return f"page: {path}"
+    description = load_description(which.robot)
+    return write_page(
+        output / f"{chain.name}_calibration.html",
+        lambda path: write_calibration(path, description, chain, result, tracking, title=title),
+    )

@@ -25,8 +25,8 @@ from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
 from robomech_ros.nodes.demonstration.camera import Scene, SimulatedCamera
 from robomech_ros.nodes.demonstration.client import EXECUTE, DemoClient
-from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
 from robomech_ros.nodes.demonstration.report import Reporter
+from robomech_ros.nodes.demonstration.suite import DemoFailedError
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import (
     matrix_from_rotation_vector,

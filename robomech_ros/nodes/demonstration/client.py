@@ -15,8 +15,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import Execute
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
-from robomech_ros.nodes.demonstration.suite import Suite, running_suite
+from robomech_ros.nodes.demonstration.suite import DemoFailedError, Suite, running_suite
 from robomech_ros.nodes.middleware.queue_depth import ask
 from robomech_ros.nodes.middleware.retrying_client import RetriedRequest
 from robomech_ros.nodes.process.run import Spinner

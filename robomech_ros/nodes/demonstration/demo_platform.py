@@ -35,7 +35,7 @@ class DemoPlatform:
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
-        self.mechanism = mechanism
+        self.model = mechanism
         self.name, self.base = mechanism.name, mechanism.base_link
         self.joint_names, self.units = mechanism.joint_names, mechanism.units
         self.shown = mechanism.drive_index.tolist()
@@ -48,11 +48,11 @@ class DemoPlatform:
 
     def home(self) -> Array:
         """Start posture, shape (n,), rad or m."""
-        return self.mechanism.home()
+        return self.model.home()
 
     def pose(self, q: Array) -> Array:
         """Pose of the platform in the base (4, 4), of joints (n,)."""
-        return self.mechanism.pose(q)
+        return self.model.pose(q)
 
     def targets(self) -> tuple[Array, Array]:
         """Poses (4, 4) where to pick and where to place, between which nothing is in the way.
@@ -73,7 +73,7 @@ class DemoPlatform:
 
     def _ends(self) -> list[Array]:
         """Find postures (n,) to which the drives can go straight from home."""
-        robot, home = self.mechanism, self.home()
+        robot, home = self.model, self.home()
         drives = robot.drive_index
         rng = np.random.default_rng(1)
         most = np.repeat([_TURN, _MOVE * robot.size], 3)
@@ -87,22 +87,22 @@ class DemoPlatform:
 
     def _free(self, start: Array, goal: Array) -> Array | None:
         """Return the posture at the end of a straight way of the drives; None if one ends it."""
-        drives = self.mechanism.drive_index
-        end = goal[drives] if len(goal) == self.mechanism.n else goal
+        drives = self.model.drive_index
+        end = goal[drives] if len(goal) == self.model.n else goal
         way = np.linspace(start[drives], end, _LOOKS)
-        found = follow_drives(self.mechanism, way, start, condition=_CONDITION)
+        found = follow_drives(self.model, way, start, condition=_CONDITION)
         return None if found.stop is not None else found.q[-1]
 
     def _distance(self, a: Array, b: Array) -> float:
         T = self.pose(np.stack([a, b]))
-        turned = self.mechanism.size * np.linalg.norm(T[0, :3, :3] - T[1, :3, :3])
+        turned = self.model.size * np.linalg.norm(T[0, :3, :3] - T[1, :3, :3])
         return float(np.linalg.norm(T[0, :3, 3] - T[1, :3, 3]) + turned)
 
     def path_to_place(self, pick: Array, place: Array) -> TipPath | None:
         """Lift, go over to the place, and put down, in straight lines; None if that cannot be."""
-        start = self.mechanism.postures(pick, seed=self.home()).q[0]
+        start = self.model.postures(pick, seed=self.home()).q[0]
         for lift in _LIFTS:
-            up = np.array([0.0, 0.0, lift * self.mechanism.size])
+            up = np.array([0.0, 0.0, lift * self.model.size])
             waypoints = np.stack([pick, place, place])
             waypoints[:2, :3, 3] += up
             if self._possible(start, waypoints, "straight"):
@@ -121,7 +121,7 @@ class DemoPlatform:
         for tilt in _TILTS:
             for radius in _RADII:
                 waypoints = np.tile(place, (_WAYPOINTS, 1, 1))
-                waypoints[:, :3, 3] += radius * self.mechanism.size * round_about
+                waypoints[:, :3, 3] += radius * self.model.size * round_about
                 turns = matrix_from_rotation_vector(tilt * round_about)
                 waypoints[:, :3, :3] = turns @ place[:3, :3]
                 if self._possible(self._place, waypoints, "spline"):
@@ -131,6 +131,6 @@ class DemoPlatform:
     def _possible(self, start: Array, waypoints: Array, kind: PathKind) -> bool:
         try:
             path = waypoint_path(self.pose(start), waypoints, kind)
-            return path is not None and plan_platform(self.mechanism, path, start).stop is None
+            return path is not None and plan_platform(self.model, path, start).stop is None
         except BadValueError:  # the platform does not move so
             return False

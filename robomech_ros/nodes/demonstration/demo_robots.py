@@ -1,7 +1,6 @@
 """Robots of the demonstration: an arm, or a parallel robot."""
 
-from collections.abc import Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, TypeAlias
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.demonstration.postures import pick_and_place
@@ -9,60 +8,28 @@ from robomech_ros.nodes.demonstration.report import TipPath
 from robomech_ros.robots import PRISMATIC, SerialChain
 from robomech_ros.typing import Array
 
-
-class DemoRobot(Protocol):
-    """A robot of n joints."""
-
-    @property
-    def name(self) -> str:
-        """Name of the robot."""
-
-    @property
-    def base(self) -> str:
-        """Its base link."""
-
-    @property
-    def title(self) -> str:
-        """One-line description of the robot."""
-
-    @property
-    def joint_names(self) -> Sequence[str]:
-        """All joints."""
-
-    @property
-    def units(self) -> Sequence[str]:
-        """Units of all joints, ``"rad"`` or ``"m"``."""
-
-    @property
-    def shown(self) -> Sequence[int]:
-        """Numbers of the joints that are printed and plotted."""
-
-    def home(self) -> Array:
-        """Start posture, shape (n,), rad or m."""
-
-    def pose(self, q: Array) -> Array:
-        """Pose of the tip in the base (4, 4), of joints (n,)."""
-
-    def targets(self) -> tuple[Array, Array]:
-        """Poses (4, 4) where to pick and where to place."""
-
-    def path_to_place(self, pick: Array, place: Array) -> TipPath | None:
-        """Return the path of the tip from pick to place; None where only the joints matter."""
-
-    def path_onward(self, place: Array) -> TipPath | None:
-        """Return a path of the tip that begins at place; None for no more."""
+if TYPE_CHECKING:
+    from robomech_ros.nodes.demonstration.demo_platform import DemoPlatform
 
 
 class DemoArm:
-    """An arm.
+    """An arm; `DemoPlatform` has the same methods.
 
     Parameters
     ----------
     chain : SerialChain
+        Of n joints.
+
+    Attributes
+    ----------
+    title : str
+        One-line description of the robot.
+    shown : sequence of int
+        Numbers of the joints that are printed and plotted.
     """
 
     def __init__(self, chain: SerialChain) -> None:
-        self._chain = chain
+        self.model = chain
         self.name, self.base = chain.name, chain.base
         self.joint_names, self.units = chain.joint_names, chain.units
         self.shown = range(chain.n)
@@ -71,19 +38,22 @@ class DemoArm:
 
     def home(self) -> Array:
         """Start posture, shape (n,), rad or m."""
-        return self._chain.home()
+        return self.model.home()
 
     def pose(self, q: Array) -> Array:
         """Pose of the tip in the base (4, 4), of joints (n,)."""
-        return forward_kinematics(self._chain, q)
+        return forward_kinematics(self.model, q)
 
     def targets(self) -> tuple[Array, Array]:
         """Poses (4, 4) where to pick and where to place."""
-        pick, place = pick_and_place(self._chain)
+        pick, place = pick_and_place(self.model)
         return self.pose(pick), self.pose(place)
 
     def path_to_place(self, pick: Array, place: Array) -> TipPath | None:
-        """Leave the way to the joints."""
+        """Return None: the way of the tip is left to the joints."""
 
     def path_onward(self, place: Array) -> TipPath | None:
-        """End at place."""
+        """Return None: an arm ends at place."""
+
+
+DemoRobot: TypeAlias = "DemoArm | DemoPlatform"

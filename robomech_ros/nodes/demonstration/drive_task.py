@@ -14,10 +14,10 @@ from rclpy.qos import qos_profile_sensor_data
 from robomech_ros.nodes.common.message_fields import NANO
 from robomech_ros.nodes.demonstration.client import DemoClient
 from robomech_ros.nodes.demonstration.closed_paths import ClosedPath
-from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
 from robomech_ros.nodes.demonstration.path_follower import PathFollower
 from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.rolling_paths import speed_on
+from robomech_ros.nodes.demonstration.suite import DemoFailedError
 from robomech_ros.nodes.mobile_base.drives import Interface
 from robomech_ros.rolling import RollingRobot
 from robomech_ros.typing import Array

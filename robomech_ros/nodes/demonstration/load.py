@@ -6,7 +6,7 @@ from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParametersAtomically
 
 from robomech_ros.nodes.demonstration.client import DemoClient
-from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
+from robomech_ros.nodes.demonstration.suite import DemoFailedError
 
 _SERVICE = "joint_trajectory_controller/set_parameters_atomically"
 # What the demonstration calls besides, where the robot carries something.

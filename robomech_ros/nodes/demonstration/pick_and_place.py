@@ -9,10 +9,10 @@ from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.demonstration.client import DemoClient
-from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
 from robomech_ros.nodes.demonstration.demo_robots import DemoRobot
 from robomech_ros.nodes.demonstration.load import TRACKED, Load
 from robomech_ros.nodes.demonstration.report import Leg, Reporter, TipPath
+from robomech_ros.nodes.demonstration.suite import DemoFailedError
 from robomech_ros.robots.semantic import HOME
 from robomech_ros.rvs import Choice, NamedPosture
 from robomech_ros.spatial import pose_error

@@ -1,7 +1,10 @@
 """Printed report of the demonstration."""
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,6 +12,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 from rich.table import Table
 
+from robomech_ros.rvs import ViewUnavailableError
 from robomech_ros.typing import Array
 
 Shown = Callable[[float, Array], None]
@@ -40,16 +44,25 @@ class TipPath(NamedTuple):
     waypoints: Array
 
 
+@dataclass
 class Leg:
     """One motion of the demonstration, for the summary."""
 
-    def __init__(self, name: str, profile: str, duration: float, peak: float) -> None:
-        self.name = name
-        self.profile = profile
-        self.duration = duration
-        self.peak = peak
-        self.position_error = float("nan")
-        self.orientation_error = float("nan")
+    name: str
+    profile: str
+    duration: float
+    peak: float
+    position_error: float = math.nan
+    orientation_error: float = math.nan
+
+
+def write_page(path: Path, write: Callable[[Path], object]) -> str:
+    """Have a page written, and say where it is; or why there is none."""
+    try:
+        write(path)
+    except ViewUnavailableError as error:
+        return f"no page: {error}"
+    return f"page: {path}"
 
 
 class Reporter:

@@ -10,14 +10,14 @@ import numpy as np
 
 from robomech_ros.nodes.demonstration.client import DemoClient, running_client
 from robomech_ros.nodes.demonstration.drive_task import Driven, DriveTask
-from robomech_ros.nodes.demonstration.report import Reporter
+from robomech_ros.nodes.demonstration.report import Reporter, write_page
 from robomech_ros.nodes.demonstration.rolling_paths import paths_for
 from robomech_ros.nodes.mobile_base.drives import INTERFACES
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.plotting.drives import plot_paths
 from robomech_ros.rolling import RollingRobot, WheelJoints, rolling_description, rolling_robot
 from robomech_ros.rolling.tree import BASE_JOINTS
-from robomech_ros.rvs import Choice, Motion, ViewUnavailableError, write_motion
+from robomech_ros.rvs import Choice, Motion, write_motion
 
 
 class _Joints(NamedTuple):
@@ -56,11 +56,7 @@ def demonstrate(robot: str, output: Path) -> None:
         client.wait_until_up({})
         task = DriveTask(client, rolling, interface, reporter)
         task.wait_until_up()
-        seconds = time.perf_counter() - start
-        reporter.say(
-            f"up after {seconds:.1f} s, a process of its own in ROS domain {suite.domain}: "
-            f"{', '.join(suite.names)}"
-        )
+        reporter.say(f"up after {time.perf_counter() - start:.1f} s, {suite.says}")
         radius, paths = paths_for(base)
         driven = [task.drive(path, radius) for path in paths]
         output.mkdir(parents=True, exist_ok=True)
@@ -101,10 +97,8 @@ def _page(
     q = np.column_stack([known[name] for name in description.joint_names])
     choices = tuple(Choice(one.begin, one.path.name, "", ()) for one in driven)
     name = robot.base.name
-    path, title = output / f"{name}.html", f"{name}: closed paths"
-    motion = Motion(description, times, q, choices)
-    try:
-        write_motion(path, description, motion, title=title, trail="base_link")
-    except ViewUnavailableError as error:
-        return f"no page: {error}"
-    return f"page: {path}"
+    motion, title = Motion(description, times, q, choices), f"{name}: closed paths"
+    return write_page(
+        output / f"{name}.html",
+        lambda path: write_motion(path, description, motion, title=title, trail="base_link"),
+    )

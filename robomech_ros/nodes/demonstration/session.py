@@ -12,12 +12,11 @@ from robomech_ros.nodes.demonstration.demo_robots import DemoArm, DemoRobot
 from robomech_ros.nodes.demonstration.limits import Which, chain_with_limits
 from robomech_ros.nodes.demonstration.load import CARRYING, TRACKED, Load
 from robomech_ros.nodes.demonstration.pick_and_place import PickAndPlace
-from robomech_ros.nodes.demonstration.report import Reporter
+from robomech_ros.nodes.demonstration.report import Reporter, write_page
 from robomech_ros.nodes.process.launch_options import LaunchOptions
-from robomech_ros.parallel import Mechanism, ParallelDynamics, load_tree_description
+from robomech_ros.parallel import ParallelDynamics, load_tree_description
 from robomech_ros.plotting.joint_motions import plot_motion
-from robomech_ros.robots import SerialChain
-from robomech_ros.rvs import Motion, ViewUnavailableError, write_motion
+from robomech_ros.rvs import Motion, write_motion
 
 # Rest before the first motion that the plot shows, s.
 _LEAD_SECONDS = 0.25
@@ -55,8 +54,7 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
 
         if payload is not None:
             ParallelDynamics(mechanism).mass_matrix(mechanism.home())
-        platform = DemoPlatform(mechanism)
-        written = _session(which, platform, mechanism, output, reporter, payload)
+        robot: DemoRobot = DemoPlatform(mechanism)
     else:
         chain, notice = chain_with_limits(which)
         if notice:
@@ -64,29 +62,12 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
         if payload is not None:
             # A robot that cannot be simulated is refused here, once, instead of by a node.
             mass_matrix(chain, chain.midrange())
-        written = _session(which, DemoArm(chain), chain, output, reporter, payload)
-    for line in written:
-        reporter.say(line)
-    reporter.say(f"everything worked, in {time.perf_counter() - start:.1f} s")
-
-
-def _session(
-    which: Which,
-    robot: DemoRobot,
-    moved: SerialChain | Mechanism,
-    output: Path,
-    reporter: Reporter,
-    payload: float | None,
-) -> list[str]:
+        robot = DemoArm(chain)
     reporter.heading(robot.title)
-    start = time.perf_counter()
+    begun = time.perf_counter()
     with running_client(_commands(which, payload is not None), robot) as (suite, client):
         client.wait_until_up(_SERVICES if payload is None else _SERVICES | CARRYING)
-        seconds = time.perf_counter() - start
-        reporter.say(
-            f"up after {seconds:.1f} s, each a process of its own in ROS domain "
-            f"{suite.domain}: {', '.join(suite.names)}"
-        )
+        reporter.say(f"up after {time.perf_counter() - begun:.1f} s, {suite.says}")
         load = None if payload is None else Load(client, payload)
         task = PickAndPlace(client, robot, reporter, load)
         if which.srdf:
@@ -98,7 +79,10 @@ def _session(
         reporter.summary(task.legs)
         output.mkdir(parents=True, exist_ok=True)
         plot = _plot(robot, client, task, output)
-        return [f"plot: {plot}", _page(which, moved, client, task, output)]
+        page = _page(which, robot, client, task, output)
+    reporter.say(f"plot: {plot}")
+    reporter.say(page)
+    reporter.say(f"everything worked, in {time.perf_counter() - start:.1f} s")
 
 
 def _commands(which: Which, dynamic: bool) -> dict[str, list[str]]:
@@ -112,23 +96,18 @@ def _commands(which: Which, dynamic: bool) -> dict[str, list[str]]:
 
 
 def _page(
-    which: Which,
-    moved: SerialChain | Mechanism,
-    client: DemoClient,
-    task: PickAndPlace,
-    output: Path,
+    which: Which, robot: DemoRobot, client: DemoClient, task: PickAndPlace, output: Path
 ) -> str:
     """Write the motion as a page, and say where; or why not."""
     times, q, _ = client.recording()
     keep = times >= _start(task)
-    motion = Motion(moved, times[keep], q[keep], tuple(task.choices))
-    title = f"{moved.name}: pick and place"
-    path = output / f"{moved.name}.html"
-    try:
-        write_motion(path, load_tree_description(which.robot).description, motion, title=title)
-    except ViewUnavailableError as error:
-        return f"no page: {error}"
-    return f"page: {path}"
+    motion = Motion(robot.model, times[keep], q[keep], tuple(task.choices))
+    description = load_tree_description(which.robot).description
+    title = f"{robot.name}: pick and place"
+    return write_page(
+        output / f"{robot.name}.html",
+        lambda path: write_motion(path, description, motion, title=title),
+    )
 
 
 def _start(task: PickAndPlace) -> float:

@@ -6,11 +6,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
+from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.process.free_domain import free_domain
 from robomech_ros.nodes.process.process_group import ProcessGroup
 
 _LOG_LINES = 30
+
+
+class DemoFailedError(RobomechError):
+    """A step of the demonstration went wrong; the text says which and why."""
 
 
 class Suite:
@@ -25,6 +29,12 @@ class Suite:
     def names(self) -> tuple[str, ...]:
         """Names of the nodes."""
         return tuple(self._group.processes)
+
+    @property
+    def says(self) -> str:
+        """Its processes and their domain, in words."""
+        each = "each a process" if len(self.names) > 1 else "a process"
+        return f"{each} of its own in ROS domain {self.domain}: {', '.join(self.names)}"
 
     def check(self) -> None:
         """Raise where a node has ended.

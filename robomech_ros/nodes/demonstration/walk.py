@@ -13,8 +13,8 @@ from robomech_interfaces.msg import FootContacts
 from robomech_ros.nodes.common.message_fields import NANO
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.demonstration.client import DemoClient
-from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
 from robomech_ros.nodes.demonstration.path_follower import PathFollower
+from robomech_ros.nodes.demonstration.suite import DemoFailedError
 from robomech_ros.rolling.arcs import moved
 from robomech_ros.spatial.poses import rigid_inverse
 from robomech_ros.typing import Array, BoolArray

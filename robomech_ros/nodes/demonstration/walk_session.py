@@ -11,13 +11,13 @@ import numpy as np
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.demonstration.client import DemoClient, running_client
 from robomech_ros.nodes.demonstration.closed_paths import ClosedPath, figure_of_eight
-from robomech_ros.nodes.demonstration.demo_error import DemoFailedError
 from robomech_ros.nodes.demonstration.path_follower import PathFollower
-from robomech_ros.nodes.demonstration.report import Reporter
+from robomech_ros.nodes.demonstration.report import Reporter, write_page
+from robomech_ros.nodes.demonstration.suite import DemoFailedError
 from robomech_ros.nodes.demonstration.walk import Walk
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.plotting.walks import plot_walk
-from robomech_ros.rvs import Motion, ViewUnavailableError, write_motion
+from robomech_ros.rvs import Motion, write_motion
 from robomech_ros.rvs.model.walking.placed_tree import placed_tree, placing
 from robomech_ros.typing import Array
 from robomech_ros.walking import GAITS, LeggedRobot, Walker, load_legged
@@ -65,10 +65,7 @@ def demonstrate(robot: str, output: Path) -> None:
         client.wait_until_up({})
         walk = Walk(client, _LEAD)
         walk.wait_until_it_stands()
-        reporter.say(
-            f"up after {time.perf_counter() - start:.1f} s, each a process of its own in ROS "
-            f"domain {suite.domain}: {', '.join(suite.names)}"
-        )
+        reporter.say(f"up after {time.perf_counter() - start:.1f} s, {suite.says}")
         reporter.say(
             f"{path.name}: {path.length:.2f} m at {speed * 1e3:.0f} mm/s, by twists on cmd_vel"
         )
@@ -131,7 +128,13 @@ def _check(walker: Walker, walk: Walk, client: DemoClient, reporter: Reporter) -
     """
     robot = walker.robot
     _, trunk = walk.trunk
-    _closed("odometry", trunk[0], trunk[-1], reporter)
+    away = np.linalg.inv(trunk[0]) @ trunk[-1]
+    off = float(np.linalg.norm(away[:2, 3]))
+    turned = abs(float(np.arctan2(away[1, 0], away[0, 0])))
+    text = f"by odometry it is {off * 1e3:.2f} mm and {turned * 1e3:.2f} mrad from where it began"
+    if off > _ARRIVED or turned > _ARRIVED_ANGLE:
+        raise DemoFailedError(text)
+    reporter.say(text)
     _, contacts, places = walk.feet
     at_rest = np.abs(_on_ground(robot, client.present[None], trunk[-1:]) - places[-1]).max()
     count, off = _slip(robot, walk, client)
@@ -181,16 +184,6 @@ def _on_ground(robot: LeggedRobot, q: Array, T: Array) -> Array:
     return np.asarray(seen + T[:, None, :3, 3])
 
 
-def _closed(what: str, begin: Array, end: Array, reporter: Reporter) -> None:
-    away = np.linalg.inv(begin) @ end
-    off = float(np.linalg.norm(away[:2, 3]))
-    turned = abs(float(np.arctan2(away[1, 0], away[0, 0])))
-    text = f"by {what} it is {off * 1e3:.2f} mm and {turned * 1e3:.2f} mrad from where it began"
-    if off > _ARRIVED or turned > _ARRIVED_ANGLE:
-        raise DemoFailedError(text)
-    reporter.say(text)
-
-
 def _plot(walker: Walker, walk: Walk, path: ClosedPath, output: Path) -> Path:
     robot = walker.robot
     times, trunk = walk.trunk
@@ -225,11 +218,10 @@ def _page(robot: LeggedRobot, walk: Walk, client: DemoClient, output: Path) -> s
     placed = [placing(base, T, height) for base, T in zip(bases, trunk, strict=True)]
     columns |= {name: np.array([one[name] for one in placed]) for name in placed[0]}
     moved = np.column_stack([columns[name] for name in tree.joint_names])
-    path = output / f"{robot.name}.html"
     keep = np.diff(times, prepend=-np.inf) > 0.0
     motion = Motion(tree, times[keep] - times[0], moved[keep])
-    try:
-        write_motion(path, tree, motion, title=f"{robot.name}: an eight", trail=robot.trunk)
-    except ViewUnavailableError as error:
-        return f"no page: {error}"
-    return f"page: {path}"
+    title = f"{robot.name}: an eight"
+    return write_page(
+        output / f"{robot.name}.html",
+        lambda path: write_motion(path, tree, motion, title=title, trail=robot.trunk),
+    )
