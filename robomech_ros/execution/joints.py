@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.trajectory.sample import Sample
 from robomech_ros.typing import Array, BoolArray
 
 # Assumed for joints without limits: seconds to full speed and to full acceleration, and the speed
@@ -35,6 +36,12 @@ class State:
             self.velocity - other.velocity,
             self.acceleration - other.acceleration,
         )
+
+
+def paced_state(sample: Sample, pace: float, rate: float) -> State:
+    """Return the state on a curve that is followed at a pace, which changes at a rate (1/s)."""
+    acceleration = sample.acceleration * pace * pace + sample.velocity * rate
+    return State(sample.position, sample.velocity * pace, acceleration)
 
 
 def at_rest(position: Array) -> State:

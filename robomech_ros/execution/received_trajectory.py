@@ -175,15 +175,12 @@ def _rows(
         if not good.all():
             row, joint = np.argwhere(~good)[0]
             what = f"points[{there[row]}].{field} of joint '{names[joint]}'"
-            _refuse_number(what, float(found[row, joint]))
+            value = float(found[row, joint])
+            if not math.isfinite(value):
+                raise NonFiniteError(what, value)
+            raise BadValueError(what, value, f"at most {LARGEST:g} in magnitude")
         rows[there] = found
     return rows
-
-
-def _refuse_number(what: str, value: float) -> None:
-    if not math.isfinite(value):
-        raise NonFiniteError(what, value)
-    raise BadValueError(what, value, f"at most {LARGEST:g} in magnitude")
 
 
 def _refuse_effort(points: Sequence[ReceivedPoint]) -> None:

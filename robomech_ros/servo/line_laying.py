@@ -13,7 +13,7 @@ from collections.abc import Callable, Generator, Iterator
 
 import numpy as np
 
-from robomech_ros.servo.poses import moved_pose
+from robomech_ros.servo.poses import moved_pose, norm
 from robomech_ros.servo.singularity_exits import Start
 from robomech_ros.servo.twist_resolver import Heading, TwistResolver
 from robomech_ros.typing import Array
@@ -50,7 +50,7 @@ class Node:
 
     def __init__(self, place: float, q: Array, heading: Heading, weights: Array) -> None:
         self.place, self.q, self.heading = place, q, heading
-        self.rate = _norm(heading.rates * weights)
+        self.rate = norm(heading.rates * weights)
         self.direction: Array = heading.rates / max(self.rate, 1e-300)
 
 
@@ -128,19 +128,15 @@ class LineLaying:
         """Whether the next node must lead away from a singularity."""
         return self._outwards and self.leaving and len(self.nodes) == 1
 
-    def _shortest(self) -> float:
-        """Return the shortest part of a step that is tried."""
-        return _SHORTEST_OF_FIRST if self._begins_outwards() else _SHORTEST
-
     def _lay_node(self) -> Iterator[None]:
         """Add a node, or end the way."""
         last = self.nodes[-1]
         near = last.heading.condition > self._resolver.slow_from
-        largest, bend = float(np.abs(last.direction).max()), _norm(self._bend * self.weights)
+        largest, bend = float(np.abs(last.direction).max()), norm(self._bend * self.weights)
         step = (_SHORT_STEP if near else _STEP) / largest
         # Where it bends, nodes are nearer to each other.
         step = min(step, max(_SHORT_STEP / largest, _TURN / max(bend, 1e-300)))
-        shortest = self._shortest() * step
+        shortest = (_SHORTEST_OF_FIRST if self._begins_outwards() else _SHORTEST) * step
         low, found = 0.0, (yield from self._stepped(step))
         if found is not None and self._allows(found[0]):
             self._add(*found)
@@ -208,9 +204,9 @@ class LineLaying:
             yield
             heading = self._resolver.heading(q, twist, self.leaving)
             off = self._resolver.off(pose, heading.pose)
-            if _norm(off[3:]) > _OFF or _norm(off[:3]) > _OFF_TURNED:
+            if norm(off[3:]) > _OFF or norm(off[:3]) > _OFF_TURNED:
                 return None
-        length = _norm((q - last.q) * self.weights)
+        length = norm((q - last.q) * self.weights)
         node = Node(0.0, q, heading, self.weights)
         turn = (node.direction - last.direction) * self.weights
         if time <= 0.0 or float(along @ node.direction) < _STRAIGHT:
@@ -221,7 +217,7 @@ class LineLaying:
     def _run(self, step: float, rates: Array) -> Array:
         """Return by how much joints move on a step to where they have rates, as the way bends."""
         last = self.nodes[-1]
-        bend = (rates / max(_norm(rates * self.weights), 1e-300) - last.direction) / step
+        bend = (rates / max(norm(rates * self.weights), 1e-300) - last.direction) / step
         change = np.zeros_like(bend)
         if len(self.nodes) > 1:
             change = (bend - self._bend) / (step + last.place - self.nodes[-2].place)
@@ -239,7 +235,9 @@ class LineLaying:
                 node, more, bend = found
                 laid.append(node)
                 pose, lost = node.heading.pose, lost + more
-            if not self._on_its_line(laid[-1].q, lost) or (bend < _BENT and step < _SHORTEST_STEP):
+            most = _LOST_TURN if self.twist(laid[-1].q)[:3].any() else _TURNED
+            on_line = norm(lost[3:]) <= _LOST_WAY and norm(lost[:3]) <= most
+            if not on_line or (bend < _BENT and step < _SHORTEST_STEP):
                 return False
             if bend < _BENT:
                 step *= 0.5
@@ -251,10 +249,6 @@ class LineLaying:
             elif bend > _EVEN:
                 step = min(2.0 * step, _SHORT_STEP)
         return False
-
-    def _on_its_line(self, q: Array, lost: Array) -> bool:
-        most = _LOST_TURN if self.twist(q)[:3].any() else _TURNED
-        return _norm(lost[3:]) <= _LOST_WAY and _norm(lost[:3]) <= most
 
     def _step_beyond(
         self, last: Node, pose: Array, step: float
@@ -287,7 +281,3 @@ class LineLaying:
             # What lags behind on the line is on the line.
             lost[3:] -= float(lost[3:] @ line) / speed * line
         return node, lost, straight
-
-
-def _norm(vector: Array) -> float:
-    return math.sqrt(float(vector @ vector))

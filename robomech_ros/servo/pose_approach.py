@@ -57,7 +57,7 @@ class PoseApproach:
             self._lay(command, left)
         square = float(self._full @ self._full)
         if not square:
-            return TwistCommand(self._full, _in_base, command.until)
+            return TwistCommand(self._full, lambda q: None, command.until)
         # How long the rest takes at full speed (s).
         rest, rest_at_stop = (float(part @ self._full) / square for part in (left, left_at_stop))
         pace = rest - float(self._left(command.target, then) @ self._full) / square
@@ -67,7 +67,7 @@ class PoseApproach:
         share = min(share, math.sqrt(2.0 * _PART * self._deceleration * abs(rest)))
         if np.abs(left).max() <= _THERE:
             share = 0.0
-        return TwistCommand(math.copysign(share, rest) * self._full, _in_base, command.until)
+        return TwistCommand(math.copysign(share, rest) * self._full, lambda q: None, command.until)
 
     def _left(self, target: Array, q: Array) -> Array:
         """Return the rotation and the way to a pose (rad and m, in base axes)."""
@@ -90,8 +90,3 @@ class PoseApproach:
         time = max(turn / command.angular_speed, way / command.linear_speed)
         self._full = left / time if max(turn, way) > _THERE else np.zeros(6)
         self._target, self._deceleration = command.target, math.inf
-
-
-def _in_base(q: Array) -> Array | None:
-    """Return the axes of these twists: those of the base."""
-    return None

@@ -7,6 +7,11 @@ import numpy as np
 from robomech_ros.typing import Array
 
 
+def norm(vector: Array) -> float:
+    """Return the length of a vector (n,), faster than numpy does."""
+    return math.sqrt(float(vector @ vector))
+
+
 def moved_pose(pose: Array, motion: Array) -> Array:
     """Turn a pose (4, 4) about its origin, and shift it: angular first, in base axes."""
     moved = pose.copy()

@@ -168,21 +168,17 @@ class Servo:
             stream.brake()
             return self._standing(now)
         if isinstance(command, PoseCommand):
-            command = self._towards(command)
+            position, velocity = stream.position, stream.velocity
+            stop = stream.samples().positions[-1]
+            command = self._approach.twist(command, position, position + velocity, stop)
         if isinstance(command, TwistCommand):
             return self._twists.follow(stream, command)
         self._twists.end()
-        number = self._condition_number()
+        number = self._resolver.condition_number(stream.position)
         resolution = Resolution(command.rates, 1.0, False, number, True, np.zeros(6))
         share = self.limits.share_of(resolution.rates)
         advance = stream.advance(share[0] * resolution.rates)
         return motion_report(self.limits, resolution, share, advance, stream.velocity)
-
-    def _towards(self, command: PoseCommand) -> TwistCommand:
-        """Return the twist that leads to a pose."""
-        position, velocity = self.motion.position, self.motion.velocity
-        stop = self.motion.samples().positions[-1]
-        return self._approach.twist(command, position, position + velocity, stop)
 
     def samples(self) -> Samples:
         """Return the stream from the first knot shown on, at rest at the end."""
@@ -192,11 +188,10 @@ class Servo:
         """Report without a stream, for joints somewhere (rad or m)."""
         return self._standing(now, self._resolver.condition_number(position))
 
-    def _condition_number(self) -> float:
-        return self._resolver.condition_number(self.motion.position)
-
     def _standing(self, now: float, condition: float | None = None) -> ServoReport:
-        number = self._condition_number() if condition is None else condition
+        number = condition
+        if number is None:
+            number = self._resolver.condition_number(self.motion.position)
         if self.paused:
             return ServoReport(ServoCondition.PAUSED, 0.0, number, (), "paused")
         if self._command is None:

@@ -1,5 +1,7 @@
 """Following twists: along the line of one that is held, and onto and out of such lines."""
 
+import math
+
 import numpy as np
 
 from robomech_ros.servo.commands import TwistCommand
@@ -13,13 +15,16 @@ from robomech_ros.servo.motion import Advance
 from robomech_ros.servo.report import ServoReport, motion_report
 from robomech_ros.servo.singularity_exits import Start
 from robomech_ros.servo.stream import Stream
-from robomech_ros.servo.twist_resolver import Resolution, TwistResolver
+from robomech_ros.servo.twist_resolver import SINGULAR, Resolution, TwistResolver
 from robomech_ros.typing import Array
 
 # Twists whose directions differ by less than this are the same.
 _SAME = 1e-9
 # The least part of a twist with which its way passes a singularity.
 _PASSING = 0.2
+# How far ahead it is seen how fast rates grow (rad or m), and the part of the acceleration limits
+# that this may use up.
+_AHEAD, _OF_ACCELERATION = 1e-3, 0.4
 # A way so short (s^2, by acceleration limits) leads nowhere.
 _BEGINNING = 1e-6
 
@@ -84,11 +89,36 @@ class TwistFollowing:
                 stream, part, lambda: self._path(command, Start(stream.knot()))
             )
         if advance is None:
-            found = self._resolver.unheld(position, twist, found, self._limits.acceleration)
+            found = self._along_no_line(position, twist, found)
             part = min(self._limits.share_of(found.rates)[0], found.scale)
             advance = stream.advance(self._joining.slower * part * found.rates)
         share = self._limits.share_of(found.rates)
         return motion_report(self._limits, found, share, advance, stream.velocity)
+
+    def _along_no_line(self, q: Array, twist: Array, found: Resolution) -> Resolution:
+        """Return rates and scale of a twist that is followed along no line, from those found.
+
+        Towards a singularity the scale is one with which joints can still turn round: with more of
+        it their rates would grow faster than they accelerate, and the tip would leave the direction
+        of the twist.  Beyond the hard stop it is 0, but on the way out.
+        """
+        beyond = found.condition_number >= self._resolver.stop_at
+        here = self._resolver.heading(q, twist, beyond)
+        largest = float(np.abs(here.rates).max())
+        if not here.possible or (largest == 0.0 and not beyond):
+            return found
+        time = _AHEAD / max(largest, 1e-300)
+        ahead = self._resolver.heading(q + time * here.rates, twist, beyond)
+        growth = np.abs(ahead.rates - here.rates) / time / self._limits.acceleration
+        scale = min(1.0, math.sqrt(_OF_ACCELERATION / max(float(growth.max()), 1e-300)))
+        if beyond:
+            nearer = ahead.condition >= here.condition or here.condition > SINGULAR
+            if nearer or not ahead.possible:
+                return found._replace(scale=0.0)
+            return found._replace(rates=here.rates, scale=scale, leaving=True)
+        if ahead.condition <= here.condition or not ahead.possible:
+            return found
+        return found._replace(scale=min(found.scale, scale))
 
     def _path(self, command: TwistCommand, start: Start) -> LinePath:
         """Return the way for a twist."""

@@ -27,7 +27,7 @@ from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.kinematics.joint_values import raise_not_finite
 from robomech_ros.kinetostatics.singularities.generic_rank import generic_rank, scaling_length
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.servo.poses import small_motion
+from robomech_ros.servo.poses import norm, small_motion
 from robomech_ros.spatial.arrays import held_rows
 from robomech_ros.trajectory.paths.partial_poses import least_turn
 from robomech_ros.typing import Array
@@ -43,9 +43,6 @@ _LEVEL = 1e-4
 _HALT = 1e-2
 # Singular values below this part of s0 say nothing of the direction in which they grow.
 _UNCERTAIN = 1e-3
-# How far ahead it is seen how fast rates grow (rad or m), and the part of the acceleration limits
-# that this may use up.
-_AHEAD, _OF_ACCELERATION = 1e-3, 0.4
 # Rates below this part of the largest are rounding, which must not touch a joint at its limit.
 _NO_RATE = 1e-9
 # Postures that show how many components an arm can move.
@@ -117,6 +114,7 @@ class _Posture:
     left: Array
     values: Array
     right: Array
+    condition: float
     lower: float
     least: float
 
@@ -138,10 +136,6 @@ class TwistResolver:
 
     Attributes
     ----------
-    chain : SerialChain
-        As given.
-    slow_from, stop_at : float
-        As given.
     rank : int
         Of the Jacobian in a regular posture.
 
@@ -166,13 +160,13 @@ class TwistResolver:
         self._pose = np.empty((4, 4))
         # Which parts of a twist in axes of the tip are held, angular first; None for all.
         self._held: Array | None = None
-        self.rank = min(generic_rank(chain), chain.n, 6)
+        self.rank = self._whole_rank = min(generic_rank(chain), chain.n, 6)
 
     def hold(self, task_mask: Sequence[bool]) -> None:
         """Hold some components of the tip's pose only, as `Servo.hold` describes."""
         rows = held_rows("task_mask", task_mask)
         self._held = None if len(rows) in (0, 6) else np.isin(np.arange(6), rows).astype(np.float64)
-        self.rank = min(generic_rank(self.chain), self.chain.n, 6)
+        self.rank = self._whole_rank
         if self._held is not None:
             postures = np.random.default_rng(0).uniform(-1.0, 1.0, (_POSTURES, self.chain.n))
             self.rank = max(int(np.linalg.matrix_rank(self.jacobian(q))) for q in postures)
@@ -222,17 +216,14 @@ class TwistResolver:
         twist : ndarray, shape (6,)
             Of the tip in base axes, angular first (rad/s and m/s).
         """
-        rank = self.rank
-        left, values, right = np.linalg.svd(self.jacobian(q))
-        condition = _condition(values, rank)
-        lower, least = values[0] / self.slow_from, values[0] / self.stop_at
-        posture = _Posture(q, left[:, :rank], values[:rank], right, lower, least)
+        rank, posture = self.rank, self._posture(q)
+        condition, right = posture.condition, posture.right
         scaled = self._scale * self.held(twist, self._pose)
         parts = posture.left.T @ scaled
-        size = _norm(scaled)
-        possible = size == 0.0 or _norm(parts) > _SOMETHING * size
-        needed = parts / np.maximum(posture.values, least) if possible else np.zeros(rank)
-        weak = posture.values < lower
+        size = norm(scaled)
+        possible = size == 0.0 or norm(parts) > _SOMETHING * size
+        needed = parts / np.maximum(posture.values, posture.least) if possible else np.zeros(rank)
+        weak = posture.values < posture.lower
         missed = self._missed(posture, parts)
         if not weak.any() or size == 0.0 or not possible:
             rates = _without_rounding(right[:rank].T @ needed)
@@ -242,10 +233,16 @@ class TwistResolver:
         scale, falling = self._slowed(posture, parts, needed, lost, rates)
         return Resolution(rates, scale, not falling, condition, possible, missed)
 
+    def _posture(self, q: Array) -> _Posture:
+        left, values, right = np.linalg.svd(self.jacobian(q))
+        rank, most = self.rank, values[0]
+        bounds = _condition(values, rank), most / self.slow_from, most / self.stop_at
+        return _Posture(q, left[:, :rank], values[:rank], right, *bounds)
+
     def _missed(self, posture: _Posture, parts: Array) -> Array:
         """Return the part of a twist that the posture does not allow, or what it allows least."""
         none = np.where(posture.values < posture.least, parts, 0.0)
-        if _norm(none) <= _SOMETHING * _norm(parts):
+        if norm(none) <= _SOMETHING * norm(parts):
             none[np.argmin(posture.values)] = 1.0
         missed: Array = posture.left @ none / self._scale
         return missed
@@ -265,54 +262,16 @@ class TwistResolver:
         wholly : bool
             Whether something is lost in singular postures only, not beyond the hard stop.
         """
-        rank = self.rank
-        left, values, right = np.linalg.svd(self.jacobian(q))
-        condition = _condition(values, rank)
-        left, values = left[:, :rank], values[:rank]
-        least = values[0] / (SINGULAR if wholly else self.stop_at)
+        rank, posture = self.rank, self._posture(q)
+        left, values, right = posture.left, posture.values, posture.right
+        least = values[0] / SINGULAR if wholly else posture.least
         strength = values / np.maximum(values, least) ** 2
         gain = (right[:rank].T * strength) @ left.T * self._scale
         scaled = self._scale * self.held(twist, self._pose)
-        missing = _norm(scaled - left @ (left.T @ scaled))
-        possible = missing <= _SOMETHING * _norm(scaled)
+        missing = norm(scaled - left @ (left.T @ scaled))
+        possible = missing <= _SOMETHING * norm(scaled)
         pose, null = self._pose.copy(), right[rank:]
-        return Heading(gain @ twist, gain, condition, possible, pose, null)
-
-    def unheld(self, q: Array, twist: Array, found: Resolution, acceleration: Array) -> Resolution:
-        """Return rates and scale of a twist that is followed along no line.
-
-        Towards a singularity the scale is one with which joints can still turn round: with more of
-        it their rates would grow faster than they accelerate, and the tip would leave the direction
-        of the twist.  Beyond the hard stop it is 0, but on the way out.
-
-        Parameters
-        ----------
-        q : ndarray, shape (n,)
-            Where the joints are (rad or m).
-        twist : ndarray, shape (6,)
-            Of the tip in base axes, angular first (rad/s and m/s).
-        found : Resolution
-            The rates there.
-        acceleration : ndarray, shape (n,)
-            Limits of the joints (rad/s^2 or m/s^2).
-        """
-        beyond = found.condition_number >= self.stop_at
-        here = self.heading(q, twist, beyond)
-        largest = float(np.abs(here.rates).max())
-        if not here.possible or (largest == 0.0 and not beyond):
-            return found
-        time = _AHEAD / max(largest, 1e-300)
-        ahead = self.heading(q + time * here.rates, twist, beyond)
-        growth = np.abs(ahead.rates - here.rates) / time / acceleration
-        scale = min(1.0, math.sqrt(_OF_ACCELERATION / max(float(growth.max()), 1e-300)))
-        if beyond:
-            nearer = ahead.condition >= here.condition or here.condition > SINGULAR
-            if nearer or not ahead.possible:
-                return found._replace(scale=0.0)
-            return found._replace(rates=here.rates, scale=scale, leaving=True)
-        if ahead.condition <= here.condition or not ahead.possible:
-            return found
-        return found._replace(scale=min(found.scale, scale))
+        return Heading(gain @ twist, gain, posture.condition, possible, pose, null)
 
     def jacobian(self, q: Array) -> Array:
         """Return that of a posture (rad or m), its linear rows over the length (6, n).
@@ -350,8 +309,8 @@ class TwistResolver:
         none = posture.values < _UNCERTAIN * posture.least
         sound = posture.right[:rank].T @ np.where(weak, 0.0, needed)
         lost = posture.right[:rank].T @ np.where(weak & ~none, needed, 0.0)
-        amount = _norm(parts[none])
-        if amount <= _SOMETHING * _norm(parts):
+        amount = norm(parts[none])
+        if amount <= _SOMETHING * norm(parts):
             return sound, lost
         u = posture.left[:, none] @ parts[none] / amount
         null = np.append(np.flatnonzero(none), np.arange(rank, len(posture.q)))
@@ -395,7 +354,7 @@ class TwistResolver:
             # Every way leads out of a singular posture.
             fall = -abs(fall)
         left = max(float(posture.values[last]), posture.least)
-        part = _norm(parts[weak]) / _norm(parts)
+        part = norm(parts[weak]) / norm(parts)
         scale = min(1.0, self._approach * left / max(fall * part, 1e-300))
         shares = np.where(weak, parts * needed, 0.0)
         amount = float(shares.sum())
@@ -405,17 +364,14 @@ class TwistResolver:
             # Nothing is a wall that the motion as a whole leads away from.
             pull = min(pull, -float(u @ change @ lost) / amount)
             # No wall is where the joints would have to turn by a radian to get there.
-            pull -= posture.least * _norm(lost)
+            pull -= posture.least * norm(lost)
             value = float(shares @ posture.values) / amount
-            scale = min(scale, self._before_the_wall(pull, value - posture.least))
+            if pull > _LEVEL:
+                # The motion takes away from itself what it needs.
+                distance = max(value - posture.least, 0.0)
+                before_wall = (self._approach * distance + _LEVEL) / pull
+                scale = min(scale, before_wall if before_wall > _HALT else 0.0)
         return scale, fall > _LEVEL
-
-    def _before_the_wall(self, pull: float, distance: float) -> float:
-        """Return the scale of a motion that takes away from itself what it needs."""
-        if pull <= _LEVEL:
-            return 1.0
-        scale = min(1.0, (self._approach * max(distance, 0.0) + _LEVEL) / pull)
-        return scale if scale > _HALT else 0.0
 
 
 def _condition(values: NDArray, rank: int) -> float:
@@ -423,10 +379,5 @@ def _condition(values: NDArray, rank: int) -> float:
     return float(values[0]) / least if least > 1e-12 * float(values[0]) else math.inf
 
 
-def _norm(vector: Array) -> float:
-    return math.sqrt(float(vector @ vector))
-
-
 def _without_rounding(rates: Array) -> Array:
-    cleaned: Array = np.where(np.abs(rates) < _NO_RATE * np.abs(rates).max(), 0.0, rates)
-    return cleaned
+    return np.where(np.abs(rates) < _NO_RATE * np.abs(rates).max(), 0.0, rates)

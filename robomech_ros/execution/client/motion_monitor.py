@@ -79,7 +79,7 @@ class MotionMonitor:
         if np.max(np.abs(position - self._anchor)) > STILL:
             self.moved = True
             self._anchor, self._left_at, self._overdue_since = position, expected, None
-        elif self._overdue_since is None and _leads(self._left_at, expected):
+        elif self._overdue_since is None and np.max(np.abs(expected - self._left_at)) > NOTICEABLE:
             self._overdue_since = now
 
     def _expected(self, now: float) -> Array:
@@ -87,11 +87,6 @@ class MotionMonitor:
         time = now - self._sent_at - self._delay
         last = float(self.curve.breaks[-1])
         return self.curve.sample(min(max(time, 0.0), last)).position
-
-
-def _leads(before: Array, after: Array) -> bool:
-    """Whether a way from one position to another (n,) is one to be noticed."""
-    return bool(np.max(np.abs(after - before)) > NOTICEABLE)
 
 
 def curve_from(waypoints: Waypoints, position: Array) -> PiecewisePolynomial:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from robomech_ros.execution.joints import paced_state
 from robomech_ros.execution.time_scaling import TimeScaling
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.waypoints import Waypoints
@@ -51,13 +52,20 @@ def paced_waypoints(
     """
     over = float(scaling.times[-1])
     times = [*np.arange(0.0, over - _NEAREST, _PERIOD), over]
-    points = [_point(curve, scaling, time) for time in times]
-    rows = [np.array(values) for values in zip(*points, strict=True)]
+    after = [scaling.after(time) for time in times]
+    states = [
+        paced_state(curve.sample(min(place, curve.breaks[-1])), pace, rate)
+        for place, pace, rate in after
+    ]
+    rows = [
+        np.array([getattr(state, field) for state in states])
+        for field in ("position", "velocity", "acceleration")
+    ]
     rows[2][:-1] = math.nan
     if not scaling.pace:
         rows[1][-1], rows[2][-1] = 0.0, math.nan
         return _joined(np.array(times) + lead, rows, None)
-    place, _, _ = scaling.after(times[-1])
+    place = after[-1][0]
     left = waypoints.times > place + _NEAREST * scaling.pace
     rest = slowed_waypoints(waypoints.part(left), scaling.pace)
     if not left.any():
@@ -69,15 +77,6 @@ def paced_waypoints(
     since = lead + times[-1] - place / scaling.pace
     later = replace(rest, times=rest.times + since)
     return _joined(np.array(times) + lead, rows, later)
-
-
-def _point(
-    curve: PiecewisePolynomial, scaling: TimeScaling, time: float
-) -> tuple[Array, Array, Array]:
-    place, pace, rate = scaling.after(time)
-    sample = curve.sample(min(place, curve.breaks[-1]))
-    acceleration = sample.acceleration * pace * pace + sample.velocity * rate
-    return sample.position, sample.velocity * pace, acceleration
 
 
 def _joined(times: Array, rows: list[Array], later: Waypoints | None) -> Waypoints:

@@ -6,7 +6,7 @@ q'' p^2 + q' dp/dt.
 
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
-from robomech_ros.execution.joints import State, at_rest
+from robomech_ros.execution.joints import State, at_rest, paced_state
 from robomech_ros.execution.time_scaling import paced_step
 from robomech_ros.typing import Array
 
@@ -45,9 +45,7 @@ class CurveMotion:
 
     def state_at(self, goal: TrajectoryGoal, time: float, rate: float = 0.0) -> State:
         """Return the state at a time (s) of a goal's curve, while the pace changes by `rate`."""
-        sample, pace = goal.curve.sample(time), self.pace
-        acceleration = sample.acceleration * pace * pace + sample.velocity * rate
-        return State(sample.position, sample.velocity * pace, acceleration)
+        return paced_state(goal.curve.sample(time), self.pace, rate)
 
     def state_ahead(self, goal: TrajectoryGoal, ahead: float) -> State:
         """Return the state on the curve of a goal some time (s) from now, at the present pace."""

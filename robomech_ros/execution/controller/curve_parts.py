@@ -86,11 +86,8 @@ def paced(curve: PiecewisePolynomial, ahead: Array, time: float) -> PiecewisePol
     through = _with_accelerations(through, *ends)
     if len(rest.breaks) < 2:
         return through
-    parts = [through.coefficients, rest.coefficients]
-    return PiecewisePolynomial(
-        np.concatenate((times, time + rest.breaks[1:])),
-        np.concatenate([_of_order(part, parts) for part in parts], axis=1),
-    )
+    breaks = np.concatenate((times, time + rest.breaks[1:]))
+    return chained(breaks, through.coefficients, rest.coefficients)
 
 
 def _with_accelerations(
@@ -122,31 +119,27 @@ def spliced(first: PiecewisePolynomial, then: PiecewisePolynomial) -> PiecewiseP
         np.vstack((here.velocity, there.velocity)),
         np.vstack((here.acceleration, there.acceleration)) if len(then.coefficients) > 4 else None,
     )
-    parts = [first.coefficients[:, : kept - 1], between.coefficients]
-    if len(then.breaks) > 1:
-        parts.append(then.coefficients)
-    return PiecewisePolynomial(
-        np.concatenate((first.breaks[:kept], then.breaks)),
-        np.concatenate([_of_order(part, parts) for part in parts], axis=1),
-    )
+    breaks = np.concatenate((first.breaks[:kept], then.breaks))
+    return chained(breaks, first.coefficients[:, : kept - 1], between.coefficients, pieces_of(then))
 
 
 def prolonged_back(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:
     """Have a curve begin earlier by a time (s), at its first velocity."""
     begin = curve.sample(curve.breaks[0])
     before = np.stack((begin.position - time * begin.velocity, begin.velocity))[:, None]
-    parts = [before, curve.coefficients] if len(curve.breaks) > 1 else [before]
-    return PiecewisePolynomial(
-        np.append(curve.breaks[0] - time, curve.breaks),
-        np.concatenate([_of_order(part, parts) for part in parts], axis=1),
-    )
+    return chained(np.append(curve.breaks[0] - time, curve.breaks), before, pieces_of(curve))
 
 
-def _of_order(part: Array, parts: list[Array]) -> Array:
-    """Write polynomials with as many coefficients as the one that has most."""
-    filled = np.zeros((max(map(len, parts)), *part.shape[1:]))
-    filled[: len(part)] = part
-    return filled
+def pieces_of(curve: PiecewisePolynomial) -> Array:
+    """Return the coefficients between the breaks: none of a curve that has one break."""
+    return curve.coefficients[:, : len(curve.breaks) - 1]
+
+
+def chained(breaks: Array, *parts: Array) -> PiecewisePolynomial:
+    """Put pieces (order, s, n) of any order one after the other."""
+    order = max(map(len, parts))
+    filled = [np.pad(part, ((0, order - len(part)), (0, 0), (0, 0))) for part in parts]
+    return PiecewisePolynomial(breaks, np.concatenate(filled, axis=1))
 
 
 def peak_accelerations(curve: PiecewisePolynomial) -> Array:

@@ -2,7 +2,7 @@
 
 from robomech_ros.execution.controller.follower import Phase, TrajectoryFollower
 from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
-from robomech_ros.execution.joints import State, at_rest
+from robomech_ros.execution.joints import State, at_rest, paced_state
 from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.execution.time_scaling import paced_step
 
@@ -40,8 +40,7 @@ def desired_state(follower: TrajectoryFollower, ahead: float) -> State:
     """
     waiting = follower.waiting
     if waiting is not None and follower.now + ahead >= waiting.begin:
-        sample = waiting.curve.sample(follower.now + ahead - waiting.begin)
-        return State(sample.position, sample.velocity, sample.acceleration)
+        return paced_state(waiting.curve.sample(follower.now + ahead - waiting.begin), 1.0, 0.0)
     goal, pace = follower.active, follower.motion.pace
     if goal is None:
         held = follower.now - follower.held_since
@@ -63,10 +62,7 @@ def _while_stopping(follower: TrajectoryFollower, goal: TrajectoryGoal, ahead: f
         goal.curve, goal.time, follower.motion.pace, 0.0, ahead, follower.joints.acceleration
     )
     sample = goal.curve.sample(time)
-    if pace <= 0.0:
-        return at_rest(sample.position)
-    acceleration = sample.acceleration * pace * pace + sample.velocity * rate
-    return State(sample.position, sample.velocity * pace, acceleration)
+    return at_rest(sample.position) if pace <= 0.0 else paced_state(sample, pace, rate)
 
 
 def _too_early(ahead: float, since: str) -> TrajectoryRefusedError:

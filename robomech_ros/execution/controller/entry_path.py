@@ -78,6 +78,9 @@ def entry_path(
     known = completed(waypoints, present)
     off_time = late > 0.0 or (unsettled and before is not None)
     may_catch_up = off_time and settings.interpolate and _can_be_caught(known, late)
+    off = np.max(np.abs(known.positions[-1] - present.position))
+    # A robot that stands has to be as near to the end as to a start.
+    nearly_there = bool(off <= settings.start_tolerance)
     behind = may_catch_up and before is not None and not before.in_time
     curve: PiecewisePolynomial | None = None
     refused: Exception | None = None
@@ -85,7 +88,7 @@ def entry_path(
         try:
             curve = joined(waypoints, present, joints, settings.start_tolerance, late)
         except (LimitExceededError, TrajectoryOverError) as error:
-            if not may_catch_up or (before is None and not _nearly_there(known, present, settings)):
+            if not may_catch_up or (before is None and not nearly_there):
                 raise
             refused = error
         if curve is not None:
@@ -107,9 +110,3 @@ def _can_be_caught(waypoints: Waypoints, late: float) -> bool:
     if velocities is None or not np.isfinite(velocities).all():
         return False
     return bool(late < waypoints.times[-1] + LONGEST_LAG)
-
-
-def _nearly_there(waypoints: Waypoints, present: State, settings: FollowerSettings) -> bool:
-    """Whether a robot that stands is as near to the end as it has to be to a start."""
-    off = np.abs(waypoints.positions[-1] - present.position)
-    return bool(np.max(off) <= settings.start_tolerance)

@@ -126,7 +126,7 @@ def join_in_steps(
     if times[0] > 0.0:
         positions = np.vstack([present.position, positions])
         times, commanded = np.append(0.0, times), np.vstack([present.position, commanded])
-    violation = _violation(interpolant(times, positions), joints)
+    violation = violation_of(interpolant(times, positions), joints)
     if violation is not None:
         raise _refusal(violation, float(remaining.times[0]))
     return PiecewisePolynomial(np.append(times, times[-1] + _INSTANT), commanded[None])
@@ -177,9 +177,9 @@ def _remaining(waypoints: Waypoints, present: State, joints: Joints, late: float
     for k in range(min(_PASSED_OVER, near)):
         point = left.part(slice(k, k + 1))
         place = _turned(point, present, joints, 0.0)
-        if _violation(approached(point, place, present), joints) is None:
+        if violation_of(approached(point, place, present), joints) is None:
             return left.part(slice(k, None))
-        if _violation(interpolant([0.0], place), joints) is not None:
+        if violation_of(interpolant([0.0], place), joints) is not None:
             break  # Nobody should be there at any time.
     return left
 
@@ -218,17 +218,19 @@ def _smoothed(
     anyway is followed as it is.
     """
     step, kick, push = offset
-    violation = _violation(curve, joints)
+    violation = violation_of(curve, joints)
     if violation is not None:
         raise _refusal(violation, first)
     if max(np.max(np.abs(part)) for part in offset) <= NO_STEP:
         return curve
     time = fading_time(step, kick, push, joints)
-    acceleration = _accelerations(curve, push, joints)
+    # Its limit, or what is planned or there already.
+    here = np.abs(curve.sample(0.0).acceleration + push)
+    acceleration = np.maximum(joints.acceleration, np.maximum(peak_accelerations(curve), here))
     jerk = np.maximum(joints.limits.jerk, peak_jerks(curve))
     found, best = list[Violation](), None
     for candidate in _candidates(curve, offset, time):
-        violation = _violation(candidate, joints)
+        violation = violation_of(candidate, joints)
         if violation is not None:
             found.append(violation)
             continue
@@ -260,16 +262,8 @@ def _candidates(
             yield with_fading(delayed(curve, stretch * time), waiting, stretch * time)
 
 
-def _accelerations(curve: PiecewisePolynomial, push: Array, joints: Joints) -> Array:
-    """Return what each joint may accelerate (n,).
-
-    Its limit, or what is planned or there already.
-    """
-    here = np.abs(curve.sample(0.0).acceleration + push)
-    return np.maximum(joints.acceleration, np.maximum(peak_accelerations(curve), here))
-
-
-def _violation(curve: PiecewisePolynomial, joints: Joints) -> Violation | None:
+def violation_of(curve: PiecewisePolynomial, joints: Joints) -> Violation | None:
+    """Find where a curve leaves the limits of position and velocity first."""
     return first_violation(
         curve, joints.limits, from_zero=False, to_rest=False, rates=("velocity",)
     )

@@ -23,11 +23,11 @@ from robomech_ros.execution.controller.curve_parts import (
     shifted,
     spliced,
 )
+from robomech_ros.execution.controller.joining import violation_of
 from robomech_ros.execution.controller.transitions import SHORTEST_BLEND, with_braking, with_fading
 from robomech_ros.execution.joints import Joints, State
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.plans.verification import first_violation
 from robomech_ros.trajectory.waypoints import Waypoints
 from robomech_ros.typing import Array
 
@@ -317,14 +317,9 @@ class _Search:
     def _violates(self, way: PiecewisePolynomial) -> bool:
         if (peak_accelerations(way) > self._acceleration).any():
             return True
-        if (peak_jerks(way) > self._jerk).any():
+        if (peak_jerks(way) > self._jerk).any() or (jerks_over(way, _KINK) > self._change).any():
             return True
-        if (jerks_over(way, _KINK) > self._change).any():
-            return True
-        violation = first_violation(
-            way, self._joints.limits, from_zero=False, to_rest=False, rates=("velocity",)
-        )
-        return violation is not None
+        return violation_of(way, self._joints) is not None
 
     def _fitting(
         self, curve: PiecewisePolynomial, lag: float, place: Array

@@ -39,7 +39,7 @@ class StateCheck:
         faster: float = LIMIT_SLACK,
     ) -> None:
         self.limits, self._beyond = limits, beyond
-        self._margin = margin or self._distance_to_limits
+        self._margin = margin or (lambda q: np.minimum(q - limits.lower, limits.upper - q))
         self._fastest = limits.velocity * (1.0 + faster)
 
     def restart(self, position: Array, time: float) -> None:
@@ -72,6 +72,3 @@ class StateCheck:
         unit = self.limits.unit(joint, order)
         parts = f"joint '{self.limits.joint_names[joint]}'", what, unit, limit
         return " ".join(part for part in parts if part)
-
-    def _distance_to_limits(self, position: Array) -> Array:
-        return np.minimum(position - self.limits.lower, self.limits.upper - position)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from robomech_ros.execution.controller.curve_parts import rebased
+from robomech_ros.execution.controller.curve_parts import chained, pieces_of, rebased
 from robomech_ros.execution.joints import Joints
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
@@ -44,8 +44,8 @@ def with_fading(
     still = np.zeros(curve.joints)
     fading = interpolant([0.0, time], *(np.vstack([rate, still]) for rate in offset))
     curve = _with_break(curve, time)
-    coefficients = np.zeros((6, *curve.coefficients.shape[1:]))
-    coefficients[: len(curve.coefficients)] = curve.coefficients
+    missing = 6 - len(curve.coefficients)
+    coefficients = np.pad(curve.coefficients, ((0, missing), (0, 0), (0, 0)))
     begins = curve.breaks[:-1][curve.breaks[:-1] < time]
     added = rebased(fading.coefficients[:, 0], begins)
     coefficients[:, : len(begins)] += added.transpose(1, 0, 2)
@@ -54,12 +54,9 @@ def with_fading(
 
 def delayed(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:
     """Let a curve stay at its start for `time` (s) before it begins."""
-    coefficients = np.zeros((len(curve.coefficients), len(curve.breaks), curve.joints))
-    coefficients[0, 0] = curve.sample(curve.breaks[0]).position
-    if len(curve.breaks) > 1:
-        coefficients[:, 1:] = curve.coefficients
+    start = curve.sample(curve.breaks[0]).position
     breaks = np.append(curve.breaks[0], curve.breaks + time)
-    return PiecewisePolynomial(breaks, coefficients)
+    return chained(breaks, start[None, None], pieces_of(curve))
 
 
 def braking_time(velocity: Array, joints: Joints) -> float:
@@ -77,14 +74,10 @@ def with_braking(
     time = braking_time(velocity, joints)
     if not time:
         return curve
-    order = max(len(curve.coefficients), 3)
-    segments = curve.coefficients.shape[1] if len(curve.breaks) > 1 else 0
-    coefficients = np.zeros((order, segments + 1, curve.joints))
-    coefficients[: len(curve.coefficients), :segments] = curve.coefficients[:, :segments]
-    coefficients[0, -1] = curve.sample(curve.breaks[-1]).position
-    coefficients[1, -1] = velocity
-    coefficients[2, -1] = -velocity / (2.0 * time)
-    return PiecewisePolynomial(np.append(curve.breaks, curve.breaks[-1] + time), coefficients)
+    end = curve.sample(curve.breaks[-1]).position
+    braking = np.stack((end, velocity, -velocity / (2.0 * time)))[:, None]
+    breaks = np.append(curve.breaks, curve.breaks[-1] + time)
+    return chained(breaks, pieces_of(curve), braking)
 
 
 def _with_break(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:

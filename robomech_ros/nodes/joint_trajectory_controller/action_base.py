@@ -81,8 +81,14 @@ class ActionBase(ABC, Generic[Motion]):
             del self._served[key]
         return result
 
-    def _handed_over(self) -> None:
-        """Note that the result of a goal is known to its handle."""
+    def _conclude(self, handle: ServerGoalHandle, *, reached: bool, cancelled: bool) -> None:
+        """Tell the client how its goal has ended."""
+        if reached:
+            handle.succeed()
+        elif cancelled and handle.is_cancel_requested:
+            handle.canceled()
+        else:
+            handle.abort()
         if not self._served and not self._idle.done():
             self._idle.set_result(None)
 

@@ -1,8 +1,9 @@
 """Joints that trajectories of messages command: those of the arm, or those of its gripper."""
 
 import threading
+import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -20,9 +21,8 @@ from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.nodes.common.error_codes import OutcomeError, code_of
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.received_trajectory import received_trajectory
-from robomech_ros.nodes.common.rejection_status import trajectory_label
+from robomech_ros.nodes.common.rejection_status import Refusal, trajectory_label
 from robomech_ros.nodes.joint_trajectory_controller.constraints import default_tolerances
-from robomech_ros.nodes.joint_trajectory_controller.motion_counts import MotionCounts
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
     DYNAMIC,
     SPLINES,
@@ -38,6 +38,39 @@ _NANO = 1_000_000_000
 # Joints that forces move may overshoot their limits: of position by so much (rad or m), and of
 # velocity by this part.
 _BEYOND, _FASTER = 0.02, 0.2
+
+
+@dataclass
+class MotionCounts:
+    """Counts of past events, for the diagnostics."""
+
+    accepted: int = 0
+    reached: int = 0
+    ended_early: int = 0
+    # Before any refusal, one named by the time of this start of the robot.
+    refusal: Refusal = field(default_factory=lambda: Refusal(0, 0, "", "", str(time.time_ns())))
+    last_end: str = ""
+
+    def accept(self) -> None:
+        """Count a trajectory that was accepted."""
+        self.accepted += 1
+        self.refusal = self.refusal._replace(code=0, text="", label="")
+
+    def refuse(self, code: int, text: str, label: str) -> None:
+        """Count a trajectory that was refused, with its label, for a reason."""
+        last = self.refusal
+        self.refusal = Refusal(last.number + 1, int(code), text, label, last.run)
+
+    def end(self, result: GoalResult) -> None:
+        """Count a motion that has ended."""
+        said = f"; {result.text}" if result.text else ""
+        self.end_with(not result.code, result.text if result.code else f"goal reached{said}")
+
+    def end_with(self, reached: bool, text: str) -> None:
+        """Count a motion that has reached its goal or not, as the text says."""
+        self.reached += reached
+        self.ended_early += not reached
+        self.last_end = text
 
 
 class CommandedJoints:

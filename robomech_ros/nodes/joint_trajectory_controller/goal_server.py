@@ -54,12 +54,17 @@ class GoalServer(ActionBase[TrajectoryGoal]):
         try:
             goal, note = self._start(handle.request, ended)
         except Exception as error:
-            self._log_refusal(error)
+            if isinstance(error, RobomechError):
+                self._log.warning(f"goal refused: {error}")
+            else:
+                self._log.error(f"goal failed, please report:\n{traceback.format_exc()}")
             handle.abort()
             return self._messages.refused(error)
         result: GoalResult = await self._until_ended(handle, goal, ended)
-        self._conclude(handle, result)
-        self._handed_over()
+        if result.code:
+            log_end(self._log, "goal", result)
+        reached, cancelled = result.end is End.REACHED, result.end is End.CANCELLED
+        self._conclude(handle, reached=reached, cancelled=cancelled)
         return self._messages.ended(result, note)
 
     def _start(self, message: Any, ended: Future) -> tuple[TrajectoryGoal, str]:
@@ -81,23 +86,6 @@ class GoalServer(ActionBase[TrajectoryGoal]):
             if text:
                 self._log.warning(text)
         return goal, notes[0]
-
-    def _log_refusal(self, error: Exception) -> None:
-        """Log why a goal is not executed; to be called while the error is handled."""
-        if isinstance(error, RobomechError):
-            self._log.warning(f"goal refused: {error}")
-        else:
-            self._log.error(f"goal failed, please report:\n{traceback.format_exc()}")
-
-    def _conclude(self, handle: ServerGoalHandle, result: GoalResult) -> None:
-        if result.end is End.REACHED:
-            handle.succeed()
-        elif result.end is End.CANCELLED and handle.is_cancel_requested:
-            handle.canceled()
-        else:
-            handle.abort()
-        if result.code:
-            log_end(self._log, "goal", result)
 
     def _stop(self, motion: TrajectoryGoal) -> bool:
         if motion.result is not None:

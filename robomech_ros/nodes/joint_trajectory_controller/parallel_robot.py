@@ -1,12 +1,10 @@
 """A simulated parallel robot: trajectories command its drives, and all joints close the loops."""
 
-from functools import partial
-from typing import TYPE_CHECKING
-
 import numpy as np
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
+from robomech_ros import parallel
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.state_check import Margin
 from robomech_ros.execution.joints import State
@@ -27,9 +25,6 @@ from robomech_ros.parallel.motion.drive_paths import OPEN
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.waypoints import Waypoints
 from robomech_ros.typing import Array
-
-if TYPE_CHECKING:
-    from robomech_ros.parallel import ParallelDynamics
 
 
 class ParallelRobot(SimulatedRobot):
@@ -58,7 +53,7 @@ class ParallelRobot(SimulatedRobot):
         check_simulation(settings)
         self.mechanism = mechanism
         start = _initial_posture(settings, mechanism)
-        plant = dynamic_plant(partial(_with_bodies, mechanism), settings, start)
+        plant = dynamic_plant(lambda: parallel.ParallelDynamics(mechanism), settings, start)
         drives = mechanism.drive_index
         limits = Limits.of(mechanism).only(drives.tolist())
         super().__init__(mechanism.name, limits, start[drives], settings, clock, plant, start)
@@ -143,9 +138,3 @@ def _initial_posture(settings: ControllerSettings, mechanism: Mechanism) -> Arra
             allowed = f"from {low:.6g} to {high:.6g} {unit} for joint '{name}', not {value:.6g}"
             raise ParameterError("initial_positions", list(given), allowed)
     return q
-
-
-def _with_bodies(mechanism: Mechanism) -> "ParallelDynamics":
-    from robomech_ros.parallel import ParallelDynamics
-
-    return ParallelDynamics(mechanism)

@@ -5,11 +5,22 @@ from collections.abc import Callable
 from rclpy.node import Node
 
 from robomech_interfaces.msg import ServoStatus
-from robomech_ros.nodes.servo.messages import status_message
-from robomech_ros.servo.report import ServoReport
+from robomech_ros.servo.report import ServoCondition, ServoReport
 
 # MoveIt's servo, a node of this name, publishes its status here.
 MOVEIT_STATUS = "servo_node/status"
+
+_CODES = {
+    ServoCondition.NO_WARNING: ServoStatus.NO_WARNING,
+    ServoCondition.APPROACHING_SINGULARITY: ServoStatus.DECELERATE_FOR_APPROACHING_SINGULARITY,
+    ServoCondition.SINGULARITY: ServoStatus.HALT_FOR_SINGULARITY,
+    ServoCondition.LEAVING_SINGULARITY: ServoStatus.DECELERATE_FOR_LEAVING_SINGULARITY,
+    ServoCondition.JOINT_BOUND: ServoStatus.JOINT_BOUND,
+    ServoCondition.RATE_BOUND: ServoStatus.RATE_BOUND,
+    ServoCondition.IMPOSSIBLE: ServoStatus.INVALID,
+    ServoCondition.STALE_COMMAND: ServoStatus.STALE_COMMAND,
+    ServoCondition.PAUSED: ServoStatus.PAUSED,
+}
 
 # How often a status is repeated while nothing moves (s).
 REPEATED = 1.0
@@ -63,7 +74,16 @@ class StatusPublisher:
         joints: tuple[str, ...] = (),
     ) -> None:
         """Publish a report, or why there is none and the joints at fault."""
-        stamp, refusal = self._clock.now().to_msg(), self._refusal(now)
-        status = status_message(stamp, report, refusal, why, joints)
+        status = ServoStatus(code=ServoStatus.NO_STATE, message=why, joint_names=list(joints))
+        status.header.stamp = self._clock.now().to_msg()
+        status.condition_number = float("nan")
+        if report is not None:
+            status.code = _CODES[report.condition]
+            status.message = report.text
+            status.scale = report.scale
+            status.condition_number = report.condition_number
+            status.joint_names = list(report.joints)
+        if refusal := self._refusal(now):
+            status.code, status.message = ServoStatus.INVALID, refusal
         self._publisher.publish(status)
         self.also(status)

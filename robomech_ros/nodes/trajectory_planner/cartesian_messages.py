@@ -28,6 +28,7 @@ _PROFILES = {
 _KINDS = {getattr(PlanCartesian.Request, name): name for name in ("STRAIGHT", "SPLINE", "ARC")}
 # Slower motions would take years; finer steps would fill the memory.
 _LEAST = {"max_linear_speed": 1e-6, "max_angular_speed": 1e-6, "max_step": 1e-5}
+# The largest speeds of the tip; zeros stand for none.
 _MOST = {"max_linear_speed": LARGEST_LENGTH, "max_angular_speed": LARGEST_LENGTH}
 _AT_SINGULARITY = {PlanCartesian.Request.STOP: "STOP", PlanCartesian.Request.SLOW: "SLOW"}
 
@@ -75,7 +76,7 @@ def read_path_request(request: Any, settings: PlannerSettings) -> PathRequest:
     """
     options = {
         "profile": named("profile", request.profile, _PROFILES),
-        "speeds": _tip_speeds(request),
+        "speeds": TipSpeeds(*(_positive(request, name) or math.inf for name in _MOST)),
         "task_mask": [bool(held) for held in request.task_mask],
         "bounds": _path_bounds(request, settings),
     }
@@ -147,14 +148,6 @@ def _path_bounds(request: Any, settings: PlannerSettings) -> PathStopLimits:
     if request.at_singularity == PlanCartesian.Request.SLOW:
         condition = math.inf
     return PathStopLimits(condition, step, revolute, prismatic)
-
-
-def _tip_speeds(request: Any) -> TipSpeeds:
-    """Read the largest speeds of the tip; zeros stand for none."""
-    linear, angular = (
-        _positive(request, name) or math.inf for name in ("max_linear_speed", "max_angular_speed")
-    )
-    return TipSpeeds(linear, angular)
 
 
 def _positive(request: Any, name: str) -> float:

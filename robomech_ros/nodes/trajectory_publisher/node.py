@@ -21,9 +21,11 @@ from robomech_ros.nodes.trajectory_publisher.controller_refusals import Controll
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.execute_service import ExecuteService
 from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
-from robomech_ros.nodes.trajectory_publisher.program_file import check_program_change
 from robomech_ros.nodes.trajectory_publisher.program_runner import ProgramRunner
-from robomech_ros.nodes.trajectory_publisher.program_service import ProgramService
+from robomech_ros.nodes.trajectory_publisher.program_service import (
+    ProgramService,
+    check_program_change,
+)
 from robomech_ros.nodes.trajectory_publisher.received_plans import ReceivedPlans
 from robomech_ros.nodes.trajectory_publisher.settings import (
     PublisherSettings,

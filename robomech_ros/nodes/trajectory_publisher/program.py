@@ -103,9 +103,8 @@ def read_program(path: Path, chain: SerialChain, semantic: SemanticDescription) 
     given = check_keys(parse_yaml(text, where), where, ("steps",), ("postures", "cycles"))
     cycles = given.get("cycles", 1)
     if type(cycles) is not int or not 0 <= cycles <= _MOST_CYCLES:
-        value = describe_value(cycles)
-        why = f"cycles is {value}, expected a whole number from 0 (until cancelled) on"
-        raise RobotDescriptionError(where, f"{why} to {_MOST_CYCLES}")
+        expected = f"a whole number from 0 (until cancelled) on to {_MOST_CYCLES}"
+        raise _unexpected(where, "cycles", cycles, expected)
     postures = _Postures(_postures(given.get("postures", {}), where, chain), chain, semantic)
     steps = given["steps"]
     if not isinstance(steps, list) or not steps:
@@ -158,9 +157,7 @@ def _positions(given: object, where: str, chain: SerialChain) -> tuple[float, ..
     ):
         if not _is_number(value) or not low <= value <= high:
             expected = f"a number from {low:.6g} to {high:.6g} {unit}"
-            raise RobotDescriptionError(
-                where, f"joint '{name}' is {describe_value(value)}, expected {expected}"
-            )
+            raise _unexpected(where, f"joint '{name}'", value, expected)
     return tuple(float(value) for value in given)
 
 
@@ -168,10 +165,7 @@ def _step(given: object, where: str, postures: _Postures) -> Step:
     if isinstance(given, dict) and "wait" in given:
         wait = check_keys(given, where, ("wait",), ())["wait"]
         if not _is_number(wait) or not 0.0 <= wait <= _LONGEST_WAIT:
-            expected = f"a number from 0 to {_LONGEST_WAIT:g} s"
-            raise RobotDescriptionError(
-                where, f"wait is {describe_value(wait)}, expected {expected}"
-            )
+            raise _unexpected(where, "wait", wait, f"a number from 0 to {_LONGEST_WAIT:g} s")
         return Step(wait=float(wait))
     step = check_keys(given, where, ("move",), _OPTIONS)
     name = str(step["move"])
@@ -180,14 +174,16 @@ def _step(given: object, where: str, postures: _Postures) -> Step:
 
     options = {"profile": _PROFILE, **{key: step[key] for key in _OPTIONS if key in step}}
     if options["profile"] not in PROFILES:
-        profile = describe_value(options["profile"])
-        why = f"profile is {profile}, expected one of {', '.join(PROFILES)}"
-        raise RobotDescriptionError(where, why)
+        raise _unexpected(where, "profile", options["profile"], f"one of {', '.join(PROFILES)}")
     for key in _OPTIONS[1:]:
         if key in options and not (_is_number(options[key]) and options[key] > 0.0):
-            why = f"{key} is {describe_value(options[key])}, expected a number above 0"
-            raise RobotDescriptionError(where, why)
+            raise _unexpected(where, key, options[key], "a number above 0")
     return Step(posture=name, positions=positions, options=options)
+
+
+def _unexpected(where: str, what: str, value: object, expected: str) -> RobotDescriptionError:
+    text = f"{what} is {describe_value(value)}, expected {expected}"
+    return RobotDescriptionError(where, text)
 
 
 def _is_number(value: object) -> bool:

@@ -8,7 +8,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from robomech_ros.errors import RobomechError
+from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.error_codes import NoStateError
@@ -18,7 +18,6 @@ from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.trajectory_publisher.controller_client import ControllerClient
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.program import Program, read_program
-from robomech_ros.nodes.trajectory_publisher.program_file import program_file
 from robomech_ros.nodes.trajectory_publisher.program_runner import ProgramRunner
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
 from robomech_ros.robots import SerialChain
@@ -123,3 +122,45 @@ class ProgramService:
     @staticmethod
     def _busy() -> TrajectoryRefusedError:
         return TrajectoryRefusedError("something is being executed already; ~/cancel ends it")
+
+
+def program_file(settings: PublisherSettings) -> Path:
+    """Find the file of the program: nobody who only reaches the node may have any other read.
+
+    Raises
+    ------
+    BadValueError
+        There is none.
+    ParameterError
+        It is outside of the folder of programs.
+    """
+    name, folder = settings.program, settings.program_folder
+    if not name:
+        raise BadValueError("the parameter program", name, "the path of a YAML file")
+    if not folder:
+        return Path(name).expanduser()
+    allowed = f"the name of a file in program_folder, '{folder}'"
+    try:
+        place = Path(folder).expanduser().resolve()
+        path = (place / name).resolve()
+    except (OSError, RuntimeError, ValueError):  # links in a circle, a null character
+        raise ParameterError("program", name, allowed) from None
+    if not path.is_relative_to(place):
+        raise ParameterError("program", name, allowed)
+    return path
+
+
+def check_program_change(before: PublisherSettings, after: PublisherSettings) -> None:
+    """Refuse a program that is set at run time, unless it is in the folder of programs.
+
+    Raises
+    ------
+    ParameterError
+        It is not, or there is no such folder.
+    """
+    if after.program == before.program or not after.program:
+        return
+    if not after.program_folder:
+        allowed = "what was given at start, as there is no program_folder"
+        raise ParameterError("program", after.program, allowed)
+    program_file(after)

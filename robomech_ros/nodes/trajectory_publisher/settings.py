@@ -1,6 +1,6 @@
 """Parameters of the trajectory publisher."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 from robomech_ros.execution.client.dispatch_settings import DispatchSettings
@@ -153,12 +153,6 @@ def action_goals(transport: Transport) -> "ExecuteGoals | FollowGoals":
 
 def dispatch_settings(settings: PublisherSettings) -> DispatchSettings:
     """Pick what the dispatcher needs."""
-    return DispatchSettings(
-        capacity=settings.queue_size,
-        start_tolerance=settings.start_tolerance,
-        goal_tolerance=settings.goal_tolerance,
-        controller_timeout=settings.controller_timeout,
-        arrival_timeout=settings.arrival_timeout,
-        standstill_timeout=settings.standstill_timeout,
-        max_duration=settings.max_duration,
-    )
+    names = (row.name for row in fields(DispatchSettings) if row.name != "capacity")
+    same = {name: getattr(settings, name) for name in names}
+    return DispatchSettings(capacity=settings.queue_size, **same)

@@ -79,8 +79,9 @@ class CommandServer(ActionBase[FingerMotion]):
                 self._log.error(f"gripper command failed, please report:\n{traceback.format_exc()}")
             return self._messages.kind.Result()
         end, result = await self._until_ended(handle, motion, ended)
-        self._conclude(handle, end)
-        self._handed_over()
+        stalled_well = end is FingerEnd.STALLED and self._gripper.allow_stalling
+        reached, cancelled = end is FingerEnd.REACHED or stalled_well, end is FingerEnd.CANCELLED
+        self._conclude(handle, reached=reached, cancelled=cancelled)
         return result
 
     def _start(self, goal: Any, ended: Future) -> FingerMotion:
@@ -99,23 +100,14 @@ class CommandServer(ActionBase[FingerMotion]):
             wake(self._node)
 
         with self._lock:
-            motion = gripper.command(command, end)
+            motion = gripper.fingers.move(command, gripper.time, end)
             gripper.counts.accept()
         return motion
-
-    def _conclude(self, handle: ServerGoalHandle, end: FingerEnd) -> None:
-        stalled_well = end is FingerEnd.STALLED and self._gripper.allow_stalling
-        if end is FingerEnd.REACHED or stalled_well:
-            handle.succeed()
-        elif end is FingerEnd.CANCELLED and handle.is_cancel_requested:
-            handle.canceled()
-        else:
-            handle.abort()
 
     def _stop(self, motion: FingerMotion) -> bool:
         if motion.end is not None:
             return False
-        self._gripper.cancel(motion, "cancelled by the client; the fingers hold")
+        self._gripper.fingers.cancel(motion, "cancelled by the client; the fingers hold")
         return True
 
     def publish_feedback(self) -> None:

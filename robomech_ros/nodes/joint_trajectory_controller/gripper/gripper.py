@@ -11,12 +11,7 @@ from sensor_msgs.msg import JointState
 from robomech_ros.errors import BadValueError, RobomechError, UnknownJointError
 from robomech_ros.execution.controller.simulated_joints import Faults, SimulatedJoints
 from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
-from robomech_ros.execution.gripper.finger_motion import (
-    FingerCommand,
-    FingerEnd,
-    FingerMotion,
-    complete_limits,
-)
+from robomech_ros.execution.gripper.finger_motion import FingerCommand, complete_limits
 from robomech_ros.execution.gripper.finger_plant import Contact, FingerPlant
 from robomech_ros.execution.gripper.fingers import Fingers, GripSettings
 from robomech_ros.execution.gripper.received_command import CommandReader
@@ -73,6 +68,8 @@ class Gripper(CommandedJoints):
     ----------
     reader : CommandReader
         Checks commands.
+    fingers : Fingers
+        Follow them; the lock is to be held while they are used.
     commanded : tuple of str
         The joints that a command moves which names none; empty where it has to name one.
     allow_stalling : bool
@@ -107,7 +104,7 @@ class Gripper(CommandedJoints):
             settings.gripper_stall_velocity_threshold,
             settings.gripper_stall_timeout,
         )
-        self._fingers = Fingers(self.follower, self._plant, complete, grip)
+        self.fingers = Fingers(self.follower, self._plant, complete, grip)
         self.commanded = _commanded(joints, settings.gripper_joint)
         fastest = np.minimum(complete.velocity, settings.gripper_max_velocity or np.inf)
         self.reader = CommandReader(limits, self.commanded, fastest, strongest, self._posture)
@@ -131,30 +128,20 @@ class Gripper(CommandedJoints):
         stuck = np.isin(self.joint_names, listed_names(settings.fault_stuck_joints))
         self.simulated_joints.inject(Faults(stuck, np.zeros(len(stuck))))
 
-    def command(
-        self, command: FingerCommand, on_end: Callable[[FingerEnd, str], None]
-    ) -> FingerMotion:
-        """Move the fingers; see `Fingers.move`.  The lock is to be held."""
-        return self._fingers.move(command, self._clock.now(), on_end)
-
-    def cancel(self, motion: FingerMotion, text: str) -> None:
-        """Slow down and hold; see `Fingers.cancel`.  The lock is to be held."""
-        self._fingers.cancel(motion, text)
-
     def close(self, why: str) -> None:
         """Refuse all commands from now on, slow down, and hold; what is gripped stays so."""
         super().close(why)
-        self._fingers.close(why)
+        self.fingers.close(why)
 
     def advance_to(self, time: float) -> None:
         """Move on to a time (s), and judge what has been commanded."""
         super().advance_to(time)
-        self._fingers.look()
+        self.fingers.look()
 
     def reset(self, text: str) -> None:
         """Put the joints back to where they were at start, at once."""
         super().reset(text)
-        self._fingers.reset(text)
+        self.fingers.reset(text)
 
     def pressing(self) -> list[str]:
         """Name the joints that something stops; the lock is to be held."""
@@ -184,7 +171,7 @@ class Gripper(CommandedJoints):
         return {joint: at for joint, at in state.items() if joint in self.joint_names}
 
     def _begin(self, start: Callable[[], TrajectoryGoal], by: str) -> TrajectoryGoal:
-        return self._fingers.follow(start, by)
+        return self.fingers.follow(start, by)
 
     def _contact(self, settings: ControllerSettings) -> Contact | None:
         """Find where the simulated object stops the fingers; None for nothing."""
