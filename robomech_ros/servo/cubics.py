@@ -60,7 +60,7 @@ class CubicCheck:
         rates = inside * limits.velocity, inside * limits.acceleration, inside * limits.jerk
         self._limits: Array = np.array((*limits.inside, *rates))
         self._lower, self._upper = limits.inside
-        self._out = np.zeros(len(limits.names), dtype=np.int64)
+        self._out = np.zeros(len(limits.joint_names), dtype=np.int64)
 
     def of(self, widths: Array, q: Array, v: Array, reached: Array) -> CubicResult:
         """Check knots (k, n) of positions and velocities (rad or m, and per s).

@@ -1,13 +1,13 @@
 """The limits that a servo keeps; it needs those of velocity."""
 
 import math
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from robomech_ros.errors import MissingLimitsError
 from robomech_ros.execution.joints import Joints
-from robomech_ros.robots.chain import SerialChain
+from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.typing import Array
 
 # A stream stays this far inside its bounds, over rounding: rad or m, and a part of the rates.
@@ -15,34 +15,11 @@ POSITION_ROUNDING = 1e-9
 RATE_ROUNDING = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
-class ServoLimits:
-    """Limits of n joints.
-
-    Attributes
-    ----------
-    names : tuple of str
-        The joints.
-    lower, upper : ndarray, shape (n,)
-        Positions, infinite where there is no limit (rad or m).
-    velocity, acceleration : ndarray, shape (n,)
-        Largest magnitudes (rad or m, per s and s^2).
-    jerk : ndarray, shape (n,)
-        Largest magnitudes (rad/s^3 or m/s^3), infinite where there is none.
-    units : tuple of str
-        ``"rad"`` or ``"m"`` for each joint.
-    """
-
-    names: tuple[str, ...]
-    lower: Array
-    upper: Array
-    velocity: Array
-    acceleration: Array
-    jerk: Array
-    units: tuple[str, ...]
+class ServoLimits(Limits):
+    """Limits of n joints, of which those of velocity and acceleration are finite."""
 
     @classmethod
-    def of(cls, chain: SerialChain) -> "ServoLimits":
+    def of(cls, limits: JointLimits | Any) -> "ServoLimits":
         """Read them of a chain; a missing acceleration limit is guessed as the controller does.
 
         Raises
@@ -50,14 +27,13 @@ class ServoLimits:
         MissingLimitsError
             A joint has no velocity limit.
         """
-        missing = np.isnan(chain.velocity)
+        missing = np.isnan(np.asarray(limits.velocity, dtype=np.float64))
         if missing.any():
-            names = [chain.joint_names[i] for i in np.flatnonzero(missing)]
+            names = [limits.joint_names[int(i)] for i in np.flatnonzero(missing)]
             raise MissingLimitsError("velocity", names)
-        jerk = np.where(np.isnan(chain.jerk), np.inf, chain.jerk)
-        acceleration = Joints.of(chain).acceleration
-        given = chain.lower, chain.upper, chain.velocity, acceleration, jerk
-        return cls(chain.joint_names, *given, chain.units)
+        known = Limits.of(limits)
+        rates = known.velocity, Joints.of(limits).acceleration, known.jerk
+        return cls(known.joint_names, *rates, known.lower, known.upper, known.units)
 
     @property
     def inside(self) -> tuple[Array, Array]:

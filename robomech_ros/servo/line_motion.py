@@ -121,7 +121,8 @@ class LineMotion:
         reached: Array | None = None,
     ) -> None:
         self.path = path
-        self._names, self._period, self._acceleration = limits.names, period, limits.acceleration
+        self._names, self._period = limits.joint_names, period
+        self._acceleration = limits.acceleration
         self._check = CubicCheck(limits)
         self._window = limits.smoothing(period)
         # Places and rates of the last knots before the mean, the latest last.

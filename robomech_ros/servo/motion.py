@@ -77,7 +77,7 @@ class Motion:
     def __init__(
         self, limits: ServoLimits, period: float, position: Array, velocity: Array
     ) -> None:
-        self._names, self._period = limits.names, period
+        self._names, self._period = limits.joint_names, period
         self._plan = StopPlan(limits, period)
         self._same = _SAME * limits.acceleration * period * (1.0 - RATE_ROUNDING)
         fastest = limits.velocity * (1.0 - RATE_ROUNDING)

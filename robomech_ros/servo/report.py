@@ -30,13 +30,6 @@ class ServoCondition(Enum):
     PAUSED = "paused"
 
 
-# By whether the motion leaves it.
-_NEAR_SINGULARITY = {
-    False: ServoCondition.APPROACHING_SINGULARITY,
-    True: ServoCondition.LEAVING_SINGULARITY,
-}
-
-
 @dataclass(frozen=True, eq=False)
 class ServoReport:
     """Execution of the command in one period.
@@ -93,6 +86,8 @@ def motion_report(
         text = f"the motion leads into a singularity (condition number {number:.4g}), "
         text += f"where the tip cannot move {_in_words(found.lost)}"
         return ServoReport(ServoCondition.SINGULARITY, carried, number, (), text)
+    near = ServoCondition.APPROACHING_SINGULARITY
+    leaving = ServoCondition.LEAVING_SINGULARITY
     if advance.bound and advance.allowed < _NEARLY_ONE:
         text = f"{', '.join(advance.bound)} near the end of the range"
         return ServoReport(ServoCondition.JOINT_BOUND, carried, number, advance.bound, text)
@@ -100,13 +95,12 @@ def motion_report(
         where = "on the way out of" if found.leaving else "before"
         text = f"slowed down to {found.scale:.3g} {where} a singularity"
         text += f" (condition number {number:.4g})"
-        return ServoReport(_NEAR_SINGULARITY[found.leaving], carried, number, (), text)
+        return ServoReport(leaving if found.leaving else near, carried, number, (), text)
     if speed < _NEARLY_ONE:
-        name, limit = limits.names[fastest], float(limits.velocity[fastest])
+        name, limit = limits.joint_names[fastest], float(limits.velocity[fastest])
         unit = f" {limits.units[fastest]}/s"
         rate = abs(float(found.rates[fastest]))
         text = f"{name} would move at {rate:.4g}{unit}, it can {limit:.4g}{unit}"
-        leaving = ServoCondition.LEAVING_SINGULARITY
         what = leaving if found.leaving else ServoCondition.RATE_BOUND
         return ServoReport(what, carried, number, (name,), text)
     if advance.followed < _NEARLY_ONE:

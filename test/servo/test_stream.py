@@ -21,7 +21,7 @@ REGULAR = [0.3, 0.6, -0.7, 0.4, 0.8, 0.2]
 
 
 def one_joint(lower=-1.0, upper=1.0, velocity=1.0, acceleration=2.0, jerk=np.inf):
-    numbers = [np.array([x], dtype=float) for x in (lower, upper, velocity, acceleration, jerk)]
+    numbers = [np.array([x], dtype=float) for x in (velocity, acceleration, jerk, lower, upper)]
     return ServoLimits(("joint",), *numbers, ("rad",))
 
 

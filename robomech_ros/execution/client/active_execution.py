@@ -51,8 +51,7 @@ class ActiveExecution:
     ) -> None:
         self.delivery = delivery
         self.cancelled = ""
-        self._gateway = gateway
-        self._settings = settings
+        self._gateway, self._settings = gateway, settings
         self._reached: tuple[str, float] | None = None
         delivery.depart(now)
         self._pace = SpeedScaler(delivery, positions, pace, settings.max_duration)

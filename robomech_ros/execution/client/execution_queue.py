@@ -62,9 +62,7 @@ class ExecutionQueue:
         on_stall: Callable[[str], None],
     ) -> None:
         self.stalled = ""
-        self._gateway = gateway
-        self._settings = settings
-        self._on_stall = on_stall
+        self._gateway, self._settings, self._on_stall = gateway, settings, on_stall
         self._waiting: deque[ExecutionRequest] = deque()
         self._away_since: float | None = None
         self._silent_since: float | None = None

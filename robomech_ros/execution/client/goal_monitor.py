@@ -59,9 +59,7 @@ class GoalMonitor:
     ) -> None:
         self.elapsed = self.late = 0.0
         self.off = ""
-        self._delivery = delivery
-        self._gateway = gateway
-        self._settings = settings
+        self._delivery, self._gateway, self._settings = delivery, gateway, settings
         self._now = delivery.sent_at
         # How long there were no joint states, of which each look counts a part (s).
         self._hushed = 0.0

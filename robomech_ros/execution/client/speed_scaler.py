@@ -50,8 +50,7 @@ class SpeedScaler:
     def __init__(
         self, delivery: ExecutionRequest, position: Array, pace: float, longest: float = np.inf
     ) -> None:
-        self._delivery = delivery
-        self._longest = longest
+        self._delivery, self._longest = delivery, longest
         self._waypoints = delivery.waypoints
         self._curve = curve_from(delivery.waypoints, position)
         starts = delivery.sent_at + max(delivery.delay, 0.0)

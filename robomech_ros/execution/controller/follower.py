@@ -75,8 +75,7 @@ class TrajectoryFollower:
         settings: FollowerSettings | None = None,
         now: float = 0.0,
     ) -> None:
-        self.joints = joints
-        self.simulated_joints = simulated_joints
+        self.joints, self.simulated_joints = joints, simulated_joints
         self.settings = settings or FollowerSettings()
         self.motion = CurveMotion(simulated_joints, joints.acceleration)
         self.phase = Phase.HOLDING

@@ -135,8 +135,7 @@ class SimulatedJoints:
         plant: Plant | None = None,
         limits: Limits | None = None,
     ) -> None:
-        self._lag = lag
-        self._plant = plant
+        self._lag, self._plant = lag, plant
         self._limits = limits or Limits(tuple(map(str, range(len(position)))))
         self.at_limit = np.zeros(len(position))
         self.effort = None if plant is None else plant.put(position).effort

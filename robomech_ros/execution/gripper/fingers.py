@@ -70,9 +70,7 @@ class Fingers:
     ) -> None:
         self.settings = settings
         self.motion: FingerMotion | None = None
-        self._follower = follower
-        self._plant = plant
-        self._limits = limits
+        self._follower, self._plant, self._limits = follower, plant, limits
         self._strongest = plant.effort
         anything = np.full(len(limits.joint_names), np.inf)
         self._any = Tolerances(anything, anything, anything, np.inf)

@@ -18,6 +18,7 @@ from robomech_ros.robots.documents.guarded_yaml import UniqueKeyLoader
 from robomech_ros.robots.documents.numbers_in_text import number
 
 _PARTS_OF_A_TYPE = 3
+_SEQUENCE = "tag:yaml.org,2002:seq"
 # Services of MoveIt by words of their names and types, and those that need no types of MoveIt.
 _WITHOUT_MOVEIT = {
     "compute_ik": "kinematics/solve_ik",
@@ -35,8 +36,7 @@ class UnknownFieldError(RobomechError):
     """A field that a message does not have."""
 
     def __init__(self, field: str, kind: str, available: list[str]) -> None:
-        self.field = field
-        self.kind = kind
+        self.field, self.kind = field, kind
         self.available = tuple(available)
         hint = did_you_mean(field, available)
         super().__init__(f"{kind} has no field '{field}'{hint}; it has: {', '.join(available)}")
@@ -110,13 +110,9 @@ def fill_message(message: Any, values: Mapping[str, Any], where: str = "") -> No
             kind = type(message).__name__ + (f" (at {where})" if where else "")
             raise UnknownFieldError(str(field), kind, list(kinds))
         place = f"{where}.{field}" if where else str(field)
-        _set_field(message, field, kinds[field], value, place)
-
-
-def _set_field(message: Any, field: str, kind: str, value: Any, place: str) -> None:
-    if isinstance(value, str) and _INTEGER.fullmatch(kind):
-        value = getattr(type(message), value.upper(), value)
-    setattr(message, field, _converted(kind, value, place))
+        if isinstance(value, str) and _INTEGER.fullmatch(kinds[field]):
+            value = getattr(type(message), value.upper(), value)
+        setattr(message, field, _converted(kinds[field], value, place))
 
 
 def _converted(kind: str, value: Any, place: str) -> Any:
@@ -176,11 +172,9 @@ class _Line(list[Any]):
     """A list that stands on one line."""
 
 
-def _represent_line(dumper: yaml.SafeDumper, line: _Line) -> yaml.Node:
-    return dumper.represent_sequence("tag:yaml.org,2002:seq", line, flow_style=True)
-
-
-_Dumper.add_representer(_Line, _represent_line)
+_Dumper.add_representer(
+    _Line, lambda dumper, line: dumper.represent_sequence(_SEQUENCE, line, flow_style=True)
+)
 
 
 def to_yaml(message: Any, full: bool = False, digits: int = 17) -> str:

@@ -83,12 +83,13 @@ class DriveTask:
         ------
         DemoFailedError
         """
-        if not self._client.wait(self._is_up, _UP):
+
+        def is_up() -> bool:
+            return bool(self._told and self._true and self._commands.get_subscription_count())
+
+        if not self._client.wait(is_up, _UP):
             topic = self._commands.topic_name
             raise DemoFailedError(f"after {_UP:g} s no odometry comes, or nobody hears '{topic}'")
-
-    def _is_up(self) -> bool:
-        return bool(self._told and self._true and self._commands.get_subscription_count())
 
     @property
     def places(self) -> Array:

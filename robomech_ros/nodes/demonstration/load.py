@@ -28,8 +28,7 @@ class Load:
     """
 
     def __init__(self, client: DemoClient, mass: float) -> None:
-        self._client = client
-        self.mass = mass
+        self._client, self.mass = client, mass
 
     def grip(self) -> None:
         """Put it on.

@@ -85,7 +85,8 @@ class PathFollower:
         wanted, motion = self._path.at(self.gone)
         error = to_base @ (wanted[:2] - place)
         turned = math.remainder(wanted[2] - pose[2], 2.0 * math.pi)
-        self._look(wanted[:2] - place, motion[1:])
+        off, along = wanted[:2] - place, motion[1:]
+        self.off = max(self.off, abs(float(along[0] * off[1] - along[1] * off[0])))
         self._go_on(time, error, turned)
         end = self.gone >= self._path.length
         near = abs(error[0]) if not self._sideways else float(np.hypot(*error))
@@ -102,11 +103,6 @@ class PathFollower:
         bend = min(max(bend, -1.0 / self._radius), 1.0 / self._radius)
         turn = forward * motion[0] + abs(forward) * bend
         return np.array([turn, forward + turn * self._axle[1], 0.0])
-
-    def _look(self, off: Array, along: Array) -> None:
-        """Measure how far the base is beside the path."""
-        beside = abs(float(along[0] * off[1] - along[1] * off[0]))
-        self.off = max(self.off, beside)
 
     def _go_on(self, time: float, error: Array, turned: float) -> None:
         """Move on along the path, the slower the further off the base is."""

@@ -46,10 +46,7 @@ class PickAndPlace:
     def __init__(
         self, client: DemoClient, robot: DemoRobot, reporter: Reporter, load: Load | None = None
     ) -> None:
-        self._client = client
-        self._robot = robot
-        self._reporter = reporter
-        self._load = load
+        self._client, self._robot, self._reporter, self._load = client, robot, reporter, load
         self._joints_arrived, self._arrived = _DRIVEN if load is not None else _EXACT
         self.legs: list[Leg] = []
         self.choices: list[Choice] = []

@@ -21,9 +21,7 @@ class Suite:
     """The running nodes and what they have said."""
 
     def __init__(self, group: ProcessGroup, domain: int, log: Path) -> None:
-        self._group = group
-        self.domain = domain
-        self._log = log
+        self._group, self.domain, self._log = group, domain, log
 
     @property
     def names(self) -> tuple[str, ...]:

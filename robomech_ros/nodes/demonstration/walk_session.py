@@ -71,9 +71,9 @@ def demonstrate(robot: str, output: Path) -> None:
         )
         follower = PathFollower(None, path, speed, _ACCELERATION, radius)
         took = walk.follow(follower, path.length / speed)
-        reporter.say(
-            f"walked in {took:.1f} s, never more than {_off(walk, path) * 1e3:.1f} mm off it"
-        )
+        places = _planned(walk, path)
+        off = max(np.hypot(*(places - T[:2, 3]).T).min() for T in walk.trunk[1])
+        reporter.say(f"walked in {took:.1f} s, never more than {off * 1e3:.1f} mm off it")
         _check(walker, walk, client, reporter)
         output.mkdir(parents=True, exist_ok=True)
         reporter.say(f"plot: {_plot(walker, walk, path, output)}")
@@ -110,12 +110,6 @@ def _planned(walk: Walk, path: ClosedPath) -> Array:
     """Return the path over the ground (m), shape (p, 2): it begins where the walk does."""
     begin = walk.trunk[1][0]
     return np.asarray(path.places @ begin[:2, :2].T + begin[:2, 3])
-
-
-def _off(walk: Walk, path: ClosedPath) -> float:
-    """Return how far the trunk was from the path (m)."""
-    places = _planned(walk, path)
-    return float(max(np.hypot(*(places - T[:2, 3]).T).min() for T in walk.trunk[1]))
 
 
 def _check(walker: Walker, walk: Walk, client: DemoClient, reporter: Reporter) -> None:

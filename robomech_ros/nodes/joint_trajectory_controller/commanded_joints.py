@@ -133,9 +133,7 @@ class CommandedJoints:
         self.lock = lock
         self.counts = MotionCounts()
         self.refuse_all = self.fault = ""
-        self.simulated_joints = simulated_joints
-        self._settings = settings
-        self._clock = clock
+        self.simulated_joints, self._settings, self._clock = simulated_joints, settings, clock
         self.tolerances = default_tolerances(settings, self.joint_names, {})
         self.follower = TrajectoryFollower(
             joints, simulated_joints, follower_settings(settings), clock.now()

@@ -42,8 +42,7 @@ class TrajectoryTopic:
 
     def __init__(self, node: Node, joints: CommandedJoints, on_refused: Callable[[], None]) -> None:
         self._log = ThrottledLog(node.get_logger())
-        self._joints = joints
-        self._on_refused = on_refused
+        self._joints, self._on_refused = joints, on_refused
         # Where the last message of the topic ended, and when it came (s).
         self._end: tuple[tuple[str, ...], tuple[float, ...]] | None = None
         self._heard_at = -math.inf
@@ -107,8 +106,7 @@ class Commands:
     def __init__(
         self, node: Node, commanded: Sequence[CommandedJoints], on_reset: Callable[[], None]
     ) -> None:
-        self._commanded = commanded
-        self._on_reset = on_reset
+        self._commanded, self._on_reset = commanded, on_reset
         serve(node, Trigger, "~/hold", self._hold)
         serve(node, Trigger, "~/reset", self._reset)
 

@@ -66,9 +66,7 @@ class ControlCycle:
             describe=settings.publish_description and bool(settings.robot_description),
             semantic=model.semantic.document if given and settings.publish_description else "",
         )
-        self._control = control
-        self._servers = servers
-        self._on_moved = on_moved
+        self._control, self._servers, self._on_moved = control, servers, on_moved
         rate = settings.publish_rate
         self._cycles_per_feedback = max(round(rate / settings.action_monitor_rate), 1)
         self._cycles_per_frames = max(round(rate / settings.frame_rate), 1)

@@ -43,8 +43,7 @@ class GoalServer(ActionBase[TrajectoryGoal]):
     def __init__(
         self, node: Node, robot: CommandedJoints, messages: "ExecuteMessages | FollowMessages"
     ) -> None:
-        self._robot = robot
-        self._messages = messages
+        self._robot, self._messages = robot, messages
         self._log = ThrottledLog(node.get_logger())
         name = f"{robot.place}/{messages.name}"
         super().__init__(node, robot, messages.kind, name)

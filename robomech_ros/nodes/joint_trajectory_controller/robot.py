@@ -60,8 +60,7 @@ class SimulatedRobot(CommandedJoints):
         plant: "DynamicPlant | None" = None,
         start: Array | None = None,
     ) -> None:
-        self.name = name
-        self._plant = plant
+        self.name, self._plant = name, plant
         joints = Joints.of(limits)
         simulated = SimulatedJoints(initial, settings.tracking_lag, plant, joints.limits)
         super().__init__("~", joints, simulated, settings, clock, threading.RLock(), start)

@@ -29,8 +29,7 @@ class Shutdown:
     """
 
     def __init__(self, node: Node, commanded: Sequence[CommandedJoints]) -> None:
-        self._node = node
-        self._commanded = commanded
+        self._node, self._commanded = node, commanded
         self._lock = commanded[0].lock
         self._standing: Future | None = None
 

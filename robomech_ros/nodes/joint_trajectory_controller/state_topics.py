@@ -99,8 +99,7 @@ class StateQuery:
     """
 
     def __init__(self, node: Node, robot: CommandedJoints, clock: MotionClock) -> None:
-        self._robot = robot
-        self._clock = clock
+        self._robot, self._clock = robot, clock
         serve(node, QueryTrajectoryState, "~/query_state", self._answer)
 
     def _answer(self, request: Any, response: Any) -> Any:

@@ -132,7 +132,9 @@ class Driver:
         elif self._intake.take(now):
             self._awake_until = now + REPEATED
         if not self._servo.active and not self._begin(now):
-            self._sleep(now)
+            if now > self._awake_until and not self._servo.active:
+                self._timer.cancel()
+                self._intake.attend(True)
             return
         self._servo.hold(self._settings().task_mask)
         self._stream.catch_up(now)
@@ -151,11 +153,6 @@ class Driver:
         elif (lag := self._joints.lag(now)) is not None:
             self._stream.lead.followed(now, lag)
 
-    def _sleep(self, now: float) -> None:
-        if now > self._awake_until and not self._servo.active:
-            self._timer.cancel()
-            self._intake.attend(True)
-
     def _has_said_all(self, now: float) -> bool:
         """Whether nobody commands, and enough messages have shown the plan to stop."""
         if self._servo.wants_to_move(now) or self._stream.has_news():
@@ -169,7 +166,10 @@ class Driver:
         alone = now < self._left_alone_until
         if alone or not self._servo.wants_to_move(now):
             self._joints.stop_waiting()
-            (self._tell_fault if alone else self._tell_idle)(now)
+            if alone:
+                self._tell_fault(now)
+            elif self._status.is_new((self._servo.paused, self._servo.command is None), now):
+                self._publish_idle(now)
             return False
         state = self._joints.fresh_state(now)
         if state is None:
@@ -198,11 +198,6 @@ class Driver:
     def _tell_fault(self, now: float) -> None:
         if self._fault is not None and self._status.is_new(self._fault, now):
             self._status.publish(now, None, *self._fault)
-
-    def _tell_idle(self, now: float) -> None:
-        """Publish the status of a robot that is left alone, where it is new."""
-        if self._status.is_new((self._servo.paused, self._servo.command is None), now):
-            self._publish_idle(now)
 
     def _tell_at_rest(self) -> None:
         """Publish the status from time to time also where nothing has happened for long."""

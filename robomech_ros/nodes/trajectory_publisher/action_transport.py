@@ -96,9 +96,7 @@ class ActionTransport:
         name = f"{controller}/{goals.name}"
         self.name = node.resolve_service_name(name)
         self._client = ask_action(node, goals.kind, name)
-        self._goals = goals
-        self._tolerances = tolerances
-        self._on_result = on_result
+        self._goals, self._tolerances, self._on_result = goals, tolerances, on_result
         self._destroyed = False
         # Goals are numbered; the result of the last one counts.
         self._last = self._cancelled = 0
@@ -138,11 +136,11 @@ class ActionTransport:
     ) -> None:
         if future.exception() is not None:
             text = f"sending the goal failed: {future.exception()}"
-            self._conclude(number, delivery, Code.REJECTED, text)
-            return
-        handle = future.result()
-        if not handle.accepted:
+        elif not (handle := future.result()).accepted:
             text = f"action '{self.name}' rejected the goal without a reason"
+        else:
+            text = ""
+        if text:
             self._conclude(number, delivery, Code.REJECTED, text)
             return
         self._handles[number] = handle
@@ -157,14 +155,12 @@ class ActionTransport:
         self._handles.pop(number, None)
         if future.exception() is not None:
             text = f"asking for the result failed: {future.exception()}"
-            self._conclude(number, delivery, Code.REJECTED, text)
-            return
-        answer = future.result()
-        if answer.status not in _ENDED:
+            verdict = MotionResult(Code.REJECTED, text)
+        elif (answer := future.result()).status not in _ENDED:
             text = f"action '{self.name}' does not know the goal; how the motion ended is not known"
-            self._conclude(number, delivery, Code.REJECTED, text)
-            return
-        verdict = self._goals.verdict(answer.status, answer.result, moved())
+            verdict = MotionResult(Code.REJECTED, text)
+        else:
+            verdict = self._goals.verdict(answer.status, answer.result, moved())
         self._conclude(number, delivery, *verdict)
 
     def _conclude(self, number: int, delivery: ExecutionRequest, code: int, text: str) -> None:

@@ -52,10 +52,7 @@ class ControllerClient:
         life: LivelinessMonitor,
         monitor: JointStateMonitor,
     ) -> None:
-        self._action = action
-        self._life = life
-        self._refusals = refusals
-        self._monitor = monitor
+        self._action, self._life, self._refusals, self._monitor = action, life, refusals, monitor
         self._publisher = node.create_publisher(
             JointTrajectory, f"{controller}/joint_trajectory", _DEPTH
         )

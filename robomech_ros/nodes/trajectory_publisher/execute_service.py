@@ -77,15 +77,13 @@ class ExecuteService:
         latest = self._plans.latest
         if latest is None:
             raise NoPlanError(self._plans.topics)
-        if self._in_hand(latest) or self._stands_at_the_end_of(latest):
+        dispatcher = self._plans.loop.dispatcher
+        in_hand = latest is dispatcher.current or latest in dispatcher.queue
+        if in_hand or self._stands_at_the_end_of(latest):
             return latest
         self._plans.latest = self._plans.reader.read(latest.trajectory, self._transport)
         self._plans.loop.offer(self._plans.latest)
         return self._plans.latest
-
-    def _in_hand(self, delivery: ExecutionRequest) -> bool:
-        dispatcher = self._plans.loop.dispatcher
-        return delivery is dispatcher.current or delivery in dispatcher.queue
 
     def _stands_at_the_end_of(self, delivery: ExecutionRequest) -> bool:
         """Whether it was executed, and the robot is still where it ended and not at its start."""

@@ -37,9 +37,7 @@ class DeliveryReader:
 
     def __init__(self, clock: MotionClock, max_points: int, max_duration: float) -> None:
         self.robot_joints: tuple[str, ...] = ()
-        self._clock = clock
-        self._max_points = max_points
-        self._max_duration = max_duration
+        self._clock, self._max_points, self._max_duration = clock, max_points, max_duration
 
     def read(self, message: JointTrajectory, transport: Transport) -> ExecutionRequest:
         """Check a received trajectory, and make a delivery of it.

@@ -56,10 +56,7 @@ class ProgramRunner:
         limits: tuple[int, float],
     ) -> None:
         self.condition = ""
-        self._node = node
-        self._clock = clock
-        self._offer = offer
-        self._transport = transport
+        self._node, self._clock, self._offer, self._transport = node, clock, offer, transport
         self._max_points, self._max_duration = limits
         self._preparing = False
         self._program: Program | None = None

@@ -55,10 +55,7 @@ class ProgramService:
         link: ControllerClient,
     ) -> None:
         self.model: RobotModel | None = None
-        self._table = table
-        self._runner = runner
-        self._loop = loop
-        self._link = link
+        self._table, self._runner, self._loop, self._link = table, runner, loop, link
         self._worker = Worker(node)
         group = ReentrantCallbackGroup()
         serve(node, Trigger, "~/run_program", self._run_program, callback_group=group)

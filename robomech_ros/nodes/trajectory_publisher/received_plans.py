@@ -63,9 +63,7 @@ class ReceivedPlans:
     ) -> None:
         self._node, self._log = node, ThrottledLog(node.get_logger())
         self._started = time.time_ns()
-        self._table = table
-        self.reader = reader
-        self.loop = loop
+        self._table, self.reader, self.loop = table, reader, loop
         self._next: Future | None = None
         self._waiting = self._given_up = 0
         self.latest: ExecutionRequest | None = None

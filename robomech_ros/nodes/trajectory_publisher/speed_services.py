@@ -43,8 +43,7 @@ class SpeedServices:
         give_up_requests: Callable[[], int],
     ) -> None:
         self._dispatcher = loop.dispatcher
-        self._loop = loop
-        self._cancel_program = cancel_program
+        self._loop, self._cancel_program = loop, cancel_program
         self._give_up_requests = give_up_requests
         serve(node, Trigger, "~/pause", self._pause)
         serve(node, Trigger, "~/resume", self._resume)

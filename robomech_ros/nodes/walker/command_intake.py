@@ -50,7 +50,7 @@ class CommandIntake:
         self.twists = TwistInput(node, "cmd_vel", self._follow, clock)
         readers: list[tuple[type, str, Callable[[Any], None]]] = [
             (Pose, "body_pose", self._pose),
-            (String, "~/gait", self._gait),
+            (String, "~/gait", lambda message: walker.command_gait(message.data)),
         ]
         self._readers = [
             (Inbox(node, kind, name, _DEPTH, lambda: None), read) for kind, name, read in readers
@@ -86,9 +86,6 @@ class CommandIntake:
         answer = self._walker.command_pose([*T[:3, 3], roll, pitch, yaw], self._duration)
         if answer.status != Code.NONE:
             raise PoseRefusedError(answer.status, answer.reason)
-
-    def _gait(self, message: String) -> None:
-        self._walker.command_gait(message.data)
 
     def _refuse(self, text: str) -> None:
         self.refusal = text

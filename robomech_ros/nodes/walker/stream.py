@@ -132,7 +132,8 @@ class WalkStream:
     def moves(self) -> bool:
         """Whether joints move between the knots, or messages are to be repeated."""
         settles = self._knots[0].time < self._settled
-        if settles or any(_moves(knot.update) for knot in self._knots):
+        updates = [knot.update for knot in self._knots]
+        if settles or any(one.walking or np.abs(one.rates).max() > _REST for one in updates):
             self._repeats = _REPEATS
             return True
         self._repeats = max(self._repeats - 1, 0)
@@ -160,10 +161,6 @@ class WalkStream:
         # Those before the joints have settled are too near; the last one always counts.
         ahead = times + self._knots[0].time >= min(self._settled, self._knots[0].time + times[-1])
         return Samples(times[ahead], positions[ahead], rates[ahead])
-
-
-def _moves(update: WalkUpdate) -> bool:
-    return update.walking or float(np.abs(update.rates).max()) > _REST
 
 
 def rising(walker: Walker, position: Array, part: float) -> Samples:

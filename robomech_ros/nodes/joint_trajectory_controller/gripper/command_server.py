@@ -42,8 +42,7 @@ class CommandServer(ActionBase[FingerMotion]):
     """
 
     def __init__(self, node: Node, gripper: Gripper, place: str, messages: GripperMessages) -> None:
-        self._gripper = gripper
-        self._messages = messages
+        self._gripper, self._messages = gripper, messages
         self._log = ThrottledLog(node.get_logger())
         name = f"{place}/{_NAME}"
         super().__init__(node, gripper, messages.kind, name, goal_callback=self._accept)
