@@ -6,8 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
+from robomech_ros.trajectory.curves.interpolation import interpolant
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.sample import Sample
+from robomech_ros.trajectory.waypoints import Waypoints
 from robomech_ros.typing import Array, BoolArray
 
 # Assumed for joints without limits: seconds to full speed and to full acceleration, and the speed
@@ -42,6 +45,17 @@ def paced_state(sample: Sample, pace: float, rate: float) -> State:
     """Return the state on a curve that is followed at a pace, which changes at a rate (1/s)."""
     acceleration = sample.acceleration * pace * pace + sample.velocity * rate
     return State(sample.position, sample.velocity * pace, acceleration)
+
+
+def approached(waypoints: Waypoints, positions: Array, present: State) -> PiecewisePolynomial:
+    """Make the curve through waypoints, at these positions, from the present state on."""
+    velocities, accelerations = waypoints.velocities, waypoints.accelerations
+    return interpolant(
+        np.concatenate([[0.0], waypoints.times]),
+        np.vstack([present.position, positions]),
+        None if velocities is None else np.vstack([present.velocity, velocities]),
+        None if accelerations is None else np.vstack([present.acceleration, accelerations]),
+    )
 
 
 def at_rest(position: Array) -> State:

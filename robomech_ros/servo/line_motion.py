@@ -280,7 +280,6 @@ class LineMotion:
         return (_Plan(rates, q, v) if verdict.inside else None), verdict.bound
 
     def _take(self, plan: _Plan) -> None:
-        """Go on to the next knot of a plan."""
         h, rates = self._period, plan.rates
         rate = float(rates[0]) if len(rates) else 0.0
         self._places = np.append(

@@ -85,7 +85,6 @@ class PoseApproach:
         return float(np.abs(beside).max()) <= _BESIDE
 
     def _lay(self, command: PoseCommand, left: Array) -> None:
-        """Lay the line from here to the target."""
         turn, way = float(np.linalg.norm(left[:3])), float(np.linalg.norm(left[3:]))
         time = max(turn / command.angular_speed, way / command.linear_speed)
         self._full = left / time if max(turn, way) > _THERE else np.zeros(6)

@@ -110,7 +110,6 @@ def motion_report(
 
 
 def _in_words(twist: Array) -> str:
-    """Name the axes of a twist."""
     sizes = [float(np.abs(part).max()) for part in (twist[:3], twist[3:])]
     words = [
         f"{word} ({', '.join(f'{x / size + 0.0:.2f}' for x in part.round(12))})"

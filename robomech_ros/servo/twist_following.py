@@ -121,7 +121,6 @@ class TwistFollowing:
         return found._replace(scale=min(found.scale, scale))
 
     def _path(self, command: TwistCommand, start: Start) -> LinePath:
-        """Return the way for a twist."""
         weights = 1.0 / self._limits.acceleration
         way = LineLaying(self._resolver, weights, start, lambda q: _twist_of(command, q))
         return LinePath(way)
@@ -168,7 +167,6 @@ class TwistFollowing:
 
 
 def _twist_of(command: TwistCommand, q: Array) -> Array:
-    """Return the twist of a command in base axes."""
     axes = command.axes(q)
     if axes is None:
         return command.twist

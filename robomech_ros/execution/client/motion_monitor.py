@@ -4,6 +4,7 @@ import numpy as np
 
 from robomech_ros.execution.client.execution_request import ExecutionRequest
 from robomech_ros.execution.client.position_check import STILL
+from robomech_ros.execution.joints import approached, at_rest
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.waypoints import Waypoints
 from robomech_ros.typing import Array
@@ -93,10 +94,4 @@ def curve_from(waypoints: Waypoints, position: Array) -> PiecewisePolynomial:
     """Make the curve through waypoints, from a position (rad or m) where they begin later."""
     if waypoints.times[0] <= 0.0:
         return waypoints.curve
-    still = np.zeros(len(position))
-    rates = (
-        None if rate is None else np.vstack([still, rate])
-        for rate in (waypoints.velocities, waypoints.accelerations)
-    )
-    times = np.concatenate([[0.0], waypoints.times])
-    return Waypoints(times, np.vstack([position, waypoints.positions]), *rates).curve
+    return approached(waypoints, waypoints.positions, at_rest(position))

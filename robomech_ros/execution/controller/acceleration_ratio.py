@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros.execution.controller.curve_parts import highest_accelerations
-from robomech_ros.execution.controller.joining import STANDING, approached, completed, without_turns
-from robomech_ros.execution.joints import Joints, State
+from robomech_ros.execution.controller.joining import STANDING, completed, without_turns
+from robomech_ros.execution.joints import Joints, State, approached
 from robomech_ros.execution.rejections import AccelerationRefusedError
 from robomech_ros.trajectory.waypoints import Waypoints
 

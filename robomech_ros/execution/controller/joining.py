@@ -14,7 +14,7 @@ from robomech_ros.execution.controller.transitions import (
     with_braking,
     with_fading,
 )
-from robomech_ros.execution.joints import Joints, State
+from robomech_ros.execution.joints import Joints, State, approached
 from robomech_ros.execution.rejections import StartMismatchError, TrajectoryOverError
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
@@ -196,17 +196,6 @@ def _require_near(start: Array, present: State, joints: Joints, tolerance: float
             allowed[worst],
             joints.limits.units[worst],
         )
-
-
-def approached(waypoints: Waypoints, positions: Array, present: State) -> PiecewisePolynomial:
-    """Put the present state before the first point."""
-    velocities, accelerations = waypoints.velocities, waypoints.accelerations
-    return interpolant(
-        np.concatenate([[0.0], waypoints.times]),
-        np.vstack([present.position, positions]),
-        None if velocities is None else np.vstack([present.velocity, velocities]),
-        None if accelerations is None else np.vstack([present.acceleration, accelerations]),
-    )
 
 
 def _smoothed(

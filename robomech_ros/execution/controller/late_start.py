@@ -268,7 +268,6 @@ class _Search:
         return float(np.max(np.abs(self._present.position - curve.sample(place[0]).position)))
 
     def _nearest(self, curve: PiecewisePolynomial) -> Array:
-        """Find where on a curve the robot is."""
         here, unit = self._present, 1.0 / self._joints.acceleration
         places = np.arange(max(curve.breaks[0], -2.0 * LONGEST_LAG), LONGEST_LAG, _STEP)
         off = np.sum(((curve.sample(places).position - here.position) * unit) ** 2, axis=1)

@@ -123,10 +123,9 @@ def run(args: argparse.Namespace) -> int:
         _check_parallel(args, robot)
     if args.localhost:
         stay_on_this_machine()
-    print(f"robomech bringup: {reach(os.environ)}", file=sys.stderr, flush=True)
+    _say(reach(os.environ))
     if left := ports_left(os.environ):
-        text = f"{left}; `fastdds shm clean` of Fast DDS removes them"
-        print(f"robomech bringup: {text}", file=sys.stderr, flush=True)
+        _say(f"{left}; `fastdds shm clean` of Fast DDS removes them")
     options = launch_options(args)
     return _run_here(options) if args.in_one_process else _supervise(options.commands())
 
@@ -169,8 +168,7 @@ def _check_parallel(args: argparse.Namespace, robot: DescribedRobot) -> None:
     RobotModel(robot.description, ends, robot=robot.robot)
     if not args.no_servo:
         args.no_servo = True
-        text = "no servo and no services of MoveIt, which serve no parallel robots"
-        print(f"robomech bringup: {text}", file=sys.stderr, flush=True)
+        _say("no servo and no services of MoveIt, which serve no parallel robots")
 
 
 def _load(args: argparse.Namespace) -> DescribedRobot:
@@ -283,21 +281,21 @@ def _supervise(commands: dict[str, list[str]]) -> int:
         if name not in OPTIONAL_NODES or code == EXIT_CANNOT_START:
             break
         ended.add(name)
-        text = f"{name} ended with exit code {code}; the other nodes go on"
-        print(f"robomech bringup: {text}", file=sys.stderr, flush=True)
+        _say(f"{name} ended with exit code {code}; the other nodes go on")
     codes = {name: code for name, code in group.stop().items() if name not in ended}
     if first is not None and not told_to_stop.is_set():
         name, code = first
-        print(
-            f"robomech bringup: {name} ended with exit code {code} (its last words are above); "
-            "the other nodes were stopped",
-            file=sys.stderr,
-        )
+        how = f"{name} ended with exit code {code} (its last words are above)"
+        _say(f"{how}; the other nodes were stopped")
         return EXIT_CHILD_FAILED
     failed = {name: code for name, code in codes.items() if code}
     for name, code in failed.items():
-        print(f"robomech bringup: {name} ended with exit code {code}", file=sys.stderr)
+        _say(f"{name} ended with exit code {code}")
     return EXIT_CHILD_FAILED if failed else 0
+
+
+def _say(text: str) -> None:
+    print(f"robomech bringup: {text}", file=sys.stderr, flush=True)
 
 
 def _on_signals(handler: Callable[[int, FrameType | None], object]) -> None:

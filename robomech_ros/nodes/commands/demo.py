@@ -54,13 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _kind(args: argparse.Namespace) -> NodesOfKind | None:
-    """Look up what is done with a robot that neither is an arm nor parallel; None for the others.
-
-    Raises
-    ------
-    RobomechError
-        There is no such robot, none of its kind is shown, or an option does not apply to it.
-    """
+    """Look up what is done with a robot that is no arm and not parallel; None for the others."""
     shown = [kind for kind, nodes in KIND_NODES.items() if nodes.demonstration]
     check_name(args.robot, (ARM, "parallel", *shown))
     kind = kind_of(args.robot)

@@ -11,17 +11,21 @@ from rclpy.task import Future
 from std_msgs.msg import String
 
 from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.nodes.commands.service_client import NoAnswerError, answer_of, command_node
+from robomech_ros.nodes.commands.service_client import (
+    NoAnswerError,
+    answer_of,
+    command_node,
+    latched_message,
+)
 from robomech_ros.nodes.common.gripper_goals import gripper_goal, gripper_outcome
 from robomech_ros.nodes.common.gripper_names import GripperNames, known_finger_joints, known_gripper
-from robomech_ros.nodes.common.robot_description import LATCHED, TOPIC, RobotModel
+from robomech_ros.nodes.common.robot_description import TOPIC, RobotModel
 from robomech_ros.nodes.common.srdf_source import SemanticSource
 from robomech_ros.nodes.middleware.queue_depth import ask_action
 from robomech_ros.parallel.tree_description import load_tree_description
 from robomech_ros.robots.gripper import GripperModel
 
 OPEN, CLOSE = "open", "close"
-_POLL = 0.1
 
 
 class NoGripperError(RobomechError):
@@ -97,15 +101,11 @@ def _settings(node: Node, service: str, timeout: float) -> GripperNames:
 
 
 def _model(node: Node, settings: GripperNames, deadline: float, timeout: float) -> RobotModel:
-    """Load the robot of the topic robot_description."""
-    received: list[String] = []
-    node.create_subscription(String, TOPIC, received.append, LATCHED)
-    while not received:
-        if time.monotonic() > deadline:
-            topic = node.resolve_topic_name(TOPIC)
-            raise NoAnswerError(f"nothing received on '{topic}' within {timeout:g} s")
-        rclpy.spin_once(node, timeout_sec=_POLL)
-    loaded = load_tree_description(received[0].data)
+    received = latched_message(node, String, TOPIC, deadline - time.monotonic())
+    if received is None:
+        topic = node.resolve_topic_name(TOPIC)
+        raise NoAnswerError(f"nothing received on '{topic}' within {timeout:g} s")
+    loaded = load_tree_description(received.data)
     semantic = SemanticSource(node, settings).semantic(loaded.description)
     return RobotModel(loaded.description, settings, semantic)
 
@@ -138,7 +138,6 @@ def _end(gripper: GripperModel, wanted: str) -> float:
 
 
 def _done(node: Node, future: Future, deadline: float, missing: str) -> Any:
-    """Wait for an answer."""
     left = max(0.0, deadline - time.monotonic())
     rclpy.spin_until_future_complete(node, future, timeout_sec=left)
     if not future.done():

@@ -87,7 +87,6 @@ def policy_xml(rights: Iterable[NodeRights], enclave: str) -> str:
 
 
 def _rules(node: NodeRights) -> Iterator[ElementTree.Element]:
-    """Yield one element for each right that the node makes use of."""
     for element, entry, ways in _KINDS:
         for way in ways:
             if names := node.names[way]:

@@ -11,11 +11,12 @@ from rclpy.node import Node
 from robomech_ros.errors import RobomechError
 from robomech_ros.errors.names import did_you_mean
 from robomech_ros.nodes.commands.message_yaml import fill_message, interface_class, without_types
+from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.middleware.queue_depth import ask
 from robomech_ros.nodes.middleware.retrying_client import RetriedRequest
 from robomech_ros.nodes.process.memory import bounded_memory
 
-_POLL = 0.02
+_POLL, _SPIN = 0.02, 0.1
 # How often it is looked whether the service is still there, s.
 _LOOK = 0.2
 _MOST_LISTED = 12
@@ -81,6 +82,17 @@ def command_node(name: str, namespace: str = "") -> Iterator[Node]:
         raise NoAnswerError("ROS was shut down before the answer came") from None
     finally:
         rclpy.try_shutdown()
+
+
+def latched_message(node: Node, kind: Any, topic: str, timeout: float) -> Any:
+    """Wait for a message of a latched topic; None where none comes in time (s)."""
+    received: list[Any] = []
+    subscription = node.create_subscription(kind, topic, received.append, LATCHED)
+    deadline = time.monotonic() + timeout
+    while not received and time.monotonic() < deadline:
+        rclpy.spin_once(node, timeout_sec=_SPIN)
+    node.destroy_subscription(subscription)
+    return received[0] if received else None
 
 
 def answer_of(node: Node, name: str, kind: str, values: Mapping[str, Any], timeout: float) -> Any:

@@ -1,35 +1,27 @@
 """Trajectories from a topic, or from a file in YAML."""
 
-import time
 from pathlib import Path
 from typing import Any
 
-import rclpy
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.execution.received_trajectory import ReceivedTrajectory, read_waypoints
 from robomech_ros.nodes.commands.message_yaml import fill_message, parse_yaml
-from robomech_ros.nodes.commands.service_client import command_node
+from robomech_ros.nodes.commands.service_client import command_node, latched_message
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
-from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.trajectory import Waypoints
 
 # What a picture is made of at the most.
 _MOST_POINTS, _LONGEST = 1_000_000, 1e7
 _LARGEST_FILE = 1 << 28
-_POLL = 0.1
 
 
 def from_topic(topic: str, timeout: float) -> JointTrajectory | None:
     """Wait for a latched trajectory."""
-    received: list[JointTrajectory] = []
     with command_node("robomech_plot") as node:
-        node.create_subscription(JointTrajectory, topic, received.append, LATCHED)
-        deadline = time.monotonic() + timeout
-        while not received and time.monotonic() < deadline:
-            rclpy.spin_once(node, timeout_sec=_POLL)
-    return received[0] if received else None
+        message: JointTrajectory | None = latched_message(node, JointTrajectory, topic, timeout)
+        return message
 
 
 def from_file(path: Path) -> JointTrajectory:

@@ -214,12 +214,7 @@ class CalibrationTask:
         return answer
 
     def _judge(self, answer: Any, count: int) -> None:
-        """Compare the last result with the truth.
-
-        Raises
-        ------
-        DemoFailedError
-        """
+        """Compare the last result with the truth."""
         self.residuals = np.column_stack((answer.rotation_residuals, answer.position_residuals))
         self.inlier = np.array(answer.inlier)
         self.summary, self.covariance = answer.summary, np.reshape(answer.covariance, (6, 6))

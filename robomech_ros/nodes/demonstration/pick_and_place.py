@@ -202,13 +202,7 @@ class PickAndPlace:
         return self._client.present[shown]
 
     def _check(self, leg: Leg, T: Array) -> None:
-        """Compare where the tip is, by forward kinematics of the present joints, with the target.
-
-        Raises
-        ------
-        DemoFailedError
-            It is somewhere else.
-        """
+        """Compare where the tip is, by forward kinematics of the joints, with the target."""
         request = SolveFK.Request(states=[self._present_state()])
         response = self._client.call("kinematics/solve_fk", request)
         error = pose_error(T, matrix_from_pose(response.poses[0].pose))

@@ -179,8 +179,6 @@ class Reporter:
 
 
 class _Row(NamedTuple):
-    """A solution in words."""
-
     inside: bool
     posture: str
     joints: list[str]

@@ -113,13 +113,7 @@ def _planned(walk: Walk, path: ClosedPath) -> Array:
 
 
 def _check(walker: Walker, walk: Walk, client: DemoClient, reporter: Reporter) -> None:
-    """See that the trunk is where it began, by odometry and by legs, and that nothing tipped.
-
-    Raises
-    ------
-    DemoFailedError
-        It is not, or the margin has left its bound.
-    """
+    """See that the trunk is where it began, by odometry and by legs, and that nothing tipped."""
     robot = walker.robot
     _, trunk = walk.trunk
     away = np.linalg.inv(trunk[0]) @ trunk[-1]

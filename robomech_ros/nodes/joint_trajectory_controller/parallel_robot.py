@@ -86,13 +86,7 @@ class ParallelRobot(SimulatedRobot):
         return State(shown, rates, np.full(self.mechanism.n, np.nan)), real
 
     def _closed(self, drives: Array, near: Array) -> Array:
-        """Close the loops for places of the drives (m,), from all joints (n,) near by.
-
-        Raises
-        ------
-        OutcomeError
-            A singular posture is in the way, or the loops are open.
-        """
+        """Close the loops for places of the drives (m,), from all joints (n,) near by."""
         index = self.mechanism.drive_index
         if np.array_equal(drives, near[index]):
             return near

@@ -56,7 +56,6 @@ class Shutdown:
             wake(self._node)
 
     def _halt(self) -> None:
-        """Hold at once."""
         with self._lock:
             for joints in self._commanded:
                 if joints.follower.phase is not Phase.HOLDING:

@@ -200,13 +200,7 @@ class CommandReader:
         raise BadValueError("stamp", f"{stamp.sec}.{stamp.nanosec:09d}, {what}", expected)
 
     def _axes_of(self, frame: str) -> Axes:
-        """Find the axes of a frame, which turn with the joints that carry it.
-
-        Raises
-        ------
-        FrameUnavailableError
-            There is no such frame, or joints outside the chain move it.
-        """
+        """Find the axes of a frame, which turn with the joints that carry it."""
         place, chain = self._frames.find(frame), self._chain
         count = len(place.joint_names)
         if place.joint_names != chain.joint_names[:count]:

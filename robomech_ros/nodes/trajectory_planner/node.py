@@ -193,7 +193,6 @@ class TrajectoryPlannerNode(Node):
 
 
 def _motions_of(model: RobotModel, joints: JointPositions) -> JointMotions:
-    """Return what plans motions of a robot."""
     if model.mechanism is None:
         return ChainMotions(model.chain, joints)
     from robomech_ros.nodes.trajectory_planner.platform_motions import PlatformMotions

@@ -103,7 +103,6 @@ def _asks_for_latest(trajectory: JointTrajectory) -> bool:
 
 
 async def _end_of(delivery: ExecutionRequest) -> ExecutionReport:
-    """Wait for the end of a delivery."""
     ended: Future = Future()
     delivery.listen(lambda report: ended.done() or ended.set_result(report))
     report: ExecutionReport = await ended

@@ -110,7 +110,6 @@ class ProgramRunner:
         return True
 
     def _next(self) -> None:
-        """Do the step whose turn it is."""
         program = self._program
         if program is None:
             return

@@ -33,7 +33,6 @@ class GripperMessages:
         return reader.read([], [goal.command.position], [], [goal.command.max_effort])
 
     def _fields(self, state: JointState) -> dict[str, Any]:
-        """Tell the state of the joints that are commanded."""
         return {"position": state.position[0], "effort": abs(state.effort[0])}
 
     def feedback(self, state: JointState) -> Any:

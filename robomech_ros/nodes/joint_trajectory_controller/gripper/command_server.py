@@ -84,7 +84,6 @@ class CommandServer(ActionBase[FingerMotion]):
         return result
 
     def _start(self, goal: Any, ended: Future) -> FingerMotion:
-        """Have the fingers moved."""
         gripper = self._gripper
         command = self._read(goal)
 
