@@ -89,10 +89,6 @@ def pace_change(
         The pace wanted, 0 to 1; 0 = stop on the path.
     limit : ndarray, shape (n,)
         Acceleration limits, rad/s^2 or m/s^2.
-
-    Returns
-    -------
-    TimeScaling
     """
     rows = [(0.0, place, pace, 0.0)]
     time, end = 0.0, float(curve.breaks[-1])

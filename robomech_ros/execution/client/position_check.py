@@ -32,6 +32,13 @@ def joint_distance(first: Array, second: Array, continuous: BoolArray) -> Array:
     return distance
 
 
+def _worst(wanted: Array, positions: Array, kinds: JointKinds) -> tuple[int, float]:
+    """Return the joint that is farthest from where it is wanted, and how far that is."""
+    distance = joint_distance(wanted, positions, kinds.continuous)
+    worst = int(np.argmax(distance))
+    return worst, float(distance[worst])
+
+
 def off_start(
     delivery: ExecutionRequest, positions: Array, kinds: JointKinds, tolerance: float
 ) -> str:
@@ -55,13 +62,12 @@ def off_start(
     """
     if delivery.start is None:
         return ""
-    distance = joint_distance(delivery.start, positions, kinds.continuous)
-    worst = int(np.argmax(distance))
-    if distance[worst] <= tolerance:
+    worst, apart = _worst(delivery.start, positions, kinds)
+    if apart <= tolerance:
         return ""
     start, present = float(delivery.start[worst]), float(positions[worst])
     name, unit = delivery.names[worst], kinds.units[worst]
-    return start_mismatch(name, start, present, float(distance[worst]), tolerance, unit)
+    return start_mismatch(name, start, present, apart, tolerance, unit)
 
 
 def off_goal(
@@ -85,18 +91,17 @@ def off_goal(
     str
         Joint and amount; empty if the robot is there.
     """
-    distance = joint_distance(delivery.goal, positions, kinds.continuous)
-    worst = int(np.argmax(distance))
-    if distance[worst] <= tolerance:
+    worst, apart = _worst(delivery.goal, positions, kinds)
+    if apart <= tolerance:
         return ""
     unit = f" {kinds.units[worst]}" if kinds.units[worst] else ""
     text = (
         f"joint '{delivery.names[worst]}' is at {positions[worst]:.6g}{unit}, "
-        f"{distance[worst]:.3g}{unit} off its goal {delivery.goal[worst]:.6g}{unit}, "
+        f"{apart:.3g}{unit} off its goal {delivery.goal[worst]:.6g}{unit}, "
         f"allowed is {tolerance:.3g}{unit}"
     )
     start = delivery.start
-    if start is not None and np.max(joint_distance(start, positions, kinds.continuous)) <= STILL:
+    if start is not None and _worst(start, positions, kinds)[1] <= STILL:
         still = "the robot has not moved, the controller's log may say why"
         text += f"; {'the robot is back at its start' if moved else still}"
     return text

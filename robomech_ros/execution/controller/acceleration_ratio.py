@@ -58,12 +58,7 @@ class AccelerationRatio:
         )
 
     def require(self, allowed: float) -> None:
-        """Refuse more than so many times the limit; 0 = any.
-
-        Raises
-        ------
-        AccelerationRefusedError
-        """
+        """Raise AccelerationRefusedError for more than so many times the limit; 0 = any."""
         if 0.0 < allowed * (1.0 + _NOTICED) < self.ratio:
             raise AccelerationRefusedError(
                 str(self), self.joint, self.value, self.limit, allowed, self.unit

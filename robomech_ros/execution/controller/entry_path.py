@@ -65,10 +65,6 @@ def entry_path(
     unsettled : bool
         Whether it is of a stream, and the clock has jumped lately.
 
-    Returns
-    -------
-    EntryPath
-
     Raises
     ------
     RobomechError

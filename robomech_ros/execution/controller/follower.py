@@ -125,10 +125,6 @@ class TrajectoryFollower:
         streamed : bool
             Whether it may be one of a stream, whose accelerations are not judged if it is short.
 
-        Returns
-        -------
-        TrajectoryGoal
-
         Raises
         ------
         RobomechError

@@ -62,10 +62,6 @@ class CommandReader:
             Where given the most for each, rad/s or m/s and N m or N; 0 or less stands for as much
             as the joint can, and so does what is more than that.
 
-        Returns
-        -------
-        FingerCommand
-
         Raises
         ------
         UnknownJointError, LimitExceededError

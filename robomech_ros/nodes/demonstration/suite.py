@@ -4,6 +4,7 @@ import os
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 from robomech_ros.errors import RobomechError
@@ -17,16 +18,18 @@ class DemoFailedError(RobomechError):
     """A step of the demonstration went wrong; the text says which and why."""
 
 
+@dataclass(frozen=True)
 class Suite:
     """The running nodes and what they have said."""
 
-    def __init__(self, group: ProcessGroup, domain: int, log: Path) -> None:
-        self._group, self.domain, self._log = group, domain, log
+    group: ProcessGroup
+    domain: int
+    log: Path
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the nodes."""
-        return tuple(self._group.processes)
+        return tuple(self.group.processes)
 
     @property
     def says(self) -> str:
@@ -42,12 +45,12 @@ class Suite:
         DemoFailedError
             It names the node and its exit code.
         """
-        for name, code in self._group.dead().items():
+        for name, code in self.group.dead().items():
             raise DemoFailedError(f"node {name} ended by itself with exit code {code}")
 
     def last_words(self) -> str:
         """Return the last lines of what the nodes have logged."""
-        lines = self._log.read_text(encoding="utf-8", errors="replace").splitlines()
+        lines = self.log.read_text(encoding="utf-8", errors="replace").splitlines()
         return "\n".join(lines[-_LOG_LINES:])
 
 

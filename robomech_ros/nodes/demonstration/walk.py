@@ -62,7 +62,7 @@ class Walk:
     def _margin(self, message: Float64) -> None:
         self._margins.append(float(message.data))
 
-    def wait_until_it_stands(self, seconds: float = _PATIENCE) -> None:
+    def wait_until_it_stands(self) -> None:
         """Wait until all feet are down and the trunk is at rest.
 
         Raises
@@ -76,8 +76,8 @@ class Walk:
             heard = len(self._poses) > known and self._contacts and self._margins
             return bool(heard and self._still and self._contacts[-1][1].all())
 
-        if not self._client.wait(stands, seconds):
-            raise DemoFailedError(f"after {seconds:g} s the robot does not stand on all feet")
+        if not self._client.wait(stands, _PATIENCE):
+            raise DemoFailedError(f"after {_PATIENCE:g} s the robot does not stand on all feet")
 
     def follow(self, follower: PathFollower, seconds: float) -> float:
         """Walk along a path from where the robot stands, and stop.

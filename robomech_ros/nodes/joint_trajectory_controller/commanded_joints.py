@@ -238,10 +238,6 @@ class CommandedJoints:
         streamed : bool
             Whether it may be one of a stream.
 
-        Returns
-        -------
-        TrajectoryGoal
-
         Raises
         ------
         RobomechError

@@ -202,12 +202,7 @@ class MobileBaseSettings(_LimitsOfAxes):
 
 
 def check_settings(settings: MobileBaseSettings) -> None:
-    """Refuse what does not fit together.
-
-    Raises
-    ------
-    ParameterError
-    """
+    """Raise ParameterError for what does not fit together."""
     for axis in _AXES:
         for names, sign, allowed in (
             (_NEGATIVE, -1.0, "a number of at most 0, or NaN"),

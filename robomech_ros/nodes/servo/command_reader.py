@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -29,10 +30,14 @@ _UNITS = ("rad/s",) * 3 + ("m/s",) * 3
 _COMPONENTS = ("angular.x", "angular.y", "angular.z", "linear.x", "linear.y", "linear.z")
 
 
+@dataclass(frozen=True, eq=False)
 class CommandReader:
     """Reads commands for one robot.
 
-    Parameters
+    Each method raises RobomechError for a field that cannot be: a frame that is not known or has no
+    state, a joint that is not known, a value out of range.
+
+    Attributes
     ----------
     model : RobotModel
         The robot.
@@ -48,27 +53,16 @@ class CommandReader:
         Gives how far ahead of its time the stream is sent (s).
     """
 
-    def __init__(
-        self,
-        model: RobotModel,
-        frames: RobotFrames,
-        monitor: JointStateMonitor,
-        clock: MotionClock,
-        settings: Callable[[], ServoNodeSettings],
-        ahead: Callable[[], float],
-    ) -> None:
-        self._model, self._chain, self._frames = model, model.chain, frames
-        self._monitor, self._clock, self._settings = monitor, clock, settings
-        self._ahead = ahead
+    model: RobotModel
+    frames: RobotFrames
+    monitor: JointStateMonitor
+    clock: MotionClock
+    settings: Callable[[], ServoNodeSettings]
+    ahead: Callable[[], float]
 
     def twist(self, message: TwistStamped) -> TwistCommand:
-        """Read a twist of the tip's origin, in the axes of the frame of its header.
-
-        Raises
-        ------
-        FrameUnavailableError
-        """
-        settings, twist = self._settings(), twist_vector(message.twist)
+        """Read a twist of the tip's origin, in the axes of the frame of its header."""
+        settings, twist = self.settings(), twist_vector(message.twist)
         scales = np.repeat((settings.rotational_scale, settings.linear_scale), 3)
         names = [f"twist.{component}" for component in _COMPONENTS]
         rates = self._speeds(twist, scales, names, _UNITS)
@@ -76,16 +70,11 @@ class CommandReader:
         return TwistCommand(rates, axes, self._until(message.header))
 
     def pose(self, message: PoseStamped) -> PoseCommand:
-        """Read a pose of the tip in the frame of its header, as that is now.
-
-        Raises
-        ------
-        FrameUnavailableError, NoStateError, BadQuaternionError
-        """
-        settings, target = self._settings(), matrix_from_pose(message.pose)
-        place = self._frames.find(message.header.frame_id)
+        """Read a pose of the tip in the frame of its header, as that is now."""
+        settings, target = self.settings(), matrix_from_pose(message.pose)
+        place = self.frames.find(message.header.frame_id)
         names = place.joint_names
-        at = dict(zip(names, self._monitor.require(names), strict=True)) if names else {}
+        at = dict(zip(names, self.monitor.require(names), strict=True)) if names else {}
         frame = place.pose(at)
         if frame is not None:
             target = frame @ target
@@ -93,28 +82,18 @@ class CommandReader:
         return PoseCommand(target, *speeds, self._until(message.header))
 
     def joint_state(self, message: JointState) -> JointCommand:
-        """Read velocities of joints by name; the others stand.
-
-        Raises
-        ------
-        UnknownJointError
-        """
+        """Read velocities of joints by name; the others stand."""
         rates = self._joint_speeds(message.name, message.velocity, "velocity", scaled=True)
         return JointCommand(rates, self._until(message.header))
 
     def joint_jog(self, message: Any) -> JointCommand:
-        """Read a control_msgs/JointJog: velocities, or displacements within its duration.
-
-        Raises
-        ------
-        UnknownJointError
-        """
+        """Read a control_msgs/JointJog: velocities, or displacements within its duration."""
         duration = float(message.duration)
         if not (math.isfinite(duration) and duration >= 0.0):
             raise BadValueError("duration", duration, "a time of 0 s (not given) or more")
         until = self._until(message.header)
         if duration:
-            until = min(until, self._clock.now() + duration)
+            until = min(until, self.clock.now() + duration)
         names = message.joint_names
         if not message.displacements:
             rates = self._joint_speeds(names, message.velocities, "velocities", scaled=True)
@@ -136,7 +115,7 @@ class CommandReader:
         self, names: Sequence[str], values: Sequence[float], what: str, *, scaled: bool
     ) -> Array:
         """Return the speeds of all joints of the chain (rad/s or m/s)."""
-        known = self._chain.joint_names
+        known = self.model.chain.joint_names
         if len(names) != len(values):
             raise WrongSizeError(what, len(values), f"{len(names)}, one for every name")
         if not names:
@@ -149,8 +128,8 @@ class CommandReader:
             raise WrongSizeError("joint names", len(names), f"each once; '{twice}' is repeated")
         given = np.array(values, dtype=np.float64)
         shown = [f"{what} of joint '{name}'" for name in names]
-        scale = np.full(len(names), self._settings().joint_scale)
-        units = [f"{self._chain.units[known.index(name)]}/s" for name in names]
+        scale = np.full(len(names), self.settings().joint_scale)
+        units = [f"{self.model.chain.units[known.index(name)]}/s" for name in names]
         speeds = self._speeds(given, scale, shown, units, scaled=scaled)
         rates = np.zeros(len(known))
         rates[[known.index(name) for name in names]] = speeds
@@ -169,7 +148,7 @@ class CommandReader:
         bad = np.flatnonzero(~np.isfinite(given))
         if len(bad):
             raise NonFiniteError(names[bad[0]], float(given[bad[0]]))
-        unitless = scaled and self._settings().command_in_type != SPEED_UNITS
+        unitless = scaled and self.settings().command_in_type != SPEED_UNITS
         largest = _UNIT if unitless else _FASTEST
         over = np.flatnonzero(np.abs(given) > largest)
         if len(over):
@@ -184,11 +163,11 @@ class CommandReader:
 
         The stream is sent ahead of its time, so the robot brakes later than that.
         """
-        settings = self._settings()
+        settings = self.settings()
         timeout = settings.command_timeout
-        told_ahead = min(self._ahead(), 0.5 * timeout)
-        now = self._clock.now()
-        ahead = self._clock.until(header.stamp, now)
+        told_ahead = min(self.ahead(), 0.5 * timeout)
+        now = self.clock.now()
+        ahead = self.clock.until(header.stamp, now)
         if ahead < -timeout:
             what = f"made {-ahead:.3g} s ago"
         elif ahead > timeout:
@@ -201,11 +180,11 @@ class CommandReader:
 
     def _axes_of(self, frame: str) -> Axes:
         """Find the axes of a frame, which turn with the joints that carry it."""
-        place, chain = self._frames.find(frame), self._chain
+        place, chain = self.frames.find(frame), self.model.chain
         count = len(place.joint_names)
         if place.joint_names != chain.joint_names[:count]:
             beside = next(name for name in place.joint_names if name not in chain.joint_names)
-            known = [self._model.frame_of(link.name) for link in chain.frames]
+            known = [self.model.frame_of(link.name) for link in chain.frames]
             why = f"joint '{beside}', which is not of the chain, moves it"
             raise FrameUnavailableError(frame, known, why)
 

@@ -102,12 +102,7 @@ class ServoNodeSettings(FrameSettings):
 
 
 def check_settings(settings: ServoNodeSettings) -> None:
-    """Refuse what does not fit together.
-
-    Raises
-    ------
-    ParameterError
-    """
+    """Raise ParameterError for what does not fit together."""
     slow, stop = settings.lower_singularity_threshold, settings.hard_stop_singularity_threshold
     if not slow < stop:
         allowed = f"less than hard_stop_singularity_threshold, {stop:g}"

@@ -1,6 +1,7 @@
 """Deliveries from received messages, and the messages in which they are sent."""
 
 import copy
+from dataclasses import dataclass
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -17,10 +18,11 @@ from robomech_ros.typing import Array
 _NANO = 1_000_000_000
 
 
+@dataclass
 class DeliveryReader:
     """Makes deliveries of messages.
 
-    Parameters
+    Attributes
     ----------
     clock : MotionClock
         The time from which stamps count.
@@ -28,16 +30,14 @@ class DeliveryReader:
         Most points of a trajectory.
     max_duration : float
         How long one may last, s.
-
-    Attributes
-    ----------
     robot_joints : tuple of str
         The joints that there are; empty as long as the robot is not known.
     """
 
-    def __init__(self, clock: MotionClock, max_points: int, max_duration: float) -> None:
-        self.robot_joints: tuple[str, ...] = ()
-        self._clock, self._max_points, self._max_duration = clock, max_points, max_duration
+    clock: MotionClock
+    max_points: int
+    max_duration: float
+    robot_joints: tuple[str, ...] = ()
 
     def read(self, message: JointTrajectory, transport: Transport) -> ExecutionRequest:
         """Check a received trajectory, and make a delivery of it.
@@ -54,9 +54,9 @@ class DeliveryReader:
             if self.robot_joints and name not in self.robot_joints:
                 raise UnknownJointError(name, self.robot_joints)
         waypoints = read_waypoints(
-            received_trajectory(message), names, self._max_points, self._max_duration
+            received_trajectory(message), names, self.max_points, self.max_duration
         )
-        delay = self._clock.until(message.header.stamp, self._clock.now())
+        delay = self.clock.until(message.header.stamp, self.clock.now())
         return ExecutionRequest(message, names, waypoints, transport, delay)
 
 

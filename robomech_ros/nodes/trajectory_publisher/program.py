@@ -85,10 +85,6 @@ def read_program(path: Path, chain: SerialChain, semantic: SemanticDescription) 
     semantic : SemanticDescription
         For named postures that the program does not give itself.
 
-    Returns
-    -------
-    Program
-
     Raises
     ------
     RobotDescriptionError
