@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -20,15 +20,6 @@ MISSING = -1
 LARGEST = 1e6
 
 
-class ReceivedPoint(Protocol):
-    """One point of a trajectory; the message trajectory_msgs/JointTrajectoryPoint fits."""
-
-    positions: Sequence[float]
-    velocities: Sequence[float]
-    accelerations: Sequence[float]
-    effort: Sequence[float]
-
-
 @dataclass(frozen=True, eq=False)
 class ReceivedTrajectory:
     """A trajectory as received; nothing about it has been checked.
@@ -39,13 +30,14 @@ class ReceivedTrajectory:
         The joints, in the order of the numbers of every point.
     times : sequence of float
         Time from start of every point, s.
-    points : sequence of ReceivedPoint
-        Positions in rad or m, velocities and accelerations per s and s^2 or empty.
+    points : sequence of object
+        Such as trajectory_msgs/JointTrajectoryPoint: positions in rad or m, velocities and
+        accelerations per s and s^2 or empty, effort.
     """
 
     joint_names: Sequence[str]
     times: Sequence[float]
-    points: Sequence[ReceivedPoint]
+    points: Sequence[Any]
 
 
 def read_waypoints(
@@ -183,7 +175,7 @@ def _rows(
     return rows
 
 
-def _refuse_effort(points: Sequence[ReceivedPoint]) -> None:
+def _refuse_effort(points: Sequence[Any]) -> None:
     for index, point in enumerate(points):
         if len(point.effort):
             expected = "0: positions, velocities and accelerations are read, no effort"

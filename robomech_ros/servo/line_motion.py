@@ -17,6 +17,7 @@ from robomech_ros.servo.cubics import CubicCheck, end_of_cubic
 from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.motion import Advance, Samples
+from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.typing import Array
 
 # Parts of the acceleration limits with which the motion begins and brakes; the bends of the way
@@ -47,21 +48,11 @@ class Deviation:
     """
 
     def __init__(self, off: tuple[Array, Array, Array], period: float, count: int) -> None:
-        length = count * period
-        x = np.linspace(0.0, 1.0, count + 1)[:, None]
-        begun, first, second = off[0], length * off[1], 0.5 * length**2 * off[2]
-        # The quintic with nothing left at the end.
-        cubic, quartic, quintic = (
-            -10.0 * begun - 6.0 * first - 3.0 * second,
-            15.0 * begun + 8.0 * first + 3.0 * second,
-            -6.0 * begun - 3.0 * first - second,
-        )
-        self.q: Array = begun + x * (
-            first + x * (second + x * (cubic + x * (quartic + x * quintic)))
-        )
-        self.v: Array = (
-            first + x * (2.0 * second + x * (3.0 * cubic + x * (4.0 * quartic + x * 5.0 * quintic)))
-        ) / length
+        ends = (np.vstack((rate, np.zeros_like(rate))) for rate in off)
+        fading = interpolant([0.0, count * period], *ends)
+        sample = fading.sample(period * np.arange(count + 1.0))
+        self.q: Array = sample.position.copy()
+        self.v: Array = sample.velocity.copy()
         # Exactly, not but for rounding.
         self.q[-1] = self.v[-1] = 0.0
 

@@ -78,7 +78,8 @@ def demonstrate_calibration(wanted: DemoOptions, output: Path) -> None:
     reporter.heading(f"{chain.name}: where is the camera? ({mount})")
     on_tf = find_spec("tf2_msgs") is not None
     began = time.perf_counter()
-    with running_client(_commands(which, wanted, output, on_tf), chain) as (suite, client):
+    commands = _commands(which, wanted, output, on_tf)
+    with running_client(commands, chain.joint_names, chain.units) as (suite, client):
         client.wait_until_up(SERVICES)
         up = time.perf_counter()
         reporter.say(f"up after {up - began:.1f} s, {suite.says}")

@@ -4,7 +4,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import rclpy
@@ -28,18 +28,6 @@ _LOOK = 0.02
 EXECUTE = "trajectory_publisher/execute"
 
 
-class Joints(Protocol):
-    """Names and units of the joints of a robot."""
-
-    @property
-    def joint_names(self) -> Sequence[str]:
-        """All of them, in order."""
-
-    @property
-    def units(self) -> Sequence[str]:
-        """Unit of each joint, ``"rad"`` or ``"m"``."""
-
-
 class DemoClient:
     """Talks to the suite, and notices at once when a node of it is gone.
 
@@ -47,13 +35,12 @@ class DemoClient:
     ----------
     suite : Suite
         The running nodes.
-    robot : SerialChain or DemoRobot
-        Whose joints are to be recorded.
+    names, units : sequence of str
+        The joints that are to be recorded, and ``"rad"`` or ``"m"`` for each.
     """
 
-    def __init__(self, suite: Suite, robot: Joints) -> None:
-        self._suite = suite
-        self._names, self._units = robot.joint_names, robot.units
+    def __init__(self, suite: Suite, names: Sequence[str], units: Sequence[str]) -> None:
+        self._suite, self._names, self._units = suite, names, units
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         self._node = Node("robomech_demo", start_parameter_services=False)
         self._clients: dict[str, Any] = {}
@@ -230,7 +217,7 @@ def _refuse_error(service: str, response: Any) -> None:
 
 @contextmanager
 def running_client(
-    commands: Mapping[str, Sequence[str]], robot: Joints
+    commands: Mapping[str, Sequence[str]], names: Sequence[str], units: Sequence[str]
 ) -> Iterator[tuple[Suite, DemoClient]]:
     """Run nodes and a client of theirs; if something fails, print what the nodes said last.
 
@@ -238,11 +225,11 @@ def running_client(
     ----------
     commands : mapping of str to sequence of str
         Of each node, by name.
-    robot : Joints
-        Whose joint states the client records.
+    names, units : sequence of str
+        The joints that the client records, and ``"rad"`` or ``"m"`` for each.
     """
     with running_suite(commands) as suite:
-        client = DemoClient(suite, robot)
+        client = DemoClient(suite, names, units)
         try:
             yield suite, client
         except RobomechError:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -18,13 +17,6 @@ from robomech_ros.plotting.drives import plot_paths
 from robomech_ros.rolling import RollingRobot, WheelJoints, rolling_description, rolling_robot
 from robomech_ros.rolling.tree import BASE_JOINTS
 from robomech_ros.rvs import Choice, Motion, write_motion
-
-
-class _Joints(NamedTuple):
-    """The joints that the node publishes."""
-
-    joint_names: tuple[str, ...]
-    units: tuple[str, ...]
 
 
 def demonstrate(robot: str, output: Path) -> None:
@@ -52,7 +44,7 @@ def demonstrate(robot: str, output: Path) -> None:
     interface = INTERFACES[rolling.drive]
     commands = LaunchOptions(robot, kind="rolling").commands()
     names = WheelJoints.of(base).names
-    with running_client(commands, _Joints(names, ("rad",) * len(names))) as (suite, client):
+    with running_client(commands, names, ("rad",) * len(names)) as (suite, client):
         client.wait_until_up({})
         task = DriveTask(client, rolling, interface, reporter)
         task.wait_until_up()

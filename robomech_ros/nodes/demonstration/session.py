@@ -65,7 +65,8 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
         robot = DemoArm(chain)
     reporter.heading(robot.title)
     begun = time.perf_counter()
-    with running_client(_commands(which, payload is not None), robot) as (suite, client):
+    commands, joints = _commands(which, payload is not None), (robot.joint_names, robot.units)
+    with running_client(commands, *joints) as (suite, client):
         client.wait_until_up(_SERVICES if payload is None else _SERVICES | CARRYING)
         reporter.say(f"up after {time.perf_counter() - begun:.1f} s, {suite.says}")
         load = None if payload is None else Load(client, payload)

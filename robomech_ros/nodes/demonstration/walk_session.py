@@ -61,7 +61,7 @@ def demonstrate(robot: str, output: Path) -> None:
     given = {"gait": walker.gait, "lead": _LEAD, "tracking_delay": _LAG}
     for name, value in given.items():
         commands["walker"] += ["-p", f"{name}:={value}"]
-    with running_client(commands, legged) as (suite, client):
+    with running_client(commands, legged.joint_names, legged.units) as (suite, client):
         client.wait_until_up({})
         walk = Walk(client, _LEAD)
         walk.wait_until_it_stands()

@@ -112,7 +112,8 @@ def test_only_what_changes_nothing_is_repeated_and_late_answers_are_dropped(grap
 
 def test_the_demonstration_asks_again_by_the_same_rule(graph, soon):
     server = graph.start(Forgetful)
-    client = DemoClient(Alive(), load_robot("puma560"))
+    chain = load_robot("puma560")
+    client = DemoClient(Alive(), chain.joint_names, chain.units)
     try:
         client._rows.append((0.0, None, None))
         client.wait_until_up({"forgetful/solve_fk": SolveFK})
