@@ -63,6 +63,8 @@ class Servo:
 
     Attributes
     ----------
+    command : Command or None
+        The last one, unless it was forgotten.
     paused : bool
         Whether it brakes and holds, whatever is commanded.
     """
@@ -76,7 +78,7 @@ class Servo:
         )
         self._approach = PoseApproach(self._resolver)
         self._stream: Stream | None = None
-        self._command: Command | None = None
+        self.command: Command | None = None
         self._twists = TwistFollowing(self._resolver, self.limits, self._period)
         self.paused = False
         self._mask: tuple[bool, ...] = (False,) * 6
@@ -111,14 +113,9 @@ class Servo:
         assert self._stream is not None
         return self._stream
 
-    @property
-    def command(self) -> Command | None:
-        """The last command, unless it was forgotten."""
-        return self._command
-
     def wants_to_move(self, now: float) -> bool:
         """Whether there is a command that is neither stale (time in s) nor paused."""
-        return self._command is not None and now <= self._command.until and not self.paused
+        return self.command is not None and now <= self.command.until and not self.paused
 
     def take(self, command: Command) -> None:
         """Follow a command from now on.
@@ -134,11 +131,11 @@ class Servo:
             as_finite("target", command.target, (4, 4))
         elif as_finite("twist", command.twist, (6,)).ndim > 1:
             raise WrongSizeError("twist", command.twist.shape, (6,))
-        self._command = command
+        self.command = command
 
     def forget(self) -> None:
         """Follow no command."""
-        self._command = None
+        self.command = None
 
     def start(self, position: Array, velocity: Array) -> None:
         """Begin a stream where the joints are (rad or m, and per s)."""
@@ -161,7 +158,7 @@ class Servo:
 
     def step(self, now: float) -> ServoReport:
         """Go on by one period; the time (s) decides whether the command is stale."""
-        stream, command = self.motion, self._command
+        stream, command = self.motion, self.command
         if command is None or now > command.until or self.paused:
             self._twists.end()
             # On the plan that is known already: who has it needs no more messages.
@@ -194,8 +191,8 @@ class Servo:
             number = self._resolver.condition_number(self.motion.position)
         if self.paused:
             return ServoReport(ServoCondition.PAUSED, 0.0, number, (), "paused")
-        if self._command is None:
+        if self.command is None:
             return ServoReport(ServoCondition.NO_WARNING, 1.0, number)
-        age = now - self._command.until
+        age = now - self.command.until
         text = f"the last command is stale, for {max(age, 0.0):.3g} s"
         return ServoReport(ServoCondition.STALE_COMMAND, 0.0, number, (), text)

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 from robomech_ros.execution.client.active_execution import ActiveExecution
 from robomech_ros.execution.client.controller_interface import ControllerInterface
 from robomech_ros.execution.client.dispatch_settings import DispatchSettings
-from robomech_ros.execution.client.execution_queue import ExecutionQueue, Ready
+from robomech_ros.execution.client.execution_queue import ExecutionQueue
 from robomech_ros.execution.client.execution_request import ExecutionReport, ExecutionRequest, Stage
 from robomech_ros.execution.client.position_check import off_start
 from robomech_ros.execution.client.speed_scaler import too_slow
 from robomech_ros.execution.motion_result import MotionResult
 from robomech_ros.outcomes import Code
+from robomech_ros.typing import Array
 
 
 @dataclass
@@ -181,25 +182,25 @@ class Dispatcher:
         """Send the next one, and give up those that have waited too long."""
         while self._active is None and self.queue and not self.paused:
             taken = self.queue.take(self._now)
-            for each in taken:
-                if isinstance(each, Ready):
-                    self._send(each)
+            for delivery, found in taken:
+                if isinstance(found, MotionResult):
+                    self._end(delivery, found)
                 else:
-                    self._end(each.delivery, each.verdict)
+                    self._send(delivery, found)
             if not taken:
                 return
 
-    def _send(self, ready: Ready) -> None:
+    def _send(self, delivery: ExecutionRequest, positions: Array) -> None:
         """Send a delivery, unless the robot is elsewhere or it would last too long."""
-        delivery, settings = ready.delivery, self._settings
+        settings = self._settings
         kinds = self._gateway.kinds(delivery.names)
-        wrong = off_start(delivery, ready.positions, kinds, settings.start_tolerance)
+        wrong = off_start(delivery, positions, kinds, settings.start_tolerance)
         wrong = wrong or too_slow(delivery, self.speed, settings.max_duration)
         if wrong:
             self._end(delivery, MotionResult(Code.REJECTED, wrong))
             return
         self._active = ActiveExecution(
-            delivery, self._gateway, settings, ready.positions, self.speed, self._now
+            delivery, self._gateway, settings, positions, self.speed, self._now
         )
         self.tally.sent += 1
         self._gateway.send(delivery)

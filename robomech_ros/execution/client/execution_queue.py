@@ -2,7 +2,6 @@
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from robomech_ros.execution.client.controller_interface import ControllerInterface
 from robomech_ros.execution.client.dispatch_settings import DispatchSettings
@@ -21,20 +20,9 @@ class QueueFullError(TrajectoryRefusedError):
         super().__init__(f"{capacity} trajectories are waiting already, no more can be accepted")
 
 
-@dataclass(frozen=True, eq=False)
-class Ready:
-    """A delivery that can be sent, and where the robot is (n,), rad or m."""
-
-    delivery: ExecutionRequest
-    positions: Array
-
-
-@dataclass(frozen=True, eq=False)
-class TimedOut:
-    """A delivery that has waited too long, and what is to be said of it."""
-
-    delivery: ExecutionRequest
-    verdict: MotionResult
+# A delivery, and where the robot is (n,), rad or m, if it can be sent; or, if it has waited
+# too long, its result.
+Taken = tuple[ExecutionRequest, Array | MotionResult]
 
 
 class ExecutionQueue:
@@ -95,13 +83,14 @@ class ExecutionQueue:
         for each in self._waiting:
             each.clock_jumped(by)
 
-    def take(self, now: float) -> list[Ready | TimedOut]:
+    def take(self, now: float) -> list[Taken]:
         """Take out what need not wait any longer at a time (s).
 
         Returns
         -------
-        list of Ready or TimedOut
-            The first delivery, where it can be sent now; or those that have waited too long.
+        list of tuple
+            The first delivery and where the robot is (n,), rad or m, where it can be sent now; or
+            those that have waited too long, each with its result.
         """
         delivery = self._waiting[0]
         missing = self._gateway.missing(delivery.transport)
@@ -112,9 +101,9 @@ class ExecutionQueue:
         if positions is None:
             return self._wait_for_states(delivery, now)
         self._silent_since = None
-        return [Ready(self._waiting.popleft(), positions)]
+        return [(self._waiting.popleft(), positions)]
 
-    def _wait_for_states(self, delivery: ExecutionRequest, now: float) -> list[Ready | TimedOut]:
+    def _wait_for_states(self, delivery: ExecutionRequest, now: float) -> list[Taken]:
         """Give up the first one once its joints were not heard of for too long.
 
         The controller is there, so those behind it, which may name other joints, must not wait.
@@ -127,9 +116,9 @@ class ExecutionQueue:
         self._silent_since = None
         joints = ", ".join(delivery.names)
         text = f"no joint states of {joints} within {waited:.1f} s"
-        return [TimedOut(self._waiting.popleft(), MotionResult(Code.NO_STATE, text))]
+        return [(self._waiting.popleft(), MotionResult(Code.NO_STATE, text))]
 
-    def _wait_for_controller(self, missing: str, now: float) -> list[Ready | TimedOut]:
+    def _wait_for_controller(self, missing: str, now: float) -> list[Taken]:
         """Nothing can be sent: after a while give up those whose senders wait for an answer."""
         self._silent_since = None
         if self._away_since is None:
@@ -147,4 +136,4 @@ class ExecutionQueue:
         for each in stay:
             report = ExecutionReport(Code.REJECTED, f"{text}; the trajectory stays queued", 0.0)
             each.tell(report)
-        return [TimedOut(each, MotionResult(Code.REJECTED, text)) for each in asked]
+        return [(each, MotionResult(Code.REJECTED, text)) for each in asked]

@@ -3,13 +3,7 @@
 from dataclasses import dataclass
 
 from robomech_ros.nodes.common.joint_limits import with_assumed_rates
-from robomech_ros.robots import (
-    RobotDescription,
-    SerialChain,
-    load_description,
-    load_semantics,
-    main_chain,
-)
+from robomech_ros.robots import SerialChain, load_description, load_semantics, main_chain
 
 
 @dataclass(frozen=True)
@@ -29,10 +23,6 @@ class Which:
     robot: str
     srdf: str = ""
     group: str = ""
-
-    def chain_of(self, description: RobotDescription) -> SerialChain:
-        """Return the chain that moves; its home is that of the SRDF."""
-        return main_chain(description, load_semantics(description, self.srdf), group=self.group)
 
 
 def chain_with_limits(which: Which) -> tuple[SerialChain, str]:
@@ -54,6 +44,7 @@ def chain_with_limits(which: Which) -> tuple[SerialChain, str]:
         There are no velocity limits to assume others by.
     """
     description, notice, _ = with_assumed_rates(load_description(which.robot))
-    chain = which.chain_of(description)
+    semantics = load_semantics(description, which.srdf)
+    chain = main_chain(description, semantics, group=which.group)
     chain.require_limits("velocity")
     return chain, notice

@@ -30,21 +30,14 @@ class Load:
     def __init__(self, client: DemoClient, mass: float) -> None:
         self._client, self.mass = client, mass
 
-    def grip(self) -> None:
-        """Put it on.
+    def carry(self, mass: float) -> None:
+        """Have the robot carry a mass (kg), instead of what it carries.
 
         Raises
         ------
         DemoFailedError
             The robot cannot carry it.
         """
-        self._carry(self.mass)
-
-    def release(self) -> None:
-        """Take it off."""
-        self._carry(0.0)
-
-    def _carry(self, mass: float) -> None:
         value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=mass)
         parameter = Parameter(name="payload_mass", value=value)
         request = SetParametersAtomically.Request(parameters=[parameter])

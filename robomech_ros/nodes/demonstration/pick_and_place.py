@@ -64,7 +64,7 @@ class PickAndPlace:
         over, on = self._robot.path_to_place(pick, place), self._robot.path_onward(place)
         self._leg("pick", "RUCKIG", pick)
         if self._load is not None:
-            self._load.grip()
+            self._load.carry(self._load.mass)
             self._reporter.say(
                 f"picked {self._load.mass:g} kg, unknown to the controller of the drives"
             )
@@ -73,7 +73,7 @@ class PickAndPlace:
         else:
             self._along(over)
         if self._load is not None:
-            self._load.release()
+            self._load.carry(0.0)
             self._reporter.say(
                 f"every joint stayed within {TRACKED:g} rad or m of its path: the controller would "
                 "have ended the motion (path_tolerance)"
