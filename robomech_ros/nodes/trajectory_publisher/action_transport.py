@@ -1,7 +1,6 @@
 """Goals of an action on their way to a controller, and their results."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalStatus
@@ -9,11 +8,10 @@ from rclpy.node import Node
 from rclpy.task import Future
 from trajectory_msgs.msg import JointTrajectory
 
-from robomech_interfaces.action import ExecuteTrajectory
 from robomech_ros.execution.client.execution_request import ExecutionRequest
 from robomech_ros.execution.motion_result import MotionResult
-from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.middleware.queue_depth import ask_action
+from robomech_ros.nodes.trajectory_publisher.goals import AskedTolerances, ExecuteGoals
 from robomech_ros.outcomes import Code
 
 if TYPE_CHECKING:
@@ -25,47 +23,9 @@ Moved = Callable[[], bool]
 _ENDED = (GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_ABORTED, GoalStatus.STATUS_CANCELED)
 
 
-@dataclass(frozen=True)
-class AskedTolerances:
-    """Tolerances that every goal requests from the controller; 0 = the controller's own setting.
-
-    Attributes
-    ----------
-    path, goal : float
-        How far a joint may be from its path and from its last point, rad or m; -1 = any distance.
-    goal_time : float
-        How long after its end a trajectory may still reach its goal, s.
-    """
-
-    path: float = 0.0
-    goal: float = 0.0
-    goal_time: float = 0.0
-
-
 def request_topic(action: str) -> str:
     """Name the middleware's topic on which a server of an action takes goals."""
     return f"rq{action}/_action/send_goalRequest"
-
-
-class ExecuteGoals:
-    """Goals of ExecuteTrajectory: how they are put, and what results mean."""
-
-    kind = ExecuteTrajectory
-    name = "execute_trajectory"
-
-    def goal(self, trajectory: JointTrajectory, tolerances: AskedTolerances) -> Any:
-        """Make a goal, which names a tolerance for every joint or for none."""
-        count = len(trajectory.joint_names)
-        return ExecuteTrajectory.Goal(
-            trajectory=trajectory,
-            path_position_tolerance=[tolerances.path] * count if tolerances.path else [],
-            goal_position_tolerance=[tolerances.goal] * count if tolerances.goal else [],
-            goal_time_tolerance=duration_from_seconds(tolerances.goal_time),
-        )
-
-    def verdict(self, status: int, result: Any, began: bool) -> MotionResult:
-        """Return code and text, which the result has."""
-        return MotionResult(int(result.error_code), str(result.error_msg))
 
 
 class ActionTransport:

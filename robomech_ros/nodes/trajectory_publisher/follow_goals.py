@@ -9,7 +9,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.execution.motion_result import MotionResult
 from robomech_ros.nodes.common.message_fields import duration_from_seconds
-from robomech_ros.nodes.trajectory_publisher.action_transport import AskedTolerances
+from robomech_ros.nodes.trajectory_publisher.goals import AskedTolerances
 from robomech_ros.outcomes import Code
 
 _RESULT = FollowJointTrajectory.Result

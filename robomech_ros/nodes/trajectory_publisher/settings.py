@@ -8,7 +8,7 @@ from robomech_ros.execution.client.execution_request import Transport
 from robomech_ros.nodes.common.parameters import ParameterError, changeable, parameter
 from robomech_ros.nodes.common.robot_description import RobotSettings
 from robomech_ros.nodes.middleware.liveliness import SHORTEST_LEASE
-from robomech_ros.nodes.trajectory_publisher.action_transport import AskedTolerances, ExecuteGoals
+from robomech_ros.nodes.trajectory_publisher.goals import AskedTolerances, ExecuteGoals
 
 if TYPE_CHECKING:
     from robomech_ros.nodes.trajectory_publisher.follow_goals import FollowGoals

@@ -15,8 +15,8 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
-from robomech_ros.nodes.trajectory_publisher.action_transport import AskedTolerances
 from robomech_ros.nodes.trajectory_publisher.follow_goals import FollowGoals
+from robomech_ros.nodes.trajectory_publisher.goals import AskedTolerances
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 
 FOLLOW = "follow_joint_trajectory"
