@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import rclpy
+from geometry_msgs.msg import TwistStamped
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
@@ -207,6 +208,13 @@ class DemoClient:
                 return False
             time.sleep(_LOOK)
         return True
+
+
+def twist_message(twist: Array) -> TwistStamped:
+    """Make the command of a twist ``[omega, v_x, v_y]`` (rad/s, m/s), of stamp 0."""
+    message = TwistStamped()
+    message.twist.angular.z, message.twist.linear.x, message.twist.linear.y = twist.tolist()
+    return message
 
 
 def _refuse_error(service: str, response: Any) -> None:

@@ -12,7 +12,7 @@ from nav_msgs.msg import Odometry
 from rclpy.qos import qos_profile_sensor_data
 
 from robomech_ros.nodes.common.message_fields import NANO
-from robomech_ros.nodes.demonstration.client import DemoClient
+from robomech_ros.nodes.demonstration.client import DemoClient, twist_message
 from robomech_ros.nodes.demonstration.closed_paths import ClosedPath
 from robomech_ros.nodes.demonstration.path_follower import PathFollower
 from robomech_ros.nodes.demonstration.report import Reporter
@@ -164,19 +164,15 @@ class DriveTask:
         self._rests = max(map(abs, moves)) < _REST
         follower = self._follower
         if follower is not None:
-            self._command(follower.command(row[0], row[1:]))
+            command = twist_message(follower.command(row[0], row[1:]))
+            command.header.stamp = self._client.node.get_clock().now().to_msg()
+            self._commands.publish(command)
         with self._lock:
             self._told.append(row)
 
     def _see(self, message: PoseStamped) -> None:
         with self._lock:
             self._true.append(_row(message.header.stamp, message.pose))
-
-    def _command(self, twist: Array) -> None:
-        message = TwistStamped()
-        message.header.stamp = self._client.node.get_clock().now().to_msg()
-        message.twist.angular.z, message.twist.linear.x, message.twist.linear.y = twist.tolist()
-        self._commands.publish(message)
 
 
 def _words(place: Array) -> str:

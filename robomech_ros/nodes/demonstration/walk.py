@@ -12,7 +12,7 @@ from std_msgs.msg import Float64
 from robomech_interfaces.msg import FootContacts
 from robomech_ros.nodes.common.message_fields import NANO
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
-from robomech_ros.nodes.demonstration.client import DemoClient
+from robomech_ros.nodes.demonstration.client import DemoClient, twist_message
 from robomech_ros.nodes.demonstration.path_follower import PathFollower
 from robomech_ros.nodes.demonstration.suite import DemoFailedError
 from robomech_ros.rolling.arcs import moved
@@ -133,10 +133,7 @@ class Walk:
         return pose
 
     def _send(self, twist: Array, now: float) -> None:
-        message = TwistStamped()
-        message.twist.angular.z = float(twist[0])
-        message.twist.linear.x, message.twist.linear.y = float(twist[1]), float(twist[2])
-        self._twists.publish(message)
+        self._twists.publish(twist_message(twist))
         self._sent.append((now, twist))
 
     @property

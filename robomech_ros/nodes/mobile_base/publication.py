@@ -102,19 +102,14 @@ class BasePublication:
             part.covariance = full_covariance(known, places) if constant is None else constant
         self._odometry.publish(message)
         if self._frames is not None:
-            self._publish_frame(stamp)
+            frame = TransformStamped(child_frame_id=self._frame)
+            fill_header(frame.header, self._odom, stamp)
+            _put_pose(frame.transform.translation, frame.transform.rotation, odometry.pose)
+            self._frames.publish(self._frames.msg_type(transforms=[frame]))
         truth = PoseStamped()
         fill_header(truth.header, self._odom, stamp)
         _put_pose(truth.pose.position, truth.pose.orientation, simulated.pose)
         self._truth.publish(truth)
-
-    def _publish_frame(self, stamp: int) -> None:
-        frame = TransformStamped(child_frame_id=self._frame)
-        fill_header(frame.header, self._odom, stamp)
-        place = frame.transform
-        _put_pose(place.translation, place.rotation, self._base.odometry.pose)
-        assert self._frames is not None
-        self._frames.publish(self._frames.msg_type(transforms=[frame]))
 
 
 def _constant_covariances(

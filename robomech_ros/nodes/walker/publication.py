@@ -61,8 +61,13 @@ class WalkPublication:
         message.twist.covariance = self._uncertainty.twist
         self._odometry.publish(message)
         if self._frames is not None:
-            frames = [self._frame_of(update.trunk, stamp)]
-            self._frames.publish(self._frames.msg_type(transforms=frames))
+            frame = TransformStamped(child_frame_id=self._trunk)
+            fill_header(frame.header, self._odom, stamp)
+            (x, y, z), (qx, qy, qz, qw) = plain_pose(update.trunk)
+            place, turn = frame.transform.translation, frame.transform.rotation
+            place.x, place.y, place.z = x, y, z
+            turn.x, turn.y, turn.z, turn.w = qx, qy, qz, qw
+            self._frames.publish(self._frames.msg_type(transforms=[frame]))
         standing = [bool(one) for one in update.contacts]
         feet = [Point(x=x, y=y, z=z) for x, y, z in update.feet.tolist()]
         contacts = FootContacts(names=self._names, contacts=standing, feet=feet)
@@ -79,15 +84,6 @@ class WalkPublication:
         """Forget where the trunk was: it begins anew."""
         self._before = None
         self._uncertainty.forget()
-
-    def _frame_of(self, trunk: Array, stamp: int) -> TransformStamped:
-        frame = TransformStamped(child_frame_id=self._trunk)
-        fill_header(frame.header, self._odom, stamp)
-        (x, y, z), (qx, qy, qz, qw) = plain_pose(trunk)
-        place, turn = frame.transform.translation, frame.transform.rotation
-        place.x, place.y, place.z = x, y, z
-        turn.x, turn.y, turn.z, turn.w = qx, qy, qz, qw
-        return frame
 
 
 def mean_twist(before: Array, trunk: Array, seconds: float) -> Array:
