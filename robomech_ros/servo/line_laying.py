@@ -74,8 +74,6 @@ class LineLaying:
 
     Attributes
     ----------
-    weights, twist
-        As given.
     nodes : list of Node
         Laid so far, one at least.
     ended : bool

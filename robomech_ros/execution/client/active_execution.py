@@ -34,8 +34,6 @@ class ActiveExecution:
 
     Attributes
     ----------
-    delivery : ExecutionRequest
-        What was sent.
     cancelled : str
         Why it was cancelled; empty if it was not.
     """

@@ -56,7 +56,6 @@ class Fingers:
 
     Attributes
     ----------
-    settings : GripSettings
     motion : FingerMotion or None
         The command under way.
     """

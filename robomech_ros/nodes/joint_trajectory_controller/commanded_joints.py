@@ -98,8 +98,6 @@ class CommandedJoints:
 
     Attributes
     ----------
-    lock : RLock
-        To be held while the joints are used.
     joint_names : list of str
         Their names.
     counts : MotionCounts

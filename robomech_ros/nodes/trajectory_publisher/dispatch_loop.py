@@ -29,8 +29,6 @@ class DispatchLoop:
 
     Attributes
     ----------
-    clock : MotionClock
-        The time.
     dispatcher : Dispatcher
         What executes deliveries.
     """
