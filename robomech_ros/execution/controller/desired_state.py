@@ -62,7 +62,9 @@ def _while_stopping(follower: TrajectoryFollower, goal: TrajectoryGoal, ahead: f
         goal.curve, goal.time, follower.motion.pace, 0.0, ahead, follower.joints.acceleration
     )
     sample = goal.curve.sample(time)
-    return at_rest(sample.position) if pace <= 0.0 else paced_state(sample, pace, rate)
+    if pace <= 0.0 or time >= goal.curve.duration:
+        return at_rest(sample.position)
+    return paced_state(sample, pace, rate)
 
 
 def _too_early(ahead: float, since: str) -> TrajectoryRefusedError:
