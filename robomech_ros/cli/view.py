@@ -5,15 +5,14 @@ from __future__ import annotations
 import argparse
 import threading
 import webbrowser
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from robomech_ros.cli.kind_options import refuse_options
-from robomech_ros.parallel import load_parallel, load_tree_description
 from robomech_ros.robots import load_semantics, main_chain
 from robomech_ros.robots.documents.numbers_in_text import integer
-from robomech_ros.robots.robot_kinds import ARM, check_name, kind_of
-from robomech_ros.rvs.kind_registry import SEEN_KINDS
-from robomech_ros.rvs.opening import kind_page_of, page_of, platform_page_of
+from robomech_ros.rvs.kind_registry import PARALLEL
+from robomech_ros.rvs.opening import page_of, shown_robot
 from robomech_ros.rvs.serving.address import HOST, PORT
 from robomech_ros.stop_signals import leave_on_signals
 
@@ -54,15 +53,15 @@ def run(args: argparse.Namespace) -> int:
 
 def _page(args: argparse.Namespace) -> RobotPage:
     where: dict[str, Any] = {"port": args.port, "host": args.host}
-    check_name(args.robot, (ARM, "parallel", *SEEN_KINDS))
-    kind = kind_of(args.robot)
-    if kind in SEEN_KINDS:
-        refuse_options(args, _OF_ARMS, args.robot, f"a robot of kind '{kind}'")
-        return kind_page_of(kind, args.robot, **where)
-    described = load_tree_description(args.robot)
-    if described.mechanism is not None:
-        refuse_options(args, _OF_ARMS, args.robot, "a parallel robot")
-        return platform_page_of(load_parallel(args.robot), **where)
-    known = load_semantics(described.description, args.srdf)
-    chain = main_chain(described.description, known, args.base_link, args.tip_link, args.group)
-    return page_of(described.description, chain, **where)
+    description, moved = shown_robot(args.robot, partial(_refuse, args))
+    if moved is not None:
+        return page_of(description, moved, **where)
+    known = load_semantics(description, args.srdf)
+    chain = main_chain(description, known, args.base_link, args.tip_link, args.group)
+    return page_of(description, chain, **where)
+
+
+def _refuse(args: argparse.Namespace, kind: str) -> None:
+    """Refuse the options of arms."""
+    called = "a parallel robot" if kind == PARALLEL else f"a robot of kind '{kind}'"
+    refuse_options(args, _OF_ARMS, args.robot, called)

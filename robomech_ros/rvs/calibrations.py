@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike
 from robomech_ros.calibration import HandEyeResult
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.robots import RobotDescription, SerialChain, load_description
+from robomech_ros.robots.robot_kinds import ARM
+from robomech_ros.rvs.kind_registry import VIEW_KINDS
 from robomech_ros.rvs.model.arm import ArmView
 from robomech_ros.rvs.model.calibration_view import calibration_facts, calibration_markers
 from robomech_ros.rvs.motion import Motion
@@ -71,12 +73,11 @@ RobotDescriptionError
     description = load_description(robot)
     chain = description.chain(base, tip)
     require_viser()
-    from robomech_ros.rvs.layers import LAYERS
     from robomech_ros.rvs.layers.calibration import CalibrationLayer
-    from robomech_ros.rvs.page.layer import LayerMaker
     from robomech_ros.rvs.page.page import RobotPage
 
-    layers: list[LayerMaker] = [*LAYERS, partial(CalibrationLayer, result=result, tracking=seen)]
+    layers = VIEW_KINDS[ARM].make_layers()
+    layers.append(partial(CalibrationLayer, result=result, tracking=seen))
     return RobotPage(description, chain, port=port, host=host, layers=layers, fixed=True)
 
 

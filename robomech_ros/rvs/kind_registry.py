@@ -1,31 +1,68 @@
-"""Views of robots other than arms, by the kind in their document."""
+"""One description of each kind of robot on a page: who loads it, and its layers."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Mapping
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING, NamedTuple
 
-from robomech_ros.rvs.model.kinds.rolling import load_base_view
-from robomech_ros.rvs.model.kinds.tree_view import TreeView
+from robomech_ros.robots.robot_kinds import ARM
 
+if TYPE_CHECKING:
+    from robomech_ros.rvs.model.kinds.tree_view import TreeView
+    from robomech_ros.rvs.page.layer import LayerMaker
 
-def _hand_view(robot: str | os.PathLike[str]) -> TreeView:
-    # What is compiled for contacts is loaded only where there are some.
-    from robomech_ros.rvs.model.hands.hand_view import load_hand_view
-
-    return load_hand_view(robot)
-
-
-def _walker_view(robot: str | os.PathLike[str]) -> TreeView:
-    # What is compiled for legs is loaded only where there are some.
-    from robomech_ros.rvs.model.walking.walker_view import load_walker_view
-
-    return load_walker_view(robot)
+PARALLEL = "parallel"
 
 
-# Loads a robot by name, path or text; its layers are in ``rvs.layers.KIND_LAYERS``.
-SEEN_KINDS: dict[str, Callable[[str | os.PathLike[str]], TreeView]] = {
-    "rolling": load_base_view,
-    "walking": _walker_view,
-    "hand": _hand_view,
-}
+class ViewKind(NamedTuple):
+    """How robots of a kind are shown.
+
+    Parameters
+    ----------
+    layers : tuple of str
+        Modules and classes in ``rvs.layers``, in the order of their folders on the page.
+    loader : str, optional
+        Module and function in ``rvs.model``, which gives a :class:`TreeView` for a name, path or
+        text; none for arms and parallel robots.
+    """
+
+    layers: tuple[str, ...]
+    loader: str = ""
+
+    def load(self, robot: str | os.PathLike[str]) -> TreeView:
+        """Load a robot by name, path or text; errors are those of its kind."""
+        view: TreeView = resolve_name(f"robomech_ros.rvs.model.{self.loader}")(robot)
+        return view
+
+    def make_layers(self) -> list[LayerMaker]:
+        """Return the layers; what is compiled for a kind is loaded here, where there is one."""
+        return [resolve_name(f"robomech_ros.rvs.layers.{name}") for name in self.layers]
+
+
+VIEW_KINDS: Mapping[str, ViewKind] = {
+    ARM: ViewKind((
+        "camera:CameraLayer",
+        "analysis:AnalysisLayer",
+        "dh_table:DHTableLayer",
+        "workspace:WorkspaceLayer",
+        "contours:ContoursLayer",
+        "motions:MotionLayer",
+        "recording:RecordingLayer",
+    )),
+    PARALLEL: ViewKind((
+        "platform:PlatformLayer",
+        "platform_workspace:PlatformWorkspaceLayer",
+        "motions:MotionLayer",
+        "camera:CameraLayer",
+    )),
+    "rolling": ViewKind(
+        ("mobile_robot:MobileRobotLayer", "camera:CameraLayer"), "kinds.rolling:load_base_view"
+    ),
+    "walking": ViewKind(
+        ("mobile_robot:MobileRobotLayer", "walking:WalkingLayer", "camera:CameraLayer"),
+        "walking.walker_view:load_walker_view",
+    ),
+    "hand": ViewKind(("hands:HandLayer", "camera:CameraLayer"), "hands.hand_view:load_hand_view"),
+}  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -12,14 +13,16 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.parallel import Mechanism, ParallelRobot, load_parallel, load_tree_description
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.robots.robot_kinds import ARM, check_name, kind_of
-from robomech_ros.rvs.kind_registry import SEEN_KINDS
+from robomech_ros.rvs.kind_registry import PARALLEL, VIEW_KINDS
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.serving.address import HOST, PORT
 
 if TYPE_CHECKING:
+    from robomech_ros.rvs.model.draggable import DraggableRobot
     from robomech_ros.rvs.model.live_robot import LiveRobot
     from robomech_ros.rvs.model.running.live_mobile_robot import LiveMobileRobot
     from robomech_ros.rvs.model.running.observed_robot import ObservedRobot
+    from robomech_ros.rvs.page.layer import LayerMaker
     from robomech_ros.rvs.page.page import RobotPage
 
 
@@ -86,57 +89,74 @@ def view(
     '?token'
     >>> page.close()
     """
-    check_name(robot, (ARM, "parallel", *SEEN_KINDS))
-    kind = kind_of(robot)
-    if kind in SEEN_KINDS:
-        return kind_page_of(kind, robot, port=port, host=host)
-    described = load_tree_description(robot)
-    if described.mechanism is not None:
-        return platform_page_of(load_parallel(robot), port=port, host=host)
-    description = described.description
-    return page_of(description, description.chain(base, tip), port=port, host=host)
+    where: dict[str, Any] = {"port": port, "host": host}
+    description, moved = shown_robot(robot)
+    if moved is None:
+        return page_of(description, description.chain(base, tip), **where)
+    return page_of(description, moved, **where)
 
 
-def platform_page_of(robot: ParallelRobot | Mechanism, *, port: int, host: str) -> RobotPage:
-    """Serve the page of a parallel robot; parameters and errors are those of :func:`view`."""
-    require_viser()
-    from robomech_ros.rvs.layers import PLATFORM_LAYERS
-    from robomech_ros.rvs.model.platforms.platform_view import PlatformView
-    from robomech_ros.rvs.page.page import RobotPage
-
-    platform = PlatformView(robot)
-    description = robot.mechanism.description
-    return RobotPage(description, platform, port=port, host=host, layers=PLATFORM_LAYERS)
-
-
-def kind_page_of(kind: str, robot: str | os.PathLike[str], *, port: int, host: str) -> RobotPage:
-    """Serve the page of a robot that is no arm; other parameters and errors: see :func:`view`.
+def shown_robot(
+    robot: str | os.PathLike[str], refuse: Callable[[str], None] = lambda kind: None
+) -> tuple[RobotDescription, DraggableRobot | None]:
+    """Load a robot to be shown; errors are those of :func:`view`.
 
     Parameters
     ----------
-    kind : str
-        One of ``SEEN_KINDS``.
     robot : str or path
-    port, host : int, str
-    """
-    require_viser()
-    from robomech_ros.rvs.layers import KIND_LAYERS
-    from robomech_ros.rvs.page.page import RobotPage
+    refuse : callable, optional
+        Called with the kind of a robot that is no arm, before it is loaded; may raise.
 
-    seen = SEEN_KINDS[kind](robot)
-    return RobotPage(seen.description, seen, port=port, host=host, layers=KIND_LAYERS[kind])
+    Returns
+    -------
+    description : RobotDescription
+    moved : DraggableRobot or None
+        What moves on the page; None of an arm, of which a chain is chosen.
+    """
+    check_name(robot, VIEW_KINDS)
+    kind = kind_of(robot)
+    view_kind = VIEW_KINDS.get(kind)
+    if view_kind is not None and view_kind.loader:
+        refuse(kind)
+        require_viser()
+        seen = view_kind.load(robot)
+        return seen.description, seen
+    described = load_tree_description(robot)
+    if described.mechanism is None:
+        return described.description, None
+    refuse(PARALLEL)
+    return described.description, _platform(load_parallel(robot))
 
 
 def page_of(
-    description: RobotDescription, chain: SerialChain, *, port: int, host: str
+    description: RobotDescription,
+    moved: SerialChain | DraggableRobot,
+    *,
+    port: int,
+    host: str,
+    live: Sequence[LayerMaker] = (),
 ) -> RobotPage:
-    """Serve the page of an arm of a robot; parameters and errors are those of :func:`view`."""
+    """Serve the page of a robot; other parameters and errors are those of :func:`view`.
+
+    Parameters
+    ----------
+    description : RobotDescription
+    moved : SerialChain or DraggableRobot
+        The arm of it that moves on the page; or all of it.
+    port, host : int, str
+    live : sequence of LayerMaker, optional
+        Layers of a robot that runs, before the others; no other robot can then be shown.
+    """
     require_viser()
-    from robomech_ros.rvs.layers import LAYERS
     from robomech_ros.rvs.layers.gripper import GripperLayer
     from robomech_ros.rvs.page.page import RobotPage
 
-    return RobotPage(description, chain, port=port, host=host, layers=[GripperLayer, *LAYERS])
+    layers = list(live)
+    if isinstance(moved, SerialChain) and not live:
+        layers.append(GripperLayer)
+    kind = ARM if isinstance(moved, SerialChain) else moved.kind
+    layers += VIEW_KINDS[kind].make_layers()
+    return RobotPage(description, moved, port=port, host=host, layers=layers, fixed=bool(live))
 
 
 def live_page_of(
@@ -159,19 +179,14 @@ def live_page_of(
     port, host : int, str
     """
     require_viser()
-    from robomech_ros.rvs.layers import LAYERS, PLATFORM_LAYERS
     from robomech_ros.rvs.layers.gripper import GripperLayer
     from robomech_ros.rvs.layers.live import LiveLayer
-    from robomech_ros.rvs.model.platforms.platform_view import PlatformView
-    from robomech_ros.rvs.page.layer import LayerMaker
-    from robomech_ros.rvs.page.page import RobotPage
 
-    live: LayerMaker = partial(LiveLayer, robot=robot)
-    where: dict[str, Any] = {"port": port, "host": host, "fixed": True}
+    live: list[LayerMaker] = [partial(LiveLayer, robot=robot)]
     if isinstance(moved, SerialChain):
-        gripper: LayerMaker = partial(GripperLayer, robot=robot)
-        return RobotPage(description, moved, layers=[live, gripper, *LAYERS], **where)
-    return RobotPage(description, PlatformView(moved), layers=[live, *PLATFORM_LAYERS], **where)
+        live.append(partial(GripperLayer, robot=robot))
+        return page_of(description, moved, port=port, host=host, live=live)
+    return page_of(description, _platform(moved), port=port, host=host, live=live)
 
 
 def mobile_page_of(
@@ -189,13 +204,17 @@ def mobile_page_of(
     require_viser()
     from robomech_ros.rvs.layers.camera import CameraLayer
     from robomech_ros.rvs.layers.live_mobile_robot import LiveMobileRobotLayer
-    from robomech_ros.rvs.page.layer import LayerMaker
     from robomech_ros.rvs.page.page import RobotPage
 
-    live: LayerMaker = partial(LiveMobileRobotLayer, robot=robot)
-    layers = [live, CameraLayer]
+    layers: list[LayerMaker] = [partial(LiveMobileRobotLayer, robot=robot), CameraLayer]
     where: dict[str, Any] = {"port": port, "host": host, "fixed": True}
     return RobotPage(followed.description, followed, layers=layers, **where)
+
+
+def _platform(robot: ParallelRobot | Mechanism) -> DraggableRobot:
+    from robomech_ros.rvs.model.platforms.platform_view import PlatformView
+
+    return PlatformView(robot)
 
 
 def write_motion(

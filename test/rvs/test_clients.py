@@ -11,7 +11,8 @@ import msgspec.msgpack
 from raw_client import PATIENCE, Client, camera, send_value, slider, wait_until
 
 from robomech_ros.robots import load_description
-from robomech_ros.rvs.layers import LAYERS
+from robomech_ros.robots.robot_kinds import ARM
+from robomech_ros.rvs.kind_registry import VIEW_KINDS
 from robomech_ros.rvs.layers.contours import ContoursLayer
 from robomech_ros.rvs.page.clients import AllControls
 from robomech_ros.rvs.page.page import RobotPage
@@ -42,7 +43,7 @@ class Fragile:
 def fragile():
     """A page of a UR5e whose last layer is fragile."""
     robot = load_description("ur5e")
-    layers = (*LAYERS, Fragile)
+    layers = (*VIEW_KINDS[ARM].make_layers(), Fragile)
     with RobotPage(robot, robot.chain(), port=0, host="127.0.0.1", layers=layers) as served:
         yield served
 

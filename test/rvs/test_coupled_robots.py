@@ -33,7 +33,7 @@ def test_a_page_has_a_slider_for_each_drive_and_moves_the_followers(name):
         poses = seen.tree.link_poses(page._arm.positions)
         np.testing.assert_allclose(poses[chain.tip], page._arm.tip, atol=1e-12)
         (table,) = [layer for layer in page._layers if type(layer).__name__ == "DHTableLayer"]
-        wait_until(lambda: table._rows is not None and table._rows.content == NO_TABLE)
+        wait_until(lambda: table._table is not None and table._table.content == NO_TABLE)
 
 
 def test_the_page_says_why_it_draws_no_boundary():

@@ -98,44 +98,44 @@ def test_a_recording_of_nothing_is_refused_and_one_without_end_ends():
 def kept(page, commander):
     """The layer that keeps, with its controls."""
     layer = next(layer for layer in page._layers if isinstance(layer, RecordingLayer))
-    wait_until(lambda: layer._controls is not None)
+    wait_until(lambda: layer.is_open)
     return layer
 
 
 def test_what_the_arm_does_becomes_a_plan(page, commander, kept):
-    send_value(commander, kept._controls.record._impl.uuid, True)
+    send_value(commander, kept.record._impl.uuid, True)
     wait_until(lambda: kept.recorder.running)
     slider = page._panel._sliders[2]._impl.uuid
     for value in (0.5, 0.75, 1.0):
         send_value(commander, slider, value)
         wait_until(lambda v=value: page._arm.q[2] == v)
     wait_until(lambda: len(kept.recorder._times) >= 3)
-    send_value(commander, kept._controls.record._impl.uuid, True)
+    send_value(commander, kept.record._impl.uuid, True)
     wait_until(lambda: page._plan.name == "recording")
     assert page._plan.motion.q[-1, 2] == 1.0
 
 
 def test_the_view_is_shown_and_taken(page, commander, kept):
-    wait_until(lambda: kept._controls.view.value.startswith("q:"))
-    text = kept._controls.view.value
+    wait_until(lambda: kept.view.value.startswith("q:"))
+    text = kept.view.value
     state = state_from_text(text, 6, tuple(page._switched()))
     np.testing.assert_allclose(state.q, page._arm.q, atol=1e-8)
     wanted = state._replace(q=state.q + 0.1, shown={**state.shown, "frames": True, "dark": True})
-    send_value(commander, kept._controls.view._impl.uuid, text_from_state(wanted))
+    send_value(commander, kept.view._impl.uuid, text_from_state(wanted))
     wait_until(lambda: np.allclose(page._arm.q, state.q + 0.1))
     wait_until(lambda: page._switched()["frames"] and page._switched()["dark"])
-    wait_until(lambda: page._panel._boxes["frames"].value)
+    wait_until(lambda: page._panel._shown._boxes["frames"].value)
 
 
 def test_a_view_switches_what_layers_show_and_marks_it(page, commander, kept):
     layers = {type(layer).__name__: layer for layer in page._layers}
     understand, workspace = layers["AnalysisLayer"], layers["WorkspaceLayer"]
-    wait_until(lambda: kept._controls.view.value.startswith("q:"))
-    assert kept._controls.view.value.endswith("show:ghosts,ground,gizmo,cut_open")
-    before = kept._controls.view.value.rpartition("show:")[0]
+    wait_until(lambda: kept.view.value.startswith("q:"))
+    assert kept.view.value.endswith("show:ghosts,ground,gizmo,cut_open")
+    before = kept.view.value.rpartition("show:")[0]
     names = ["numbers", "force ellipsoid", "boundary", "contours"]
     text = f"{before}show:ghosts,{','.join(names).replace(' ', '_')}"
-    send_value(commander, kept._controls.view._impl.uuid, text)
+    send_value(commander, kept.view._impl.uuid, text)
     wait_until(lambda: [name for name, on in page._switched().items() if on] == ["ghosts", *names])
     wait_until(lambda: "force" in understand._nodes and understand._nodes["force"].visible)
     assert "velocity" not in understand._nodes
@@ -145,20 +145,20 @@ def test_a_view_switches_what_layers_show_and_marks_it(page, commander, kept):
     wait_until(lambda: {name for name, box in boxes.items() if box.value} == set(names))
     # And back, by a checkbox, which the text follows.
     send_value(commander, boxes["force ellipsoid"]._impl.uuid, False)
-    wait_until(lambda: "force_ellipsoid" not in kept._controls.view.value)
-    wait_until(lambda: "numbers" in kept._controls.view.value)
+    wait_until(lambda: "force_ellipsoid" not in kept.view.value)
+    wait_until(lambda: "numbers" in kept.view.value)
     assert not understand._nodes["force"].visible
 
 
 def test_a_view_of_elsewhere_is_refused_as_a_whole(page, commander, kept):
-    wait_until(lambda: kept._controls.view.value.startswith("q:"))
-    q, shown, right = page._arm.q, page._switched(), kept._controls.view.value
+    wait_until(lambda: kept.view.value.startswith("q:"))
+    q, shown, right = page._arm.q, page._switched(), kept.view.value
     beyond = GOOD.replace("q:0", "q:100").replace("joint_axes", "frames")
     for text in (*HOSTILE[2:], beyond):
-        send_value(commander, kept._controls.view._impl.uuid, text)
+        send_value(commander, kept.view._impl.uuid, text)
         wait_until(lambda: "Refused" in page._stage._notice.content)
         # What was refused goes.
-        wait_until(lambda: kept._controls.view.value == right)
+        wait_until(lambda: kept.view.value == right)
         page._ask("next", lambda: None)
         wait_until(lambda: "Refused" not in page._stage._notice.content)
     np.testing.assert_array_equal(page._arm.q, q)
@@ -169,8 +169,8 @@ def test_a_recording_that_fills_up_when_nobody_commands_is_shown(page, client):
     with client.connect() as connection:
         connection.send(PACK(camera()))
         layer = next(layer for layer in page._layers if isinstance(layer, RecordingLayer))
-        wait_until(lambda: layer._controls is not None)
-        button = layer._controls.record
+        wait_until(lambda: layer.is_open)
+        button = layer.record
         send_value(connection, button._impl.uuid, True)
         wait_until(lambda: button.label == END)
     wait_until(lambda: page._audience.commander is None)

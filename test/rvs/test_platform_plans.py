@@ -117,7 +117,7 @@ def planned():
         connection.send(msgspec.msgpack.encode(camera()))
         wait_until(lambda: page._audience.commander is not None and page._panel is not None)
         layer = next(one for one in page._layers if isinstance(one, MotionLayer))
-        wait_until(lambda: layer._controls is not None)
+        wait_until(lambda: layer.is_open)
         yield page, layer, connection
 
 
@@ -138,7 +138,7 @@ def test_a_browser_plans_from_posture_to_posture_and_goes_along(planned):
     assert "poly345" in layer.status
     layer.along = True
     middle = layer.player.duration / 2
-    send_value(connection, layer._controls._time._impl.uuid, middle)
+    send_value(connection, layer._time._impl.uuid, middle)
     motion = page._plan.motion
     expected = motion.at(motion.times[0] + middle)[robot.mechanism.drive_index]
     wait_until(lambda: np.allclose(robot.values, expected, atol=1e-6))

@@ -44,12 +44,7 @@ def test_what_is_shown_stays_shown_and_so_does_the_posture(page, commander):
     page.replace(robot, robot.chain())
     wait_until(lambda: page._panel is not before and page._panel is not None)
     assert all(node.show_axes for node in page._stage._robot._nodes.values())
-    labels = (*page._switches, "dark")
-    boxes = {
-        handle.label: handle.value
-        for handle in page._panel._handles
-        if getattr(handle, "label", None) in labels
-    }
+    boxes = {label: box.value for label, box in page._panel._shown._boxes.items()}
     assert boxes == {**page._switches, "dark": True} and boxes["frames"]
     np.testing.assert_array_equal(page._arm.q, q)
 

@@ -45,20 +45,20 @@ def layer(page):
 
 def press(commander, layer, name):
     """Press a button of the folder Motion as a page does."""
-    send_value(commander, getattr(layer._controls, name)._impl.uuid, True)
+    send_value(commander, getattr(layer, name)._impl.uuid, True)
 
 
 def test_a_plan_is_swept_drawn_and_sought(page, layer, commander):
     page.show_plan(motion(page._arm.chain), "from elsewhere")
     wait_until(lambda: "data-quantity" in layer._picture.content)
     assert layer._scene._sweep.node.visible and layer._scene._now.node.visible
-    wait_until(lambda: "from elsewhere: 2.00 s" in layer._controls._status.content)
-    send_value(commander, layer._controls._time._impl.uuid, 0.5)
+    wait_until(lambda: "from elsewhere: 2.00 s" in layer._status.content)
+    send_value(commander, layer._time._impl.uuid, 0.5)
     wait_until(lambda: layer.player.time == 0.5)
     wait_until(lambda: "left:25.000%" in layer._cursor.content)
     before = layer._scene._now.node.batched_positions.copy()
     for value in (np.nan, "later", [1.0], -3.0, 1e300):
-        send_value(commander, layer._controls._time._impl.uuid, value)
+        send_value(commander, layer._time._impl.uuid, value)
     wait_until(lambda: layer.player.time == 2.0)
     wait_until(lambda: not np.array_equal(layer._scene._now.node.batched_positions, before))
     page.forget_plan()
@@ -70,16 +70,16 @@ def test_a_plan_plays_at_its_speed_and_pauses(page, layer, commander):
     wait_until(lambda: layer.player.duration == 2.0)
     layer.player.loop = True
     press(commander, layer, "_play")
-    wait_until(lambda: layer.player.playing and layer._controls._play.label == "Pause")
+    wait_until(lambda: layer.player.playing and layer._play.label == "Pause")
     wait_until(lambda: layer.player.time > 0.1)
     press(commander, layer, "_play")
-    wait_until(lambda: not layer.player.playing and layer._controls._play.label == "Play")
+    wait_until(lambda: not layer.player.playing and layer._play.label == "Play")
 
 
 def test_a_plan_from_here_to_there(page, layer, commander):
     arm, home = page._arm, page._arm.chain.home()
     page._ask("remember", lambda: layer.remember("start"))
-    wait_until(lambda: "goal of a plan: not chosen" in layer._controls._status.content)
+    wait_until(lambda: "goal of a plan: not chosen" in layer._status.content)
     send_value(commander, page._panel._sliders[2]._impl.uuid, 1.0)
     wait_until(lambda: arm.q[2] == 1.0)
     page._ask("remember", lambda: layer.remember("goal"))
@@ -87,7 +87,7 @@ def test_a_plan_from_here_to_there(page, layer, commander):
     np.testing.assert_allclose(page._plan.motion.q[0], home)
     np.testing.assert_allclose(page._plan.motion.q[-1], arm.q)
     page._ask("way", lambda: layer.choose_plan("line of the tip", "trapezoidal"))
-    wait_until(lambda: "one of poly345" in layer._controls._status.content)
+    wait_until(lambda: "one of poly345" in layer._status.content)
     assert page._plan.motion is None and layer.warns
     page._ask("way", lambda: layer.choose_plan("by train", "poly345"))
     wait_until(lambda: "Refused: way is" in page._stage._notice.content)

@@ -35,7 +35,7 @@ def test_the_angles_of_a_text_are_written_in_degrees(text, said):
 
 
 def test_the_switch_changes_all_angles_of_a_page_and_moves_nothing(page, commander):
-    box, first = page._panel._boxes["degrees"], page._panel._sliders[0]
+    box, first = page._panel._shown._boxes["degrees"], page._panel._sliders[0]
     send_value(commander, slider(page, 0), 0.5)
     wait_until(lambda: page._arm.q[0] == 0.5)
     q, summary = page._arm.q.copy(), page._stage._summary._handle

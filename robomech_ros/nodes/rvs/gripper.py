@@ -1,8 +1,10 @@
 """Opens and closes the gripper of a running robot, by its action."""
 
+from __future__ import annotations
+
 import threading
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rclpy.node import Node
 
@@ -11,7 +13,9 @@ from robomech_ros.nodes.common.gripper_names import known_gripper
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.middleware.queue_depth import ask_action
 from robomech_ros.nodes.rvs.settings import RvsSettings
-from robomech_ros.rvs.model.live_robot import LiveView
+
+if TYPE_CHECKING:
+    from robomech_ros.rvs.layers.live import LiveLayer
 
 
 class GripperClient:
@@ -24,7 +28,7 @@ class GripperClient:
     model : RobotModel
         The robot.
     settings : RvsSettings
-    view : LiveView
+    view : LiveLayer
         Shows what came of it.
 
     Attributes
@@ -34,7 +38,7 @@ class GripperClient:
     """
 
     def __init__(
-        self, node: Node, model: RobotModel, settings: RvsSettings, view: LiveView
+        self, node: Node, model: RobotModel, settings: RvsSettings, view: LiveLayer
     ) -> None:
         self._node, self._view = node, view
         self._lock = threading.Lock()

@@ -1,8 +1,10 @@
 """Has motions planned, executed and stopped, as any client would."""
 
+from __future__ import annotations
+
 import threading
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters
@@ -20,8 +22,10 @@ from robomech_ros.nodes.rvs.requests import Requests
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.rvs.stop_client import StopClient
 from robomech_ros.outcomes import name_of
-from robomech_ros.rvs.model.live_robot import LiveView
 from robomech_ros.typing import Array
+
+if TYPE_CHECKING:
+    from robomech_ros.rvs.layers.live import LiveLayer
 
 _AUTOMATIC = "auto_execute"
 # How long answers may take (s): about parameters, of the planner, and of who executes a motion.
@@ -39,7 +43,7 @@ class Motions:
         The joints that move.
     settings : RvsSettings
         Whom to call.
-    view : LiveView
+    view : LiveLayer
     show_plan : callable
         Shows a planned trajectory.
     """
@@ -49,7 +53,7 @@ class Motions:
         node: Node,
         names: Sequence[str],
         settings: RvsSettings,
-        view: LiveView,
+        view: LiveLayer,
         show_plan: Callable[[JointTrajectory], None],
     ) -> None:
         self._view, self._show_plan = view, show_plan

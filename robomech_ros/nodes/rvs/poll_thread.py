@@ -1,19 +1,19 @@
 """A thread that looks at what a running robot says while somebody looks at the page."""
 
+from __future__ import annotations
+
 import threading
 import time
 from abc import ABC, abstractmethod
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 
+if TYPE_CHECKING:
+    from robomech_ros.rvs.page.live.live_page import LivePage
+
 # How often it is looked whether somebody looks (s).
 _IDLE = 0.2
-
-
-class _View(Protocol):
-    def wait_for_viewer(self, seconds: float) -> bool:
-        """Wait until somebody looks, but no longer; tell whether somebody does."""
 
 
 class PollThread(ABC):
@@ -33,7 +33,7 @@ class PollThread(ABC):
         What is wrong with what the robot says; empty for nothing, or if nobody looks.
     """
 
-    def __init__(self, view: _View, rate: float, logger: Any) -> None:
+    def __init__(self, view: LivePage, rate: float, logger: Any) -> None:
         self._seen, self._period, self._log = view, 1.0 / rate, ThrottledLog(logger)
         self.condition = ""
         self._closing = threading.Event()

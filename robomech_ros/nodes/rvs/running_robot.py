@@ -1,6 +1,9 @@
 """The robot of a page: plans, stops and jogs through the nodes of the suite."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -19,8 +22,11 @@ from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.rvs.state_feed import StateFeed
 from robomech_ros.robots.gripper import GripperModel
 from robomech_ros.rvs.model.jog import HoldHeartbeat
-from robomech_ros.rvs.model.live_robot import LiveView, ViewMarker
+from robomech_ros.rvs.model.live_robot import ViewMarker
 from robomech_ros.typing import Array
+
+if TYPE_CHECKING:
+    from robomech_ros.rvs.layers.live import LiveLayer
 
 # Markers that are drawn at the most, and points of all of them.
 _MOST_MARKERS, _MOST_POINTS = 1000, 100_000
@@ -45,7 +51,7 @@ class RunningRobot:
         self._listening: list[Subscription] = []
         self._markers: dict[str, dict[str, ViewMarker]] = {}
 
-    def begin(self, view: LiveView) -> None:
+    def begin(self, view: LiveLayer) -> None:
         """Tell this page, from now on."""
         node, model, settings = self._node, self._model, self._settings
         self._view = view

@@ -1,7 +1,10 @@
 """Tells the page where the joints are, and what the servo says, while somebody looks."""
 
+from __future__ import annotations
+
 import math
 import time
+from typing import TYPE_CHECKING
 
 from rclpy.node import Node
 
@@ -14,7 +17,10 @@ from robomech_ros.nodes.rvs.messages import servo_news
 from robomech_ros.nodes.rvs.poll_thread import PollThread
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.servo.status import status_topic
-from robomech_ros.rvs.model.live_robot import LiveView, ServoNews
+from robomech_ros.rvs.model.live_robot import ServoNews
+
+if TYPE_CHECKING:
+    from robomech_ros.rvs.layers.live import LiveLayer
 
 # How often it is looked what states and servo say (s).
 _SELDOM = 0.1
@@ -34,7 +40,7 @@ class StateFeed(PollThread):
     model : RobotModel
         The robot.
     settings : RvsSettings
-    view : LiveView
+    view : LiveLayer
 
     Attributes
     ----------
@@ -43,7 +49,7 @@ class StateFeed(PollThread):
     """
 
     def __init__(
-        self, node: Node, model: RobotModel, settings: RvsSettings, view: LiveView
+        self, node: Node, model: RobotModel, settings: RvsSettings, view: LiveLayer
     ) -> None:
         super().__init__(view, settings.rate, node.get_logger())
         self._view, self._settings = view, settings

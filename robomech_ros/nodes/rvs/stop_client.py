@@ -5,16 +5,20 @@ by a trajectory that brakes on the path; where that comes after the controller h
 move on to its end.  So the controller is asked to hold again once the publisher has answered.
 """
 
+from __future__ import annotations
+
 import threading
 import time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rclpy.client import Client
 from std_srvs.srv import Trigger
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.rvs.requests import Requests
-from robomech_ros.rvs.model.live_robot import LiveView
+
+if TYPE_CHECKING:
+    from robomech_ros.rvs.layers.live import LiveLayer
 
 # From when on somebody who does not answer is named, and how long the answer still counts (s).
 _SOON, _PATIENCE = 2.0, 60.0
@@ -29,11 +33,11 @@ class StopClient:
         Sends.
     cancel, hold : Client
         Of the services (std_srvs/Trigger) of publisher and controller.
-    view : LiveView
+    view : LiveLayer
         Shows what came of it.
     """
 
-    def __init__(self, requests: Requests, cancel: Client, hold: Client, view: LiveView) -> None:
+    def __init__(self, requests: Requests, cancel: Client, hold: Client, view: LiveLayer) -> None:
         self._requests, self._cancel, self._hold, self._view = requests, cancel, hold, view
         self._lock = threading.Lock()
         self._number, self._since, self._shown, self._named = 0, 0.0, True, False

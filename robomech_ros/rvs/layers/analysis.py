@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,19 +22,19 @@ from robomech_ros.rvs.model.analysis import (
     twist_arrows,
 )
 from robomech_ros.rvs.model.solids import sphere
-from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import LayerContext
+from robomech_ros.rvs.page.layer import Layer, LayerContext
+from robomech_ros.rvs.page.mesh_nodes import add_mesh
 from robomech_ros.rvs.page.robot_nodes import placed
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
-from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.spatial.arrays import as_choice
 
-ORDER = 10
 COLOURS = {"velocity": (40, 125, 230), "force": (235, 130, 30)}
 OPACITY = 0.4
+# Label of the choice between ellipsoids of motions and of rotations.
+PART = "ellipsoids of"
 # What can be shown, and its label.
 LABELS = {
     "numbers": "numbers",
@@ -44,29 +45,23 @@ LABELS = {
 LOST, WEAKEST = ((225, 40, 45), (190, 50, 190)), ((235, 165, 60), (190, 140, 220))
 
 
-class AnalysisLayer:
-    """The layer.
+class AnalysisLayer(Layer):
+    """The layer."""
 
-    Parameters
-    ----------
-    place : LayerContext
-    """
+    label, order = "Understand", 10
 
     def __init__(self, place: LayerContext) -> None:
-        self._place = place
+        super().__init__(place)
         # The next robot shows the same.
         first = {"on": dict.fromkeys(LABELS, False), "part": "translation"}
         self._kept: dict[str, Any] = place.kept.setdefault("understand", first)
         self._switches = Switches(place, LABELS, self._kept["on"])
-        self._worker = Worker()
         self._facts: ArmFacts | None = None
         self._next: NextSingularity | None = None
         self._asked_for_facts, self._goes = False, False
         self._asked_at: Any = None
         self._nodes: dict[str, Any] = {}
         self._arrows = TwistNodes(place.server.scene, f"{place.base}/lost_", place.seen.reach)
-        self._folder: Folder | None = None
-        self._table: Any = None
 
     def show(self) -> None:
         """Follow the arm."""
@@ -80,32 +75,22 @@ class AnalysisLayer:
             judged = posture_facts(self._place.chain, q, length)
             if self._switches["numbers"] and not np.array_equal(q, self._asked_at):
                 self._asked_at = q
-                self._worker.submit("next", lambda: self._search(q, length))
+                chain = self._place.chain
+                self.find("next", partial(next_singularity, chain, q, length), self._know_next)
         self._show_arrows(judged if self._switches["lost"] else None)
-        if self._folder is not None and not self._folder.removed:
+        if self.is_open:
             self._table.content = fact_table("understand", self._lines(judged, found))
 
-    def controls(self, client: Any) -> Controls:
-        """Give a browser the folder "Understand"."""
-        gui = client.gui
-        folder = self._folder = Folder(gui, self._place.units, "Understand", ORDER)
-        with folder:
-            self._table = folder.text()
-            for name in LABELS:
-                self._switches.add_to(folder, name)
-                if name == "force":
-                    parts = tuple(ROWS)
-                    part = gui.add_dropdown(
-                        "ellipsoids of", parts, initial_value=self._kept["part"]
-                    )
-                    folder.listen(part, self._choose_part)
-            folder.button("Go to the least condition number", self._go)
-        self.show()
-        return folder
-
-    def close(self) -> None:
-        """Stop what runs."""
-        self._worker.close(wait=False)
+    def fill(self, folder: Folder, gui: Any) -> None:
+        """Add key figures, switches and a button to the folder."""
+        self._table = folder.text()
+        for name in LABELS:
+            self._switches.add_to(folder, name)
+            if name == "force":
+                choose = partial(self.ask, "part", self._choose_part)
+                folder.dropdown(PART, tuple(ROWS), self._kept["part"], choose)
+        best = partial(self.ask, "go", self._go)
+        folder.button("Go to the least condition number", best)
 
     @property
     def _judges(self) -> bool:
@@ -113,45 +98,29 @@ class AnalysisLayer:
         return self._switches["numbers"] or self._switches["lost"]
 
     def _choose_part(self, value: Any) -> None:
-        def chosen() -> None:
-            self._kept["part"] = as_choice("ellipsoids of", value, tuple(ROWS))
-
-        self._place.ask((self, "part"), chosen)
+        self._kept["part"] = as_choice(PART, value, tuple(ROWS))
 
     def _find_facts(self) -> None:
         """Have the facts found, once for the robot."""
         if not self._asked_for_facts:
             self._asked_for_facts = True
-            self._worker.submit("facts", self._find)
+            self.find("facts", partial(arm_facts, self._place.chain), self._know_facts)
 
-    def _find(self) -> None:
-        facts = arm_facts(self._place.chain)
+    def _know_facts(self, facts: ArmFacts) -> None:
+        self._facts = facts
+        if self._goes:
+            self._goes = False
+            self._take_best(facts)
 
-        def known() -> None:
-            self._facts = facts
-            if self._goes:
-                self._goes = False
-                self._take_best(facts)
-
-        self._place.ask((self, "facts"), known)
-
-    def _search(self, q: Any, length: float) -> None:
-        found = next_singularity(self._place.chain, q, length)
-
-        def known() -> None:
-            self._next = found
-
-        self._place.ask((self, "next"), known)
+    def _know_next(self, found: NextSingularity) -> None:
+        self._next = found
 
     def _go(self) -> None:
-        def asked() -> None:
-            if self._facts is None:
-                self._goes = True
-                self._find_facts()
-            else:
-                self._take_best(self._facts)
-
-        self._place.ask((self, "go"), asked)
+        if self._facts is None:
+            self._goes = True
+            self._find_facts()
+        else:
+            self._take_best(self._facts)
 
     def _take_best(self, facts: ArmFacts) -> None:
         if facts.best is None:
@@ -169,24 +138,14 @@ class AnalysisLayer:
         arm, reach = self._place.arm, self._place.seen.reach
         drawn = drawn_ellipsoid(arm.chain, arm.q, kind, self._kept["part"], reach)
         if node is None:
-            node = self._nodes[kind] = self._add_ellipsoid(kind)
+            scene, name = self._place.server.scene, f"{self._place.base}/{kind}_ellipsoid"
+            node = add_mesh(scene, name, sphere(1.0), COLOURS[kind], OPACITY)
+            self._nodes[kind] = node
         place = placed(drawn.pose)
         node.position, node.wxyz = place["position"], place["wxyz"]
         node.scale = tuple(drawn.half_axes.tolist())
         node.visible = True
         return drawn
-
-    def _add_ellipsoid(self, kind: str) -> Any:
-        solid = sphere(1.0)
-        return self._place.server.scene.add_mesh_simple(
-            f"{self._place.base}/{kind}_ellipsoid",
-            solid.vertices,
-            solid.faces,
-            color=COLOURS[kind],
-            opacity=OPACITY,
-            cast_shadow=False,
-            receive_shadow=False,
-        )
 
     def _show_arrows(self, judged: PostureFacts | None) -> None:
         if judged is None:

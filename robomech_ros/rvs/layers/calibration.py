@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
+from functools import partial
+from typing import Any
+
 import numpy as np
 
 from robomech_ros.calibration import HandEyeResult
 from robomech_ros.rvs.model.calibration_view import calibration_facts, calibration_markers
 from robomech_ros.rvs.model.camera import marker_points, visible_points
-from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import LayerContext
+from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.marker_nodes import MarkerNodes
 from robomech_ros.rvs.page.surroundings import place_camera
 from robomech_ros.typing import Array
 
-ORDER = 5.7
 SOURCE = "calibration"
 
 
-class CalibrationLayer:
+class CalibrationLayer(Layer):
     """The layer.
 
     Parameters
@@ -30,8 +31,11 @@ class CalibrationLayer:
         ``T_sensor_target`` of its samples (m).
     """
 
+    label, order, expanded = "Calibration", 5.7, True
+
     def __init__(self, place: LayerContext, result: HandEyeResult, tracking: Array) -> None:
-        self._place, self._result = place, result
+        super().__init__(place)
+        self._result = result
         chain = place.chain
         self._markers = calibration_markers(result, tracking, chain.base, chain.tip)
         self._nodes = MarkerNodes(place.server.scene, place.path)
@@ -45,26 +49,15 @@ class CalibrationLayer:
         place.arm.release()
         place_camera(place.server, self._points())
 
-    def show(self) -> None:
-        """Do nothing: what is drawn moves with the links."""
+    def fill(self, folder: Folder, gui: Any) -> None:
+        """Add the switch, and the facts, to the folder."""
+        turn = partial(self._place.run, (self, "shown"))
+        folder.checkbox("shown", self._shown, lambda shown: turn(partial(self._turn, shown)))
+        folder.text().content = fact_table("calibration", calibration_facts(self._result))
 
-    def controls(self, client: object) -> Controls:
-        """Give a browser the folder "Calibration"."""
-        folder = Folder(client.gui, self._place.units, "Calibration", ORDER, expanded=True)  # type: ignore[attr-defined]
-        with folder:
-            folder.checkbox("shown", self._shown, self._turn)
-            folder.text().content = fact_table("calibration", calibration_facts(self._result))
-        return folder
-
-    def close(self) -> None:
-        """Do nothing: nothing runs."""
-
-    def _turn(self, shown: bool) -> None:
-        def turned() -> None:
-            self._shown = shown is True
-            self._nodes.show(SOURCE, self._markers if self._shown else ())
-
-        self._place.run((self, "shown"), turned)
+    def _turn(self, shown: object) -> None:
+        self._shown = shown is True
+        self._nodes.show(SOURCE, self._markers if self._shown else ())
 
     def _points(self) -> Array:
         seen, at = self._place.seen, self._place.arm.positions

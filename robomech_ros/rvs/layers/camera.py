@@ -8,7 +8,7 @@ import numpy as np
 
 from robomech_ros.rvs.model.camera import visible_points
 from robomech_ros.rvs.page.clients import AllControls, Controls
-from robomech_ros.rvs.page.layer import LayerContext
+from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.panel import GIZMO
 from robomech_ros.rvs.page.surroundings import fit_camera, place_camera
 from robomech_ros.typing import Array
@@ -19,20 +19,12 @@ ORDER = 5.5
 SWEEP = 6
 
 
-class CameraLayer:
-    """The eye of every browser.
-
-    Parameters
-    ----------
-    place : LayerContext
-    """
+class CameraLayer(Layer):
+    """The eye of every browser, which stays while the arm moves."""
 
     def __init__(self, place: LayerContext) -> None:
-        self._place = place
-        place_camera(place.server, self._points())
-
-    def show(self) -> None:
-        """Do nothing: the eye stays while the arm moves."""
+        super().__init__(place)
+        place_camera(place.server, _shown_points(place))
 
     def controls(self, client: Any) -> Controls:
         """Return the button."""
@@ -44,12 +36,6 @@ class CameraLayer:
             self._place.ask("fit view", lambda: fit_view(self._place, client))
 
         return AllControls([button])
-
-    def close(self) -> None:
-        """Do nothing: nothing runs."""
-
-    def _points(self) -> Array:
-        return _shown_points(self._place)
 
 
 def fit_view(place: LayerContext, client: Any) -> None:

@@ -20,9 +20,8 @@ from robomech_ros.rvs.model.curve_problems import (
 from robomech_ros.rvs.model.ghosts import PALETTE
 from robomech_ros.rvs.page.clients import AllControls, Controls
 from robomech_ros.rvs.page.curve_view import CurveView
-from robomech_ros.rvs.page.layer import LayerContext, Switch
+from robomech_ros.rvs.page.layer import Layer, LayerContext, Switch
 from robomech_ros.rvs.page.tables import small_text
-from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.typing import Array
 
 ORDER = 30
@@ -30,19 +29,13 @@ ORDER = 30
 SAME_POSE, SAME_POSTURE = 1e-7, 1e-4
 
 
-class ContoursLayer:
-    """The folder with the contours of the pose that the tip is to take.
-
-    Parameters
-    ----------
-    place : LayerContext
-    """
+class ContoursLayer(Layer):
+    """The folder with the contours of the pose that the tip is to take."""
 
     root, roots = "a posture", "postures"
 
     def __init__(self, place: LayerContext) -> None:
-        self._place = place
-        self._worker = Worker()
+        super().__init__(place)
         self._view: CurveView | None = None
         self._on = False
         self._target: Array | None = None

@@ -6,34 +6,28 @@ from typing import Any
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.rvs.model.dh_editing import ANGLES, changed_robot, read_change, table_of, yaml_of
-from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.dh_rows import CHANGE, dh_rows
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import LayerContext
+from robomech_ros.rvs.page.layer import Layer, LayerContext
 
-ORDER = 15
 NO_TABLE = "No table: joints of this arm follow others (mimic)."
 
 
-class DHTableLayer:
-    """The layer.
+class DHTableLayer(Layer):
+    """The layer."""
 
-    Parameters
-    ----------
-    place : LayerContext
-    """
+    label, order = "DH table", 15
 
     def __init__(self, place: LayerContext) -> None:
-        self._place = place
+        super().__init__(place)
         # The robot that the page began with, and whether another one came from here.
         self._kept = place.kept.setdefault("dh table", {"open": False})
+        self.expanded = self._kept["open"]
         self._kept.setdefault("first", (place.description, place.chain))
         # The layer of the robot that this one was changed into, and whether it is gone.
         self._heir: DHTableLayer | None = None
         self._closed = False
         self._kept["layer"] = self
-        self._folder: Folder | None = None
-        self._rows: Any = None
         self._version, self._typed, self._degrees = 0, False, False
 
     def show(self) -> None:
@@ -43,34 +37,29 @@ class DHTableLayer:
             self._version += 1
             self._write()
 
-    def controls(self, client: Any) -> Controls:
-        """Give a browser the folder "DH table"."""
-        folder = self._folder = Folder(
-            client.gui, self._place.units, "DH table", ORDER, expanded=self._kept["open"]
-        )
-        with folder:
-            self._rows = folder.text()
-            if self._place.chain.coupling is not None:
-                self._rows.content = NO_TABLE
-                return folder
-            hint = "Joint, parameter and number, as in: 2 a 0.5; a number typed above does it, too"
-            folder.listen(client.gui.add_text(CHANGE, "", hint=hint), self._change)
-            folder.button("Reset robot", self._reset, "Back to the robot that the page began with")
+    def fill(self, folder: Folder, gui: Any) -> None:
+        """Add the table, and what changes it, to the folder."""
+        self._table = folder.text()
+        if self._place.chain.coupling is not None:
+            self._table.content = NO_TABLE
+            return
+        hint = "Joint, parameter and number, as in: 2 a 0.5; a number typed above does it, too"
+        folder.listen(gui.add_text(CHANGE, "", hint=hint), self._change)
+        folder.button("Reset robot", self._reset, "Back to the robot that the page began with")
         self._write()
-        return folder
 
     def close(self) -> None:
-        """Nothing runs."""
+        """Refuse what comes later."""
         self._closed = True
 
     def _write(self) -> None:
         chain = self._place.chain
-        if self._folder is None or self._folder.removed or chain.coupling is not None:
+        if not self.is_open or chain.coupling is not None:
             return
         table, units = table_of(chain), self._place.units
         self._degrees = units.degrees
         document = yaml_of(chain, table)
-        self._rows.content = dh_rows(
+        self._table.content = dh_rows(
             table, chain.joint_names, chain.units, document, self._version, units
         )
 

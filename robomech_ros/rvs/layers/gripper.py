@@ -10,15 +10,14 @@ from robomech_ros.robots.gripper import gripper_model
 from robomech_ros.rvs.model.live_robot import LiveRobot
 from robomech_ros.rvs.page.clients import AllControls, Controls
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import LayerContext
+from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.tables import short_name
 
-ORDER = 4.5
 # Smaller differences are not seen in the field of a slider (m or rad).
 SAME = 5e-5
 
 
-class GripperLayer:
+class GripperLayer(Layer):
     """The slider, for an arm with a gripper; other robots get none.
 
     Parameters
@@ -28,13 +27,15 @@ class GripperLayer:
         The robot that runs, which is commanded; by default the gripper of the page moves.
     """
 
+    label, order, expanded = "Gripper", 4.5, True
+
     def __init__(self, place: LayerContext, robot: LiveRobot | None = None) -> None:
-        self._place, self._robot = place, robot
+        super().__init__(place)
+        self._robot = robot
         if robot is None:
             self._gripper = gripper_model(place.description, place.chain)
         else:
             self._gripper = robot.gripper
-        self._folder: Folder | None = None
         self._slider: Any = None
         # Latest value of the slider that has not been carried out.
         self._asked: float | None = None
@@ -45,7 +46,7 @@ class GripperLayer:
     def show(self) -> None:
         """Set the slider to the gripper, unless it is the slider that moves it."""
         busy = self._asked is not None or (self._robot is not None and self._robot.gripper_moves)
-        if self._gripper is None or self._folder is None or self._folder.removed or busy:
+        if self._gripper is None or not self.is_open or busy:
             return
         value = self._gripper.value(self._place.arm.others)
         if abs(self._slider.value - value) > SAME:
@@ -53,29 +54,26 @@ class GripperLayer:
 
     def controls(self, client: Any) -> Controls:
         """Give the browser that commands the slider."""
-        gripper, gui = self._gripper, client.gui
-        if gripper is None:
-            return AllControls([])
+        return AllControls([]) if self._gripper is None else super().controls(client)
+
+    def fill(self, folder: Folder, gui: Any) -> None:
+        """Add the slider to the folder."""
+        gripper = self._gripper
+        assert gripper is not None
         (low, high), unit = gripper.ends, gripper.unit
         what, name = f"{low:.4g} to {high:.4g} {unit}", short_name(gripper.joints[0].name)
         label = "width" if gripper.opening is not None else name
-        self._folder = folder = Folder(gui, self._place.units, "Gripper", ORDER, expanded=True)
         self._asked = None
-        with folder:
-            value = gripper.value(self._place.arm.others)
-            hint = f"Opens and closes the gripper: {what}"
-            self._slider = folder.slider(label, unit, (low, high), value, self._choose, hint)
-            if gripper.opening is not None:
-                folder.button("Open", partial(self._choose, high))
-                folder.button("Close", partial(self._choose, low))
-        return folder
-
-    def close(self) -> None:
-        """Do nothing: nothing runs."""
+        value = gripper.value(self._place.arm.others)
+        hint = f"Opens and closes the gripper: {what}"
+        self._slider = folder.slider(label, unit, (low, high), value, self._choose, hint)
+        if gripper.opening is not None:
+            folder.button("Open", partial(self._choose, high))
+            folder.button("Close", partial(self._choose, low))
 
     def _choose(self, value: Any) -> None:
         self._asked = value
-        self._place.ask((self, "move"), partial(self._move, value))
+        self.ask("move", self._move, value)
 
     def _move(self, value: Any) -> None:
         gripper = self._gripper

@@ -12,6 +12,7 @@ from robomech_ros.rvs.model.analysis import TwistArrows, twist_arrows
 from robomech_ros.rvs.model.hands.grasp import GraspStudy
 from robomech_ros.rvs.model.hands.hand_view import HandView
 from robomech_ros.rvs.model.solids import cone
+from robomech_ros.rvs.page.mesh_nodes import add_batch, add_mesh
 from robomech_ros.rvs.page.robot_nodes import placed
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.spatial import quaternion_from_matrix
@@ -48,21 +49,8 @@ class HandScene:
             name: TwistNodes(scene, f"{base}/{name}_", reach)
             for name in ("force", "load", "separating")
         }
-        solid = cone(1.0, 1.0)
-        self._cones = scene.add_batched_meshes_simple(
-            f"{base}/cones",
-            solid.vertices,
-            solid.faces,
-            batched_wxyzs=np.array([[1.0, 0.0, 0.0, 0.0]]),
-            batched_positions=np.zeros((1, 3)),
-            batched_colors=np.array([CONE], dtype=np.uint8),
-            opacity=CONE_OPACITY,
-            side="double",
-            lod="off",
-            cast_shadow=False,
-            receive_shadow=False,
-            visible=False,
-        )
+        look: dict[str, Any] = {"opacity": CONE_OPACITY, "side": "double", "visible": False}
+        self._cones = add_batch(scene, f"{base}/cones", cone(1.0, 1.0), **look)
         self._touching = False
         self._shown: dict[str, tuple[TwistArrows | None, Any]] = {}
 
@@ -70,19 +58,11 @@ class HandScene:
         """Draw an object where it is, its contacts, and what holds it."""
         if hand.held != self._held:
             self._held = hand.held
-            solid = hand.held.solid
             if self._body is not None:
                 self._body.remove()
-            self._body = self._scene.add_mesh_simple(
-                f"{self._root}/object",
-                solid.vertices,
-                solid.faces,
-                color=BODY,
-                opacity=BODY_OPACITY,
-                side="double",
-                flat_shading=hand.held.shape != "ball",
-                cast_shadow=False,
-            )
+            look: dict[str, Any] = {"side": "double", "flat_shading": hand.held.shape != "ball"}
+            name, solid = f"{self._root}/object", hand.held.solid
+            self._body = add_mesh(self._scene, name, solid, BODY, BODY_OPACITY, **look)
         place = placed(hand.tip)
         self._body.position, self._body.wxyz = place["position"], place["wxyz"]
         self._place_cones(hand)

@@ -20,7 +20,7 @@ from robomech_ros.typing import Array
 
 
 class LiveLayer(LivePage):
-    """The robot on its page, as :class:`~robomech_ros.rvs.model.live_robot.LiveView`.
+    """The robot on its page, and what the nodes tell it.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ TRAIL = (31, 119, 180)
 
 
 class LiveMobileRobotLayer(LivePage):
-    """Page of a running mobile robot, shown as a `LiveMobileRobotView`.
+    """Page of a running mobile robot.
 
     Parameters
     ----------

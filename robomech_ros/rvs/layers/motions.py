@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import html
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.parallel import Mechanism
-from robomech_ros.rvs.layers.motion_controls import MotionControls
 from robomech_ros.rvs.layers.motion_scene import MotionScene, SweptPlan, swept
 from robomech_ros.rvs.model.motion_curves import (
     QUANTITIES,
@@ -19,12 +20,11 @@ from robomech_ros.rvs.model.motion_curves import (
 )
 from robomech_ros.rvs.model.planning import JOG_DIRECTIONS, JOINTS, MadePlan, plan_between
 from robomech_ros.rvs.model.platforms.planning import plan_platform_between
-from robomech_ros.rvs.model.player import Player
+from robomech_ros.rvs.model.player import FASTEST, SLOWEST, Player
 from robomech_ros.rvs.motion import Motion
-from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.curves import ALL, cursor_rule, curves_picture
-from robomech_ros.rvs.page.layer import LayerContext
-from robomech_ros.rvs.serving.worker import Worker
+from robomech_ros.rvs.page.folder import Folder
+from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES
 from robomech_ros.typing import Array
@@ -34,18 +34,22 @@ BEAT = 0.04
 # Instead of the name of a quantity.
 NO_CURVES = "none"
 CURVES = (*QUANTITIES, ALL, NO_CURVES)
+# Steps of the slider of the time (s), and of the speed; decimals that their fields have room for.
+STEP, SPEED_STEP, DECIMALS = 0.01, 0.1, 2
+START, GOAL = "Start here", "Goal here"
+_STATUS = (
+    '<div style="font-size:0.85em;padding:0 0.85em 0.4em" data-plan><div{style}>{text}</div></div>'
+)
+_WARNS = ' style="border-left:3px solid #d9480f;padding-left:0.6em"'
 
 
-class MotionLayer:
-    """The plan of a page.
+class MotionLayer(Layer):
+    """The plan of a page."""
 
-    Parameters
-    ----------
-    place : LayerContext
-    """
+    label, order = "Motion", 40
 
     def __init__(self, place: LayerContext) -> None:
-        self._place = place
+        super().__init__(place)
         self._robot = place.jogged or place.platform.mechanism
         self._scene = MotionScene(place)
         gui = place.server.gui
@@ -64,8 +68,6 @@ class MotionLayer:
         self._plan: SweptPlan | None = None
         self._drawn: MotionCurves | None = None
         self._degrees = False
-        self._controls: MotionControls | None = None
-        self._computing = Worker()
         self._beating = threading.Event()
         self._closing = threading.Event()
         self._beater: threading.Thread | None = None
@@ -83,12 +85,73 @@ class MotionLayer:
             if motion is None:
                 self._display(None, None)
             else:
-                self._computing.submit("prepare", lambda: self._prepare(motion))
+                self.find("prepare", partial(_prepared, motion), self._show_prepared)
 
-    def controls(self, client: Any) -> Controls:
-        """Give the browser that commands the folder Motion."""
-        self._controls = MotionControls(client, self._place.units, self, CURVES)
-        return self._controls
+    def fill(self, folder: Folder, gui: Any) -> None:
+        """Add planning, playing and looks to the folder."""
+        self._status = folder.text()
+        for label, which in ((START, "start"), (GOAL, "goal")):
+            hint = f"The present posture is the {which} of a plan"
+            folder.button(label, partial(self.ask, label, self.remember, which), hint)
+        way, profile = self._choose_way, self._choose_profile
+        folder.dropdown("Way", JOG_DIRECTIONS, self.way, partial(self.ask, "way", way))
+        folder.dropdown(
+            "Profile", tuple(PROFILES), self.profile, partial(self.ask, "profile", profile)
+        )
+        self._add_playing(folder, gui)
+        draw = partial(self.ask, "curves", self.choose_curves)
+        folder.dropdown("Curves", CURVES, self.curves, draw)
+        self._add_box(folder, "sweep of ghosts", self.sweep, self._choose_sweep)
+        folder.button("Forget the plan", partial(self.ask, "forget", self.forget))
+        with gui.add_folder("Trace", expand_by_default=False):
+            for link, shown in self.traced.items():
+                self._add_box(folder, link, shown, partial(self._choose_trace, link))
+        self._load()
+
+    def _add_playing(self, folder: Folder, gui: Any) -> None:
+        player = self.player
+        self._time = gui.add_slider("Time", 0.0, 1.0, STEP, 0.0, hint="s")
+        self._time.precision = DECIMALS
+        folder.listen(self._time, partial(self.ask, "seek", self.seek))
+        self._play = folder.button("Play", partial(self.ask, "play", self.play_or_pause))
+        hint = "Times as fast as planned"
+        speed = gui.add_slider("Speed", SLOWEST, FASTEST, SPEED_STEP, player.speed, hint=hint)
+        folder.listen(speed, partial(self.ask, "speed", player.set_speed))
+        self._add_box(folder, "loop", player.loop, partial(_set_flag, player, "loop"))
+        hint = "The robot itself goes where the ghost at the time is"
+        along = partial(_set_flag, self, "along")
+        self._add_box(folder, "arm goes along", self.along, along, hint)
+
+    def _add_box(
+        self,
+        folder: Folder,
+        label: str,
+        checked: bool,
+        change: Callable[[object], None],
+        hint: str | None = None,
+    ) -> None:
+        folder.checkbox(label, checked, partial(self.ask, ("box", label), change), hint)
+
+    def _load(self) -> None:
+        """Show another plan in the controls."""
+        if not self.is_open:
+            return
+        duration = self.player.duration
+        self._time.disabled = self._play.disabled = not duration > 0.0
+        self._time.max = max(duration, STEP)
+        self._update()
+
+    def _update(self, *, keep_time: bool = False) -> None:
+        """Show where the player is; the slider of the time is left where it is if it asked."""
+        if not self.is_open:
+            return
+        if not keep_time and self._time.value != self.player.time:
+            self._time.value = self.player.time
+        label = "Pause" if self.player.playing else "Play"
+        if self._play.label != label:
+            self._play.label = label
+        style = _WARNS if self.warns else ""
+        self._status.content = _STATUS.format(style=style, text=html.escape(self.status))
 
     def close(self) -> None:
         """Stop what plays and computes."""
@@ -96,11 +159,7 @@ class MotionLayer:
         self._beating.set()
         if self._beater is not None and self._beater is not threading.current_thread():
             self._beater.join()
-        self._computing.close()
-
-    def ask(self, kind: object, request: Callable[[], None]) -> None:
-        """Have a request done on the thread of the page."""
-        self._place.ask(("motion", kind), request)
+        self._worker.close()
 
     # What the controls ask for, each on the thread of the page.
 
@@ -109,6 +168,12 @@ class MotionLayer:
         self.way = as_choice("way", way, JOG_DIRECTIONS)
         self.profile = as_choice("profile", profile, tuple(PROFILES))
         self.make_plan()
+
+    def _choose_way(self, value: str) -> None:
+        self.choose_plan(value, self.profile)
+
+    def _choose_profile(self, value: str) -> None:
+        self.choose_plan(self.way, value)
 
     def remember(self, which: str) -> None:
         """Take the present posture as start or goal, and plan if both are there."""
@@ -130,7 +195,7 @@ class MotionLayer:
                 made = MadePlan(None, str(error), False)
             self._place.ask("plan", lambda: self._take(made))
 
-        self._computing.submit("plan", compute)
+        self._worker.submit("plan", compute)
 
     def forget(self) -> None:
         """Forget the plan, its start and its goal."""
@@ -159,8 +224,15 @@ class MotionLayer:
         self.curves = as_choice("curves", name, CURVES)
         self._draw()
 
-    def choose_traces(self) -> None:
-        """Show the sweep and the traces that are chosen."""
+    def _choose_sweep(self, shown: object) -> None:
+        self.sweep = bool(shown)
+        self._choose_traces()
+
+    def _choose_trace(self, link: str, shown: object) -> None:
+        self.traced[link] = bool(shown)
+        self._choose_traces()
+
+    def _choose_traces(self) -> None:
         self._scene.show(self._plan, self.sweep, [k for k, chosen in self.traced.items() if chosen])
 
     # What happens inside.
@@ -176,15 +248,10 @@ class MotionLayer:
             return self._robot.close(q[self._robot.drive_index], q).q
         return q
 
-    def _prepare(self, motion: Motion) -> None:
-        plan, curves = swept(motion), motion_curves(motion)
-
-        def take() -> None:
-            # Another one may have come meanwhile, or another robot.
-            if motion is self._asked and not self._closing.is_set():
-                self._display(plan, curves)
-
-        self._place.ask("prepared", take)
+    def _show_prepared(self, prepared: tuple[SweptPlan, MotionCurves]) -> None:
+        # Another one may have come meanwhile, or another robot.
+        if prepared[0].motion is self._asked and not self._closing.is_set():
+            self._display(*prepared)
 
     def _take(self, made: MadePlan) -> None:
         self._say(made.sentence, not made.complete)
@@ -196,13 +263,12 @@ class MotionLayer:
     def _display(self, plan: SweptPlan | None, curves: MotionCurves | None) -> None:
         self._plan, self._drawn = plan, curves
         self.player.load(0.0 if plan is None else plan.motion.duration)
-        self.choose_traces()
+        self._choose_traces()
         self._draw()
         name = self._place.plan.name
         if plan is not None and name != "plan":
             self._say(f"{name}: {plan.motion.duration:.2f} s", False)
-        if self._controls is not None:
-            self._controls.load()
+        self._load()
         self._move()
 
     def _draw(self) -> None:
@@ -215,8 +281,7 @@ class MotionLayer:
 
     def _say(self, sentence: str, warns: bool) -> None:
         self.status, self.warns = sentence, warns
-        if self._controls is not None:
-            self._controls.update()
+        self._update()
 
     def _move(self, *, from_slider: bool = False) -> None:
         """Show the time where the player is."""
@@ -227,8 +292,7 @@ class MotionLayer:
         with self._place.server.atomic():
             self._scene.go_to(q)
             self._cursor.content = cursor_rule(player.time / max(player.duration, 1e-9))
-            if self._controls is not None:
-                self._controls.update(keep_time=from_slider)
+            self._update(keep_time=from_slider)
         if self.along:
             self._place.ask("along", lambda: self._place.moved.move_to(self._closed(q)))
 
@@ -255,3 +319,11 @@ class MotionLayer:
         if not self.player.playing:
             self._beating.clear()
         self._last = now
+
+
+def _prepared(motion: Motion) -> tuple[SweptPlan, MotionCurves]:
+    return swept(motion), motion_curves(motion)
+
+
+def _set_flag(owner: object, name: str, value: object) -> None:
+    setattr(owner, name, bool(value))

@@ -9,86 +9,62 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.rvs.model.analysis import twist_arrows
 from robomech_ros.rvs.model.platforms.facts import PlatformFacts, platform_facts
 from robomech_ros.rvs.model.platforms.lists import LISTS, PlatformList, platform_list
-from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import LayerContext
+from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
-from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.spatial.arrays import as_choice
 
-ORDER = 10
 # What can be shown, and its label.
 LABELS = {"numbers": "numbers", "arrows": "singular directions"}
 LOST, FREE = ((225, 40, 45), (190, 50, 190)), ((20, 130, 60), (20, 150, 170))
 WEAKEST = ((235, 165, 60), (190, 140, 220))
 
 
-class PlatformLayer:
-    """The layer; what takes long is found on a thread of its own, and of each kind the latest.
+class PlatformLayer(Layer):
+    """The layer; what takes long is found on a thread of its own, and of each kind the latest."""
 
-    Parameters
-    ----------
-    place : LayerContext
-    """
+    label, order, expanded = "Platform", 10, True
 
     def __init__(self, place: LayerContext) -> None:
-        self._place, self._worker = place, Worker()
+        super().__init__(place)
         self._kind = LISTS[0]
         self._on = {"numbers": True, "arrows": False}
         self._switches = Switches(place, LABELS, self._on)
-        self._asked: Any = None
         self._list: PlatformList | None = None
         self._facts: PlatformFacts | None = None
         self._facts_at: Any = None
         scene, base, reach = place.server.scene, place.base, place.seen.reach
         self._lost = TwistNodes(scene, f"{base}/lost_", reach)
         self._free = TwistNodes(scene, f"{base}/free_", reach)
-        self._folder: Folder | None = None
-        self._table: Any = None
         # At once, so that the eye holds all ghosts from the beginning.
         q = place.platform.q
         self._asked = (q, self._kind, True)
-        self._list, self._facts = self._found(q, self._kind, True)
-        self._facts_at = q
-        place.platform.know(self._list)
+        self._know(self._asked, self._found(*self._asked))
 
     def show(self) -> None:
         """Follow the robot."""
         q = self._place.platform.q
         asked = (q, self._kind, any(self._on.values()))
-        if self._asked is None or asked[1:] != self._asked[1:] or (q != self._asked[0]).any():
+        if asked[1:] != self._asked[1:] or (q != self._asked[0]).any():
             self._asked = asked
-            self._worker.submit("find", partial(self._find, *asked))
+            self.find("found", partial(self._found, *asked), partial(self._know, asked))
         self._show_arrows()
-        if self._folder is not None and not self._folder.removed:
+        if self.is_open:
             self._table.content = fact_table("platform", self._lines())
 
-    def controls(self, client: Any) -> Controls:
-        """Give a browser the folder "Platform"."""
-        folder = self._folder = Folder(
-            client.gui, self._place.units, "Platform", ORDER, expanded=True
-        )
-        with folder:
-            listed = client.gui.add_dropdown("ghosts", LISTS, initial_value=self._kind)
-            folder.listen(listed, self._list_other)
-            for name in LABELS:
-                self._switches.add_to(folder, name)
-            self._table = folder.text()
-        self.show()
-        return folder
-
-    def close(self) -> None:
-        """Stop what runs."""
-        self._worker.close(wait=False)
+    def fill(self, folder: Folder, gui: Any) -> None:
+        """Add the choice of ghosts, and the switches, to the folder."""
+        list_other = partial(self.ask, "ghosts", self._list_other)
+        folder.dropdown("ghosts", LISTS, self._kind, list_other)
+        for name in LABELS:
+            self._switches.add_to(folder, name)
+        self._table = folder.text()
 
     def _list_other(self, value: Any) -> None:
-        def switched() -> None:
-            self._kind = as_choice("ghosts", value, LISTS)
-            self._list = None
-
-        self._place.ask((self, "ghosts"), switched)
+        self._kind = as_choice("ghosts", value, LISTS)
+        self._list = None
 
     def _found(self, q: Any, kind: str, judged: bool) -> tuple[PlatformList, PlatformFacts | None]:
         """Find what is shown of a posture."""
@@ -100,16 +76,11 @@ class PlatformLayer:
         except RobomechError as error:
             return PlatformList((), False, f"Nothing is known here: {error}."), None
 
-    def _find(self, q: Any, kind: str, judged: bool) -> None:
-        """Find it on the thread of the layer."""
-        found, facts = self._found(q, kind, judged)
-
-        def known() -> None:
-            if kind == self._kind:
-                self._list, self._facts, self._facts_at = found, facts, q
-                self._place.platform.know(found)
-
-        self._place.ask((self, "found"), known)
+    def _know(self, asked: Any, found: tuple[PlatformList, PlatformFacts | None]) -> None:
+        q, kind, _ = asked
+        if kind == self._kind:
+            (self._list, self._facts), self._facts_at = found, q
+            self._place.platform.know(self._list)
 
     def _show_arrows(self) -> None:
         facts = self._facts if self._on["arrows"] else None

@@ -10,14 +10,13 @@ import numpy as np
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.rvs.model.platforms.reach import PlatformReach, platform_reach
-from robomech_ros.rvs.page.clients import Controls
+from robomech_ros.rvs.model.solids import Solid
 from robomech_ros.rvs.page.fact_table import SMALL
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import LayerContext
+from robomech_ros.rvs.page.layer import Layer, LayerContext
+from robomech_ros.rvs.page.mesh_nodes import add_mesh
 from robomech_ros.rvs.page.switches import Switches
-from robomech_ros.rvs.serving.worker import Worker
 
-ORDER = 20
 # What can be shown, and its hint.
 LABELS = {
     "positions": (
@@ -32,19 +31,14 @@ _SWATCH = (
 )
 
 
-class PlatformWorkspaceLayer:
-    """The layer.
+class PlatformWorkspaceLayer(Layer):
+    """The layer."""
 
-    Parameters
-    ----------
-    place : LayerContext
-    """
+    label, order = "Workspace", 20
 
     def __init__(self, place: LayerContext) -> None:
-        self._place, self._worker = place, Worker()
+        super().__init__(place)
         self._parts = {label: _Part(label) for label in LABELS}
-        self._folder: Folder | None = None
-        self._text: Any = None
         self._on = dict.fromkeys(LABELS, False)
         self._switches = Switches(place, {label: label for label in LABELS}, self._on, self._set)
 
@@ -54,23 +48,15 @@ class PlatformWorkspaceLayer:
         for part in self._parts.values():
             if part.on and not np.array_equal(q, part.asked):
                 part.asked = q
-                self._worker.submit(part.label, partial(self._find, part, q))
-        if self._folder is not None and not self._folder.removed:
-            self._text.content = self._written()
+                self.find(part.label, partial(self._found, part, q), partial(self._know, part))
+        if self.is_open:
+            self._table.content = self._written()
 
-    def controls(self, client: Any) -> Controls:
-        """Give a browser the folder "Workspace"."""
-        folder = self._folder = Folder(client.gui, self._place.units, "Workspace", ORDER)
-        with folder:
-            for label, hint in LABELS.items():
-                self._switches.add_to(folder, label, hint)
-            self._text = folder.text()
-        self.show()
-        return folder
-
-    def close(self) -> None:
-        """Stop what runs."""
-        self._worker.close(wait=False)
+    def fill(self, folder: Folder, gui: Any) -> None:
+        """Add the switches to the folder."""
+        for label, hint in LABELS.items():
+            self._switches.add_to(folder, label, hint)
+        self._table = folder.text()
 
     def _set(self, label: str, _: bool) -> None:
         part = self._parts[label]
@@ -79,22 +65,18 @@ class PlatformWorkspaceLayer:
             part.reach, part.reason, part.asked = None, "", np.empty(0)
             self._draw(part)
 
-    def _find(self, part: _Part, q: Any) -> None:
-        """Find the boundary; on the thread of the layer."""
-        reach: PlatformReach | None = None
-        reason = ""
-        robot = self._place.platform.robot
+    def _found(self, part: _Part, q: Any) -> PlatformReach | str:
+        """Find the boundary, or say why there is none; on the thread of the layer."""
         try:
-            reach = platform_reach(robot, q, turns=part.turns)
+            return platform_reach(self._place.platform.robot, q, turns=part.turns)
         except RobomechError as error:
-            reason = f"No {part.label}: {error}."
+            return f"No {part.label}: {error}."
 
-        def known() -> None:
-            if part.on:
-                part.reach, part.reason = reach, reason
-                self._draw(part)
-
-        self._place.ask((self, part.label), known)
+    def _know(self, part: _Part, found: PlatformReach | str) -> None:
+        if part.on:
+            part.reach = None if isinstance(found, str) else found
+            part.reason = found if isinstance(found, str) else ""
+            self._draw(part)
 
     def _draw(self, part: _Part) -> None:
         for node in part.nodes:
@@ -109,17 +91,10 @@ class PlatformWorkspaceLayer:
                 width = WIDTH * self._place.seen.reach
                 node = scene.add_line_segments(name, piece, colour, thickness=width)
             else:
-                node = scene.add_mesh_simple(
-                    name,
-                    piece.reshape(-1, 3),
-                    np.arange(3 * len(piece)).reshape(-1, 3),
-                    color=colour,
-                    opacity=OPACITY,
-                    flat_shading=True,
-                    side="double",
-                    cast_shadow=False,
-                    receive_shadow=False,
-                )
+                faces = np.arange(3 * len(piece)).reshape(-1, 3)
+                look = {"flat_shading": True, "side": "double"}
+                solid = Solid(piece.reshape(-1, 3), faces)
+                node = add_mesh(scene, name, solid, colour, OPACITY, **look)
             part.nodes.append(node)
 
     def _written(self) -> str:

@@ -13,11 +13,9 @@ from robomech_ros.rvs.model.recorder import Recorder
 from robomech_ros.rvs.model.view_state import ViewState, state_from_text, text_from_state
 from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import LayerContext
+from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.recording import motion_page
-from robomech_ros.rvs.page.units import Units
 from robomech_ros.rvs.serving.scripts import keep_in_address, read_address_into, save_picture
-from robomech_ros.rvs.serving.worker import Worker
 
 VIEW = "View"
 RECORD, END = "Record", "End the recording"
@@ -25,21 +23,21 @@ RECORD, END = "Record", "End the recording"
 LATE = 0.5
 
 
-class RecordingLayer:
-    """Keeps what is done and seen.
+class RecordingLayer(Layer):
+    """Keeps what is done and seen."""
 
-    Parameters
-    ----------
-    place : LayerContext
-    """
+    label, order = "Keep", 60
 
     def __init__(self, place: LayerContext) -> None:
-        self._place = place
+        super().__init__(place)
         self.recorder = Recorder()
         self.known: KnownBrowsers = place.kept.setdefault("keeping", KnownBrowsers())
         self.known.notice = self.notice
-        self._controls: RecordingControls | None = None
-        self._writing = Worker()
+        self._client: Any = None
+        self.record: Any = None
+        self.view: Any = None
+        # The state that was written into the address last.
+        self.written = ""
         self._changed, self._closing = threading.Event(), threading.Event()
         self._follower = threading.Thread(target=self._follow, name="address", daemon=True)
         self._follower.start()
@@ -53,16 +51,37 @@ class RecordingLayer:
 
     def controls(self, client: Any) -> Controls:
         """Give the browser that commands the folder Keep."""
-        self._controls = RecordingControls(client, self._place.units, self, self._place.ask)
-        self.notice()
-        return self._controls
+        self._client, self.written = client, ""
+        folder = super().controls(client)
+        # Later its address says only where this browser left the arm.
+        if self.known.is_new(client):
+            read_address_into(client, VIEW)
+        return folder
+
+    def fill(self, folder: Folder, gui: Any) -> None:
+        """Add recording, files and the view to the folder."""
+        client, ask = self._client, self.ask
+        record = partial(ask, "record", self.record_or_end)
+        label = END if self.recorder.running else RECORD
+        self.record = folder.button(label, record, "What the arm does becomes the plan")
+        download = partial(ask, "download", self.download, client)
+        folder.button("Save the plan", download, "As a page in a file that plays it")
+        picture = partial(save_picture, client, "view.png")
+        folder.button("Save a picture", picture, "Of the scene, as PNG")
+        hint = "Posture, eye and what is shown; it is in the address of this page, too"
+        self.view = gui.add_text(VIEW, "", hint=hint)
+        folder.listen(self.view, partial(self._restore, client))
+
+    def _restore(self, client: Any, text: str) -> None:
+        if text != self.written:
+            self.ask("view", self.restore, text, client)
 
     def close(self) -> None:
         """Stop writing."""
         self._closing.set()
         self._changed.set()
         self._follower.join()
-        self._writing.close()
+        self._worker.close()
 
     def notice(self) -> None:
         """Have the address follow what is seen."""
@@ -89,7 +108,7 @@ class RecordingLayer:
             page = motion_page(self._place.description, motion, title)
             client.send_file_download(f"{name}.html", page.encode(), save_immediately=True)
 
-        self._writing.submit("download", write)
+        self._worker.submit("download", write)
 
     def restore(self, text: str, client: Any) -> None:
         """Show what a text says, or refuse it as a whole.
@@ -100,9 +119,8 @@ class RecordingLayer:
             It is no view of this arm, or outside its limits.
         """
         place = self._place
-        if self._controls is not None:
-            # What is refused does not stay in the address.
-            self._controls.written = ""
+        # What is refused does not stay in the address.
+        self.written = ""
         state = state_from_text(text, place.chain.n, tuple(place.switched()))
         q = place.arm.checked(state.q)
         place.arm.move_to(q)
@@ -120,8 +138,8 @@ class RecordingLayer:
         self._place.plan.show(motion, "recording")
 
     def _label(self) -> None:
-        if self._controls is not None and not self._controls.gone:
-            self._controls.record.label = END if self.recorder.running else RECORD
+        if self.is_open:
+            self.record.label = END if self.recorder.running else RECORD
 
     def _follow(self) -> None:
         while not self._closing.is_set():
@@ -132,15 +150,15 @@ class RecordingLayer:
                 self._place.run("address", self._write)
 
     def _write(self) -> None:
-        controls, place = self._controls, self._place
-        if controls is None or controls.gone or self._closing.is_set():
+        place = self._place
+        if not self.is_open or self._closing.is_set():
             return
-        camera = controls.client.camera
+        camera = self._client.camera
         state = ViewState(place.arm.q, camera.position, camera.look_at, place.switched())
         text = text_from_state(state)
-        if text != controls.written:
-            controls.written = controls.view.value = text
-            keep_in_address(controls.client, text)
+        if text != self.written:
+            self.written = self.view.value = text
+            keep_in_address(self._client, text)
 
 
 class KnownBrowsers:
@@ -167,57 +185,3 @@ class KnownBrowsers:
             self.notice()
 
         return True
-
-
-class RecordingControls:
-    """The folder Keep of one browser.
-
-    Parameters
-    ----------
-    client : viser.ClientHandle
-    units : Units
-    layer : RecordingLayer
-    ask : Ask
-    """
-
-    def __init__(
-        self, client: Any, units: Units, layer: RecordingLayer, ask: Callable[..., None]
-    ) -> None:
-        self.client, self.written = client, ""
-        self._folder = folder = Folder(client.gui, units, "Keep", 60)
-        with folder:
-            label = END if layer.recorder.running else RECORD
-            self.record = folder.button(
-                label,
-                partial(ask, "record", layer.record_or_end),
-                "What the arm does becomes the plan",
-            )
-            folder.button(
-                "Save the plan",
-                partial(ask, "download", partial(layer.download, client)),
-                "As a page in a file that plays it",
-            )
-            folder.button(
-                "Save a picture", partial(save_picture, client, "view.png"), "Of the scene, as PNG"
-            )
-            hint = "Posture, eye and what is shown; it is in the address of this page, too"
-            self.view = client.gui.add_text(VIEW, "", hint=hint)
-
-            def restore(text: str) -> None:
-                if text != self.written:
-                    ask("view", partial(layer.restore, text, client))
-
-            folder.listen(self.view, restore)
-
-        # Later its address says only where this browser left the arm.
-        if layer.known.is_new(client):
-            read_address_into(client, VIEW)
-
-    @property
-    def gone(self) -> bool:
-        """Whether the browser commands no more."""
-        return self._folder.removed
-
-    def remove(self) -> None:
-        """Take the controls from the browser."""
-        self._folder.remove()

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,7 @@ from robomech_ros.rvs.model.workspace_views import SectionView, section_view, wh
 from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import LayerContext
+from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.tables import small_text
 from robomech_ros.rvs.page.workspace_legends import map_legend, section_text
@@ -33,7 +33,6 @@ from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.typing import Array
 
-ORDER = 20
 # What can be shown, and its label.
 LABELS = {"boundary": "boundary", "reach_map": "reach map", "cut": "cut open"}
 # What stands around the robot, and so around an eye that is near it.
@@ -58,16 +57,13 @@ class _LeftOffError(Exception):
     """The map that is computed is not wanted any more."""
 
 
-class WorkspaceLayer:
-    """The layer.
+class WorkspaceLayer(Layer):
+    """The layer."""
 
-    Parameters
-    ----------
-    place : LayerContext
-    """
+    label, order = "Workspace", 20
 
     def __init__(self, place: LayerContext) -> None:
-        self._place = place
+        super().__init__(place)
         usual = ORIENTATIONS[place.chain.n < ALL_ORIENTATIONS]
         # The next robot shows the same, but for the map, which is of one robot.
         self._chosen: Choices = place.kept.setdefault("map", Choices(orientations=usual))
@@ -75,7 +71,7 @@ class WorkspaceLayer:
             "workspace", {"boundary": False, "reach_map": False, "cut": True}
         )
         # A map may take minutes, in which the boundary is not to wait.
-        self._worker, self._mapper = Worker(), Worker()
+        self._mapper = Worker()
         scene, reach = place.server.scene, place.seen.reach
         self._nodes = WorkspaceNodes(scene, place.base, reach, self._clicked)
         self._view: SectionView | None = None
@@ -86,7 +82,6 @@ class WorkspaceLayer:
         # The map that is wanted, counted from 1; one that is computed for another is left off.
         self._wanted, self._running = 0, False
         self._drawn: dict[str, Any] = {}
-        self._folder: Folder | None = None
         self._client: Any = None
         # Whether the eye is to move back, as soon as what was switched on is drawn around it.
         self._around_eye = False
@@ -99,68 +94,61 @@ class WorkspaceLayer:
         """Follow the arm."""
         if self._on["boundary"] and not self._asked:
             self._asked = True
-            self._worker.submit("section", self._find)
+            self.find("section", self._found, self._know)
         self._show_boundary()
         self._show_points()
         self._write()
-        if self._around_eye and self._extent_is_drawn():
+        if self._around_eye and self.is_open and len(self._nodes.extent):
             self._around_eye = False
             fit_view(self._place, self._client)
 
-    def _extent_is_drawn(self) -> bool:
-        return self._folder is not None and not self._folder.removed and len(self._nodes.extent) > 0
-
     def controls(self, client: Any) -> Controls:
         """Give a browser the folder "Workspace"."""
-        gui = client.gui
         self._client, self._around_eye = client, False
-        folder = self._folder = Folder(gui, self._place.units, "Workspace", ORDER)
-        with folder:
-            hint = "Where the number of postures changes, as a section and as a surface"
-            self._switches.add_to(folder, "boundary", hint)
-            self._plot, self._ring = folder.text(), folder.text()
-            self._point = folder.listen(gui.add_text(POINT, "", hint=_HINT), self._typed)
-            self._text = folder.text()
-            hint = "What the tip reaches, at points of a grid; a click on a point takes it there"
-            self._switches.add_to(folder, "reach_map", hint)
-            choices = {
-                "orientations": ("orientations", ORIENTATIONS),
-                "points": ("density", tuple(DENSITIES)),
-                "coloured by": ("measure", MEASURES),
-            }
-            self._choices = [
-                folder.listen(
-                    gui.add_dropdown(label, values, initial_value=getattr(self._chosen, name)),
-                    self._choose(name, values),
-                )
-                for label, (name, values) in choices.items()
-            ]
-            self._compute = folder.button("Compute the map", self._ask_for_map)
-            self._cancel = folder.button("Cancel", self._ask_to_cancel)
-            self._legend = folder.text()
-            hint = "Leave a sector open, so that one sees inside"
-            self._switches.add_to(folder, "cut", hint)
-            self._see = folder.button("See all of it", self._ask_to_see)
         self._drawn.pop("plot", None)
-        self._write()
-        return folder
+        return super().controls(client)
+
+    def fill(self, folder: Folder, gui: Any) -> None:
+        """Add boundary, map and their switches to the folder."""
+        hint = "Where the number of postures changes, as a section and as a surface"
+        self._switches.add_to(folder, "boundary", hint)
+        self._plot, self._ring = folder.text(), folder.text()
+        self._point = folder.listen(gui.add_text(POINT, "", hint=_HINT), self._typed)
+        self._text = folder.text()
+        hint = "What the tip reaches, at points of a grid; a click on a point takes it there"
+        self._switches.add_to(folder, "reach_map", hint)
+        choices = {
+            "orientations": ("orientations", ORIENTATIONS),
+            "points": ("density", tuple(DENSITIES)),
+            "coloured by": ("measure", MEASURES),
+        }
+        self._choices = [
+            folder.dropdown(
+                label,
+                values,
+                getattr(self._chosen, name),
+                partial(self.ask, name, self._choose, name, values),
+            )
+            for label, (name, values) in choices.items()
+        ]
+        compute = partial(self.ask, "map", self._begin_map)
+        self._compute = folder.button("Compute the map", compute)
+        self._cancel = folder.button("Cancel", partial(self.ask, "cancel", self._cancel_map))
+        self._legend = folder.text()
+        self._switches.add_to(folder, "cut", "Leave a sector open, so that one sees inside")
+        see = partial(self.ask, "see", fit_view, self._place, self._client)
+        self._see = folder.button("See all of it", see)
 
     def close(self) -> None:
         """Stop what runs."""
         self._wanted += 1
-        for worker in (self._worker, self._mapper):
-            worker.close(wait=False)
+        self._mapper.close(wait=False)
+        super().close()
 
     # What browsers ask for.
 
-    def _choose(self, name: str, values: tuple[str, ...]) -> Callable[[Any], None]:
-        def asked(value: Any) -> None:
-            def chosen() -> None:
-                setattr(self._chosen, name, as_choice(name, value, values))
-
-            self._place.ask((self, name), chosen)
-
-        return asked
+    def _choose(self, name: str, values: tuple[str, ...], value: Any) -> None:
+        setattr(self._chosen, name, as_choice(name, value, values))
 
     def _switched(self, name: str, asked: bool) -> None:
         self._around_eye |= asked and self._on[name] and name in AROUND
@@ -168,50 +156,38 @@ class WorkspaceLayer:
             self._leave_off()
 
     def _typed(self, text: Any) -> None:
-        def go() -> None:
-            view = self._view
-            if view is None:
-                raise BadValueError(POINT, text, "nothing: there is no section")
-            self._place.arm.drag(view.target(_pair(text), self._place.arm.tip))
-
         if str(text).strip():
-            self._place.ask((self, "point"), go)
+            self.ask("point", self._go_to_section, text)
+
+    def _go_to_section(self, text: Any) -> None:
+        if self._view is None:
+            raise BadValueError(POINT, text, "nothing: there is no section")
+        self._place.arm.drag(self._view.target(_pair(text), self._place.arm.tip))
 
     def _clicked(self, client: Any, point: Array) -> None:
         """Take a point of the map as the tip's target, with the present orientation."""
+        if self.is_open and client.client_id == self._client.client_id:
+            self.ask("point", self._go_to_point, point)
 
-        def go() -> None:
-            T = self._place.arm.tip.copy()
-            T[:3, 3] = point
-            self._place.arm.drag(T)
+    def _go_to_point(self, point: Array) -> None:
+        T = self._place.arm.tip.copy()
+        T[:3, 3] = point
+        self._place.arm.drag(T)
 
-        folder = self._folder
-        if folder is not None and not folder.removed and client.client_id == self._client.client_id:
-            self._place.ask((self, "point"), go)
+    def _begin_map(self) -> None:
+        if not self._on["reach_map"]:
+            raise RobomechError("Turn on the reach map before computing it.")
+        self._leave_off()
+        chosen, T, wanted = self._chosen, self._place.arm.tip, self._wanted
+        how = (chosen.orientations, chosen.density)
+        self._running, self._said = True, "Beginning ..."
+        self._around_eye = True
+        self._mapper.submit("map", lambda: self._compute_map(how, T, wanted))
 
-    def _ask_for_map(self) -> None:
-        def begin() -> None:
-            if not self._on["reach_map"]:
-                raise RobomechError("Turn on the reach map before computing it.")
+    def _cancel_map(self) -> None:
+        if self._running:
             self._leave_off()
-            chosen, T, wanted = self._chosen, self._place.arm.tip, self._wanted
-            how = (chosen.orientations, chosen.density)
-            self._running, self._said = True, "Beginning ..."
-            self._around_eye = True
-            self._mapper.submit("map", lambda: self._compute_map(how, T, wanted))
-
-        self._place.ask((self, "map"), begin)
-
-    def _ask_to_cancel(self) -> None:
-        def cancel() -> None:
-            if self._running:
-                self._leave_off()
-                self._said = "Cancelled."
-
-        self._place.ask((self, "cancel"), cancel)
-
-    def _ask_to_see(self) -> None:
-        self._place.ask((self, "see"), lambda: fit_view(self._place, self._client))
+            self._said = "Cancelled."
 
     def _extent(self) -> Array:
         """Return points (k, 3) in the root around what is shown (m)."""
@@ -225,17 +201,14 @@ class WorkspaceLayer:
 
     # What takes time, on threads of this layer.
 
-    def _find(self) -> None:
-        view, refused = None, ""
+    def _found(self) -> tuple[SectionView | None, str]:
         try:
-            view = section_view(self._place.chain)
+            return section_view(self._place.chain), ""
         except RobomechError as error:
-            refused = why_no_section(self._place.chain, error)
+            return None, why_no_section(self._place.chain, error)
 
-        def known() -> None:
-            self._view, self._refused = view, refused
-
-        self._place.ask((self, "section"), known)
+    def _know(self, found: tuple[SectionView | None, str]) -> None:
+        self._view, self._refused = found
 
     def _compute_map(self, chosen: tuple[str, str], T: Array, wanted: int) -> None:
         def progress(done: int, total: int) -> None:
@@ -255,12 +228,12 @@ class WorkspaceLayer:
     def _tell(
         self, wanted: int, text: str, *, running: bool, found: ReachMap | None = None
     ) -> None:
-        def told() -> None:
-            if wanted == self._wanted:
-                self._said, self._running = text, running
-                self._map = found or self._map
+        self.ask("progress", self._show_progress, wanted, text, running, found)
 
-        self._place.ask((self, "progress"), told)
+    def _show_progress(self, wanted: int, text: str, running: bool, found: ReachMap | None) -> None:
+        if wanted == self._wanted:
+            self._said, self._running = text, running
+            self._map = found or self._map
 
     # What is shown, on the thread of the page.
 
@@ -290,8 +263,7 @@ class WorkspaceLayer:
             self._shown = shown
 
     def _write(self) -> None:
-        folder = self._folder
-        if folder is None or folder.removed:
+        if not self.is_open:
             return
         view, on = self._view, self._on
         section = view if on["boundary"] else None

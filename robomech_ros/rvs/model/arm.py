@@ -19,7 +19,7 @@ from robomech_ros.rvs.model.draggable import (
     SliderRange as SliderRange,
 )
 from robomech_ros.rvs.model.ghosts import Ghosts
-from robomech_ros.rvs.model.postures import PoseStudy, study_pose
+from robomech_ros.rvs.model.postures import study_pose
 from robomech_ros.rvs.model.visual_model import VisualModel
 from robomech_ros.spatial import as_pose
 from robomech_ros.typing import Array
@@ -47,11 +47,13 @@ class ArmView(DraggableRobot):
     """
 
     def __init__(self, chain: SerialChain, q: ArrayLike | None = None) -> None:
-        joints = chain.joint_names
-        super().__init__(chain.name, chain.base, chain.tip, joints, chain.units, joints)
+        joints, ends = chain.joint_names, (chain.base, chain.tip)
+        travels = {name: _travel(chain, joint) for joint, name in enumerate(joints)}
+        super().__init__(chain.name, *ends, travels, chain.units, joints, chain.home())
         self.chain = chain
         self.others: dict[str, float] = {}
-        self._q = chain.home() if q is None else self.checked(q)
+        if q is not None:
+            self._q = self.checked(q)
         self._curve: SelfMotionCurve | None = None
         self._look_around()
 
@@ -59,38 +61,14 @@ class ArmView(DraggableRobot):
         """Be where a robot is (rad or m), at the limits where that is outside."""
         self.move_to(np.clip(q, self.chain.lower, self.chain.upper))
 
-    @property
-    def values(self) -> Array:
-        """Positions of the joints (rad or m)."""
-        return self._q
-
     def positions_of(self, q: Array) -> dict[str, float]:
         """Name the joints of a posture (n,), and those beside the arm."""
         return {**self.others, **super().positions_of(q)}
 
     @property
-    def q(self) -> Array:
-        """Present posture (rad or m), shape (n,)."""
-        return self._q
-
-    @property
-    def study(self) -> PoseStudy:
-        """Study of the pose that the tip has or is dragged to."""
-        return self._study
-
-    @property
     def tip(self) -> Array:
         """Pose of the tip: ``T_base_tip`` (m), shape (4, 4)."""
         return forward_kinematics(self.chain, self._q)
-
-    def travel(self, joint: int) -> SliderRange:
-        """Return between what a joint's slider moves: its limits, or a range about 0."""
-        slides = self.chain.types[joint] == PRISMATIC
-        most = OPEN_SLIDE if slides else OPEN_TURN
-        low, high = float(self.chain.lower[joint]), float(self.chain.upper[joint])
-        low = low if math.isfinite(low) else min(-most, high - most)
-        high = high if math.isfinite(high) else max(most, low + most)
-        return SliderRange(low, high)
 
     def checked(self, q: ArrayLike) -> Array:
         """Check a posture.
@@ -125,10 +103,6 @@ class ArmView(DraggableRobot):
         """Take a posture; raises as :meth:`checked` does."""
         self._q = self.checked(q)
         self._look_around()
-
-    def go_home(self) -> None:
-        """Go to where the arm began."""
-        self.move_to(self.chain.home())
 
     def ghosts(self, seen: VisualModel) -> Ghosts:
         """Return the pieces of ghosts."""
@@ -187,3 +161,11 @@ class ArmView(DraggableRobot):
             return
         name, unit = self.chain.joint_names[joint], self.chain.units[joint]
         raise BadValueError(f"joint '{name}'", value, f"{low:.6g} to {high:.6g} {unit}")
+
+
+def _travel(chain: SerialChain, joint: int) -> SliderRange:
+    """Return the limits of a joint, or a range about 0."""
+    most = OPEN_SLIDE if chain.types[joint] == PRISMATIC else OPEN_TURN
+    low, high = float(chain.lower[joint]), float(chain.upper[joint])
+    low = low if math.isfinite(low) else min(-most, high - most)
+    return SliderRange(low, high if math.isfinite(high) else max(most, low + most))

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple
 
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics import SelfMotionCurve
 from robomech_ros.numerics.arrays import finite_number
+from robomech_ros.robots.robot_kinds import ARM
 from robomech_ros.rvs.model.ghosts import GhostMaker, NoGhosts
 from robomech_ros.rvs.model.postures import PoseStudy
 from robomech_ros.rvs.model.visual_model import VisualModel
@@ -40,42 +41,56 @@ class DraggableRobot(ABC):
         Name of the robot.
     base, end : str
         Link in which poses are, and the link that is dragged.
-    joint_names, units : sequence of str
-        Joints that sliders move, and their units.
+    travels : mapping of str to SliderRange
+        Joints that sliders move, and their ranges.
+    units : sequence of str
+        Of these joints.
     state_joints : sequence of str
         Joints of a posture.
+    home : ndarray, shape (n,)
+        Where it begins (rad or m).
+
+    Attributes
+    ----------
+    kind : str
+        As its document says it; empty of an arm.
+    lists_postures : bool
+        Whether postures are listed, of which one can be taken.
+    slider_noun : str
+        What errors call a slider.
+    room : float
+        Least side of the ground around it (m).
     """
 
-    # Whether postures are listed, of which one can be taken; what errors call a slider.
-    lists_postures, slider_noun = True, "joint"
+    kind: ClassVar[str] = ARM
+    lists_postures, slider_noun, room = True, "joint", 0.0
+    _study: PoseStudy
 
     def __init__(
         self,
         name: str,
         base: str,
         end: str,
-        joint_names: Sequence[str],
+        travels: Mapping[str, SliderRange],
         units: Sequence[str],
         state_joints: Sequence[str],
+        home: Array,
     ) -> None:
         self.name, self.base, self.end = name, base, end
-        self.joint_names, self.units = tuple(joint_names), tuple(units)
+        self.joint_names, self.units = tuple(travels), tuple(units)
         self.state_joints = tuple(state_joints)
+        self._travels = tuple(travels.values())
+        self._q = self._home = home
 
     @property
-    def room(self) -> float:
-        """Least side of the ground around it (m)."""
-        return 0.0
-
-    @property
-    @abstractmethod
     def q(self) -> Array:
         """Present posture, all joints (rad or m)."""
+        return self._q
 
     @property
-    @abstractmethod
     def values(self) -> Array:
         """Positions of the joints that sliders move (rad or m)."""
+        return self._q
 
     @property
     def positions(self) -> dict[str, float]:
@@ -87,9 +102,9 @@ class DraggableRobot(ABC):
         return dict(zip(self.state_joints, q.tolist(), strict=True))
 
     @property
-    @abstractmethod
     def study(self) -> PoseStudy:
         """Study of the pose that the end has or is dragged to."""
+        return self._study
 
     @property
     def target(self) -> Array:
@@ -110,9 +125,9 @@ class DraggableRobot(ABC):
         """Return the options of viser's transform controls: a size (m), handles."""
         return {"scale": scale}
 
-    @abstractmethod
     def travel(self, joint: int) -> SliderRange:
         """Return the range of a slider."""
+        return self._travels[joint]
 
     def checked_slide(self, joint: int, value: float) -> float:
         """Check a value of a slider (rad or m), and round it into its range.
@@ -146,9 +161,9 @@ class DraggableRobot(ABC):
         """Be where a robot is, all joints (rad or m)."""
         self.move_to(q)
 
-    @abstractmethod
     def go_home(self) -> None:
         """Go to where it began."""
+        self.follow(self._home)
 
     @abstractmethod
     def drag(self, T: ArrayLike) -> None:

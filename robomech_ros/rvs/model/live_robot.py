@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from robomech_ros.robots.gripper import GripperModel
 from robomech_ros.rvs.model.jog import HoldHeartbeat
-from robomech_ros.rvs.motion import Motion
 from robomech_ros.typing import Array
 
 
@@ -62,48 +60,10 @@ class ServoNews:
     scale: float
 
 
-class RunningView(Protocol):
-    """Page for any running robot; call methods from any thread, they return soon."""
-
-    def wait_for_viewer(self, seconds: float) -> bool:
-        """Wait until somebody looks, but no longer; return whether somebody does."""
-
-    def show_state(self, text: str) -> None:
-        """Say what is wrong with the state of the robot; empty for nothing."""
-
-    def show_result(self, text: str, *, failed: bool = False) -> None:
-        """Say what came of a request."""
-
-    def show_jog(self, text: str) -> None:
-        """Say why a jog has ended, or does not begin; empty for nothing."""
-
-
-class LiveView(RunningView, Protocol):
-    """Page for a running arm or parallel robot."""
-
-    def show_joints(self, positions: Mapping[str, float]) -> None:
-        """Draw the robot with its joints there (rad or m, by name)."""
-
-    def show_servo(self, news: ServoNews | None) -> None:
-        """Show what the servo says; None if nothing is heard of it."""
-
-    def show_gripper(self, text: str, *, failed: bool = False) -> None:
-        """Say what the gripper does, or why it does not."""
-
-    def show_plan(self, motion: Motion) -> None:
-        """Show a planned motion."""
-
-    def show_markers(self, source: str, markers: Sequence[ViewMarker]) -> None:
-        """Draw the markers of a source, instead of those it had."""
-
-    def show_waiting(self, waiting: bool) -> None:
-        """Say whether plans wait to be executed on request."""
-
-
 class LiveRobot(Protocol):
     """Running robot as a page uses it; methods return at once, and results go to the view."""
 
-    def begin(self, view: LiveView) -> None:
+    def begin(self, view: Any) -> None:
         """Tell this page, from now on."""
 
     def plan(self, q: Array) -> None:

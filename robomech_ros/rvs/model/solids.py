@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from robomech_ros.typing import Array, IntArray
 
@@ -29,65 +30,42 @@ def box(x: float, y: float, z: float) -> Solid:
     """Make a box of these sizes (m) about the origin."""
     signs = np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    return Solid(0.5 * signs * (x, y, z), _triangles(quads))
+    faces = np.array([face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))])
+    return Solid(0.5 * signs * (x, y, z), faces)
 
 
 def cylinder(radius: float, length: float) -> Solid:
     """Make a cylinder along z about the origin (m)."""
-    angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
-    ring = np.column_stack([radius * np.cos(angles), radius * np.sin(angles)])
-    half = np.full((SIDES, 1), 0.5 * length)
-    ends = [[0.0, 0.0, -0.5 * length], [0.0, 0.0, 0.5 * length]]
-    vertices = np.vstack([np.hstack([ring, -half]), np.hstack([ring, half]), ends])
-    here = np.arange(SIDES)
-    there = (here + 1) % SIDES
-    bottom, top = np.full(SIDES, 2 * SIDES), np.full(SIDES, 2 * SIDES + 1)
-    faces = [
-        np.column_stack([here, there, there + SIDES]),
-        np.column_stack([here, there + SIDES, here + SIDES]),
-        np.column_stack([bottom, there, here]),
-        np.column_stack([top, here + SIDES, there + SIDES]),
-    ]
-    return Solid(vertices, np.vstack(faces))
+    ends = (-0.5 * length, 0.5 * length)
+    return _revolved((radius, radius), ends, ends)
 
 
 def cone(radius: float, height: float) -> Solid:
     """Make a cone along z, its tip at the origin and its base at the height (m)."""
-    angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
-    x, y = radius * np.cos(angles), radius * np.sin(angles)
-    ring = np.column_stack([x, y, np.full(SIDES, height)])
-    vertices = np.vstack([ring, [[0.0, 0.0, 0.0], [0.0, 0.0, height]]])
-    here = np.arange(SIDES)
-    there = (here + 1) % SIDES
-    tip, middle = np.full(SIDES, SIDES), np.full(SIDES, SIDES + 1)
-    faces = [np.column_stack([tip, there, here]), np.column_stack([middle, here, there])]
-    return Solid(vertices, np.vstack(faces))
+    return _revolved((radius,), (height,), (0.0, height))
 
 
 def sphere(radius: float) -> Solid:
     """Make a sphere about the origin (m)."""
-    turns = 2.0 * np.pi * np.arange(SIDES) / SIDES
-    heights = np.pi * np.arange(1, RINGS) / RINGS
+    angles = np.pi * np.arange(1, RINGS) / RINGS
+    return _revolved(radius * np.sin(angles), -radius * np.cos(angles), (-radius, radius))
+
+
+def _revolved(radii: ArrayLike, heights: ArrayLike, ends: tuple[float, float]) -> Solid:
+    """Join rings (m) from below to above, closed by a point of the axis at each end."""
+    turns, up = 2.0 * np.pi * np.arange(SIDES) / SIDES, np.ones(SIDES)
     rings = np.stack(
-        [
-            np.outer(np.sin(heights), np.cos(turns)),
-            np.outer(np.sin(heights), np.sin(turns)),
-            np.outer(np.cos(heights), np.ones(SIDES)),
-        ],
+        [np.outer(np.asarray(radii), np.cos(turns)), np.outer(radii, np.sin(turns)), np.outer(np.asarray(heights), up)],
         axis=-1,
     ).reshape(-1, 3)
-    vertices = radius * np.vstack([rings, [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]])
     here = np.arange(SIDES)
     there = (here + 1) % SIDES
-    last = SIDES * (RINGS - 2)
-    north, south = np.full(SIDES, len(rings)), np.full(SIDES, len(rings) + 1)
-    faces = [np.column_stack([north, here, there])]
+    bottom, top = np.full(SIDES, len(rings)), np.full(SIDES, len(rings) + 1)
+    last = len(rings) - SIDES
+    faces = [np.column_stack([bottom, there, here])]
     for first in range(0, last, SIDES):
         a, b = first + here, first + there
-        faces += [np.column_stack([a, a + SIDES, b]), np.column_stack([b, a + SIDES, b + SIDES])]
-    faces.append(np.column_stack([south, last + there, last + here]))
+        faces += [np.column_stack([a, b, b + SIDES]), np.column_stack([a, b + SIDES, a + SIDES])]
+    faces.append(np.column_stack([top, last + here, last + there]))
+    vertices = np.vstack([rings, [[0.0, 0.0, end] for end in ends]])
     return Solid(vertices, np.vstack(faces))
-
-
-def _triangles(quads: list[tuple[int, int, int, int]]) -> IntArray:
-    return np.array([face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from robomech_ros.rvs.page.units import AngleSlider, Units, UnitText
@@ -66,6 +66,18 @@ class Folder:
         """Add a checkbox."""
         box = self._boxes[label] = self._gui.add_checkbox(label, checked, hint=hint)
         return self.listen(box, changed)
+
+    def dropdown(
+        self,
+        label: str,
+        options: Sequence[str],
+        chosen: str,
+        changed: Callable[[Any], None],
+        hint: str | None = None,
+    ) -> Any:
+        """Add a choice between options."""
+        handle = self._gui.add_dropdown(label, options, initial_value=chosen, hint=hint)
+        return self.listen(handle, changed)
 
     def mark(self, label: str, checked: bool) -> None:
         """Mark a checkbox, of which something else was the switch."""

@@ -10,6 +10,7 @@ import numpy as np
 from robomech_ros.rvs.model.ghosts import GhostMaker, Rgb
 from robomech_ros.rvs.model.postures import MOST_POSTURES
 from robomech_ros.rvs.model.solids import cylinder
+from robomech_ros.rvs.page.mesh_nodes import add_batch
 from robomech_ros.typing import Array
 
 OPACITY = 0.45
@@ -50,22 +51,9 @@ class GhostBatch:
 
     def __init__(self, scene: Any, name: str, ghosts: GhostMaker, opacity: float) -> None:
         self._ghosts = ghosts
-        solid = cylinder(1.0, 1.0)
-        self.node = scene.add_batched_meshes_simple(
-            name,
-            solid.vertices,
-            solid.faces,
-            batched_wxyzs=np.array([[1.0, 0.0, 0.0, 0.0]]),
-            batched_positions=np.zeros((1, 3)),
-            batched_scales=np.full((1, 3), 1e-6),
-            batched_colors=np.zeros((1, 3), dtype=np.uint8),
-            opacity=opacity,
-            flat_shading=True,
-            lod="off",
-            cast_shadow=False,
-            receive_shadow=False,
-            visible=False,
-        )
+        look: dict[str, Any] = {"opacity": opacity, "flat_shading": True, "visible": False}
+        scales = np.full((1, 3), 1e-6)
+        self.node = add_batch(scene, name, cylinder(1.0, 1.0), batched_scales=scales, **look)
 
     def place(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> None:
         """Put them into postures (n,) in rad or m, at least one, of these colours."""

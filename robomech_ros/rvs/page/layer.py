@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
+from functools import cached_property, partial
 from typing import Any, NamedTuple, Protocol
 
 from robomech_ros.robots import RobotDescription, SerialChain
@@ -13,8 +14,10 @@ from robomech_ros.rvs.model.plan_view import PlanView
 from robomech_ros.rvs.model.platforms.platform_view import PlatformView
 from robomech_ros.rvs.model.visual_model import VisualModel
 from robomech_ros.rvs.page.clients import Controls
+from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.robot_nodes import RobotNodes
 from robomech_ros.rvs.page.units import Units
+from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.typing import Array
 
 
@@ -140,17 +143,64 @@ class LayerContext:
         return self.arm.chain
 
 
-class Layer(Protocol):
-    """A part of a page; all methods are called on its thread, ``show`` inside one update."""
+class Layer:
+    """A part of a page; all methods are called on its thread, ``show`` inside one update.
+
+    Parameters
+    ----------
+    place : LayerContext
+
+    Attributes
+    ----------
+    label, order, expanded : str, float, bool
+        Name of the layer's folder of controls, its place among the folders, and whether it is open
+        at first.
+    """
+
+    label, order, expanded = "", 0.0, False
+
+    def __init__(self, place: LayerContext) -> None:
+        self._place = place
+        self._folder: Folder | None = None
+        self._table: Any = None
 
     def show(self) -> None:
-        """Follow the arm, which may have moved; cheap where nothing of the layer is shown."""
+        """Follow the robot, which may have moved; cheap if nothing of the layer is shown."""
 
     def controls(self, client: Any) -> Controls:
         """Give the browser that commands (viser.ClientHandle) a folder of controls."""
+        self._folder = folder = Folder(
+            client.gui, self._place.units, self.label, self.order, expanded=self.expanded
+        )
+        with folder:
+            self.fill(folder, client.gui)
+        self.show()
+        return folder
+
+    def fill(self, folder: Folder, gui: Any) -> None:
+        """Add the controls to a folder of a browser (viser.GuiApi)."""
 
     def close(self) -> None:
         """Stop what runs; nodes go with the server."""
+        if "_worker" in vars(self):
+            self._worker.close(wait=False)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether a browser has the folder."""
+        return self._folder is not None and not self._folder.removed
+
+    @cached_property
+    def _worker(self) -> Worker:
+        return Worker()
+
+    def ask(self, kind: Hashable, request: Callable[..., None], *arguments: Any) -> None:
+        """Have a request done on the thread of the page, with these arguments."""
+        self._place.ask((self, kind), partial(request, *arguments))
+
+    def find(self, kind: Hashable, search: Callable[[], Any], take: Callable[[Any], None]) -> None:
+        """Find something on a thread of the layer, and take it on that of the page."""
+        self._worker.submit(kind, lambda: self.ask(kind, take, search()))
 
 
 LayerMaker = Callable[[LayerContext], Layer]

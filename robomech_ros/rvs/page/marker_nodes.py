@@ -9,6 +9,7 @@ import numpy as np
 
 from robomech_ros.rvs.model.live_robot import ViewMarker
 from robomech_ros.rvs.model.solids import Solid, box, cylinder, sphere
+from robomech_ros.rvs.page.mesh_nodes import add_mesh
 from robomech_ros.rvs.page.robot_nodes import placed
 
 
@@ -57,14 +58,5 @@ class MarkerNodes:
             "cylinder": lambda: cylinder(0.5, 1.0),
         }
         solid, alpha = makers[marker.kind](), marker.colour[3]
-        return self._scene.add_mesh_simple(
-            path,
-            solid.vertices * np.asarray(marker.measures),
-            solid.faces,
-            color=colour,
-            opacity=alpha if alpha < 1.0 else None,
-            side="double",
-            cast_shadow=False,
-            receive_shadow=False,
-            **where,
-        )
+        solid = Solid(solid.vertices * np.asarray(marker.measures), solid.faces)
+        return add_mesh(self._scene, path, solid, colour, alpha, side="double", **where)

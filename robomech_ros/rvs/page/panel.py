@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from robomech_ros.rvs.model.draggable import DraggableRobot
+from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.robot_nodes import placed
 from robomech_ros.rvs.page.tables import TAKE, short_name
 from robomech_ros.rvs.page.theme import set_theme
@@ -59,13 +60,18 @@ class Panel:
     ) -> None:
         self._client, self._page, self._units = client, page, units
         self._handles: list[Any] = []
-        self._boxes: dict[str, Any] = {}
         self._held = False
         gui = client.gui
         if arm.lists_postures:
             hint = "Number of a posture; a click on its row or its ghost takes it, too"
             take = gui.add_text(TAKE, "", hint=hint, order=3)
-            self._keep(take, lambda: page.take(take.value))
+            self._handles.append(take)
+
+            @take.on_update
+            async def _(event: Any) -> None:
+                if event.client is not None:
+                    page.take(take.value)
+
         self._sliders = self._add_joints(arm)
         self._self_motion = self._add_self_motion(arm) if arm.self_motion() is not None else None
         self._add_switches(switches)
@@ -82,70 +88,42 @@ class Panel:
         self._listen_to_gizmo()
         self.update(arm, None)
 
-    def _keep(self, handle: Any, changed: Callable[[], None]) -> None:
-        """Keep a control, and have something done when the page changes it."""
-        self._handles.append(handle)
-
-        @handle.on_update
-        async def _(event: Any) -> None:
-            if event.client is not None:
-                changed()
-
     def _add_joints(self, arm: DraggableRobot) -> list[Any]:
-        gui = self._client.gui
         sliders: list[Any] = []
         if not arm.joint_names:
             return sliders
-        folder = gui.add_folder("Joints", order=4)
-        self._handles.append(folder)
+        folder = self._folder("Joints", 4, expanded=True)
         with folder:
             for joint, name in enumerate(arm.joint_names):
                 low, high = arm.travel(joint)
                 unit, value = arm.units[joint], float(arm.values[joint])
                 hint = f"{name}: {low:.4g} to {high:.4g} {unit}"
-                label, ends = short_name(name), (low, high)
-                slider = self._units.slider(gui, label, unit, ends, value, hint)
-                self._keep(slider, partial(self._move, joint, slider))
-                sliders.append(slider)
-            home = gui.add_button("Home")
-
-            @home.on_click
-            async def _(_: Any) -> None:
-                self._page.home()
-
+                label, move = short_name(name), partial(self._page.set_joint, joint)
+                sliders.append(folder.slider(label, unit, (low, high), value, move, hint))
+            folder.button("Home", self._page.home)
         return sliders
 
     def _add_self_motion(self, arm: DraggableRobot) -> Any:
-        gui = self._client.gui
-        folder = gui.add_folder("Self-motion", order=5)
-        self._handles.append(folder)
+        folder = self._folder("Self-motion", 5, expanded=True)
         with folder:
             unit = arm.units[0] if len(set(arm.units)) == 1 else ""
             hint = "Moves the arm while its tip stays: length of the path in joint space, rad or m"
-            slider = self._units.slider(gui, "along it", unit, (-1.0, 1.0), 0.0, hint)
-            self._keep(slider, lambda: self._page.slide(slider.value))
-        return slider
+            return folder.slider("along it", unit, (-1.0, 1.0), 0.0, self._page.slide, hint)
 
     def _add_switches(self, switches: Mapping[str, bool]) -> None:
-        gui = self._client.gui
-        folder = gui.add_folder("Show", order=6, expand_by_default=False)
-        self._handles.append(folder)
+        self._shown = folder = self._folder("Show", 6)
         with folder:
             for what, shown in switches.items():
-                box = gui.add_checkbox(what, shown)
-                self._boxes[what] = box
-                self._keep(box, partial(self._switch, what, box))
+                folder.checkbox(what, shown, partial(self._page.show, what))
 
-    def _move(self, joint: int, slider: Any) -> None:
-        self._page.set_joint(joint, slider.value)
-
-    def _switch(self, what: str, box: Any) -> None:
-        self._page.show(what, box.value)
+    def _folder(self, label: str, order: float, *, expanded: bool = False) -> Folder:
+        folder = Folder(self._client.gui, self._units, label, order, expanded=expanded)
+        self._handles.append(folder)
+        return folder
 
     def switch(self, what: str, shown: bool) -> None:
         """Draw the page dark or light, and mark what is shown."""
-        if self._boxes[what].value != shown:
-            self._boxes[what].value = shown
+        self._shown.mark(what, shown)
         if what == "dark":
             set_theme(self._client.gui, shown)
 

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 from viser._messages import SetOrientationMessage
 
+from robomech_ros.robots.joint import rotation_from_z
 from robomech_ros.rvs.model.solids import cylinder
 from robomech_ros.rvs.model.visual_model import Colour, VisualModel
+from robomech_ros.rvs.page.mesh_nodes import add_mesh
 from robomech_ros.spatial import position_quaternion_from_pose
 from robomech_ros.typing import Array
 
@@ -76,38 +78,18 @@ class RobotNodes:
                 self._axes.append(self._joint_axis(scene, path, moving[link].axis))
 
     def _joint_axis(self, scene: Any, path: str, axis: Array) -> Any:
-        from robomech_ros.robots.joint import rotation_from_z
-
         reach = self._seen.reach
         solid = cylinder(AXIS_RADIUS * reach, AXIS_LENGTH * reach)
-        return scene.add_mesh_simple(
-            f"{path}/axis",
-            solid.vertices,
-            solid.faces,
-            color=AXIS_COLOUR,
-            flat_shading=True,
-            cast_shadow=False,
-            receive_shadow=False,
-            visible=False,
-            **placed(rotation_from_z(axis)),
-        )
+        look: dict[str, Any] = {"flat_shading": True, "visible": False, **placed(rotation_from_z(axis))}
+        return add_mesh(scene, f"{path}/axis", solid, AXIS_COLOUR, **look)
 
     def _add_bodies(self, scene: Any) -> None:
         for number, body in enumerate(self._seen.bodies):
             *colour, alpha = self._tint or body.colour
             shade = tuple(round(255 * part) for part in colour)
-            node = scene.add_mesh_simple(
-                f"{self._paths[body.link]}/body_{number}",
-                body.solid.vertices,
-                body.solid.faces,
-                color=shade,
-                opacity=alpha if alpha < 1.0 else None,
-                flat_shading=True,
-                side="double",
-                cast_shadow=False,
-                receive_shadow=False,
-                **placed(body.pose),
-            )
+            name = f"{self._paths[body.link]}/body_{number}"
+            look: dict[str, Any] = {"flat_shading": True, "side": "double", **placed(body.pose)}
+            node = add_mesh(scene, name, body.solid, shade, alpha, **look)
             self._bodies.append((body.link, node, shade))
 
     def mark(self, links: Iterable[str]) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from robomech_ros.rvs.model.reach_points import ReachPoints
 from robomech_ros.rvs.model.solids import box
 from robomech_ros.rvs.model.workspace_views import SectionView
+from robomech_ros.rvs.page.mesh_nodes import add_batch, add_mesh
 from robomech_ros.rvs.page.robot_nodes import placed
 from robomech_ros.typing import Array
 
@@ -65,16 +66,9 @@ class WorkspaceNodes:
         self._outline = view.space.section.in_base(lines.reshape(-1, 3))
         if solid is not None:
             self._outline = solid.vertices
-            self._surface = self._scene.add_mesh_simple(
-                f"{self._base}/workspace_surface",
-                solid.vertices,
-                solid.faces,
-                color=SURFACE_COLOUR,
-                opacity=OPACITY,
-                side="double",
-                cast_shadow=False,
-                receive_shadow=False,
-            )
+            name = f"{self._base}/workspace_surface"
+            look = {"side": "double"}
+            self._surface = add_mesh(self._scene, name, solid, SURFACE_COLOUR, OPACITY, **look)
 
     def hide_boundary(self) -> None:
         """Show no boundary."""
@@ -96,19 +90,14 @@ class WorkspaceNodes:
         if not len(shown.points):
             return
         side = CUBE * shown.spacing
-        solid = box(side, side, side)
-        count = len(shown.points)
-        self._points = self._scene.add_batched_meshes_simple(
+        self._points = add_batch(
+            self._scene,
             f"{self._base}/reach_map",
-            solid.vertices,
-            solid.faces,
-            batched_wxyzs=np.tile((1.0, 0.0, 0.0, 0.0), (count, 1)).astype(np.float32),
+            box(side, side, side),
+            len(shown.points),
             batched_positions=shown.points.astype(np.float32),
             batched_colors=(DIMMED * shown.colours).astype(np.uint8),
             flat_shading=True,
-            lod="off",
-            cast_shadow=False,
-            receive_shadow=False,
         )
         points = self._cloud = shown.points
 

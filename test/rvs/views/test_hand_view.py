@@ -193,8 +193,8 @@ def test_any_hand_of_the_library_is_seen():
 
 def controls_of(page):
     """The controls of a page of a hand, by their labels."""
-    controls = page._layers[0]._controls
-    handles = [*controls._grasp._handles, *controls._contacts._handles]
+    layer = page._layers[0]
+    handles = [*layer._folder._handles, *layer._contacts._handles]
     return {handle.label: handle for handle in handles if hasattr(handle, "label")}
 
 
@@ -210,7 +210,7 @@ def held():
     with view(HAND, port=0) as page, Client(page).connect() as connection:
         connection.send(msgspec.msgpack.encode(camera()))
         wait_until(lambda: page._audience.commander is not None and page._panel is not None)
-        wait_until(lambda: page._layers[0]._controls is not None)
+        wait_until(lambda: page._layers[0].is_open)
         yield page, connection
 
 
@@ -240,7 +240,7 @@ def test_a_browser_changes_object_contacts_and_load(held):
     assert hand.load.tolist() == [0.0, 0.0, 0.01, 0.5, 0.0, -1.0]
     assert hand.spots[0] == Spot(True, 0.1, -0.2) and not hand.spots[1].touches
     assert hand.reached == (0, 2)
-    table = page._layers[0]._controls._table
+    table = page._layers[0]._table
     wait_until(lambda: "closure" in table.content and "looking" not in table.content)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -21,10 +21,13 @@ from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.rvs.mobile.mobile_robots import MobileRobot
 from robomech_ros.nodes.rvs.poll_thread import PollThread
 from robomech_ros.nodes.rvs.settings import RvsSettings
-from robomech_ros.rvs.model.running.live_mobile_robot import LiveMobileRobotView, Stance
+from robomech_ros.rvs.model.running.live_mobile_robot import Stance
 from robomech_ros.rvs.model.running.observed_robot import on_plane
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.typing import Array
+
+if TYPE_CHECKING:
+    from robomech_ros.rvs.layers.live_mobile_robot import LiveMobileRobotLayer
 
 # How often it is looked whether states are old (s).
 _SELDOM = 0.1
@@ -43,7 +46,7 @@ class MobileRobotFeed(PollThread):
         Owner of the subscriptions.
     mobile_robot : MobileRobot
     settings : RvsSettings
-    view : LiveMobileRobotView
+    view : LiveMobileRobotLayer
     """
 
     def __init__(
@@ -51,7 +54,7 @@ class MobileRobotFeed(PollThread):
         node: Node,
         mobile_robot: MobileRobot,
         settings: RvsSettings,
-        view: LiveMobileRobotView,
+        view: LiveMobileRobotLayer,
     ) -> None:
         super().__init__(view, settings.rate, node.get_logger())
         self._view, self._settings = view, settings

@@ -1,7 +1,9 @@
 """A robot of a page that runs over the ground: it is jogged by twists, and stopped by one."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from geometry_msgs.msg import Pose, TwistStamped
@@ -15,9 +17,11 @@ from robomech_ros.nodes.rvs.mobile.mobile_robot_feed import MobileRobotFeed
 from robomech_ros.nodes.rvs.mobile.mobile_robots import MobileRobot
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.rvs.model.jog import HoldHeartbeat, JogDirection
-from robomech_ros.rvs.model.running.live_mobile_robot import LiveMobileRobotView
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw
 from robomech_ros.spatial.poses import assembled
+
+if TYPE_CHECKING:
+    from robomech_ros.rvs.layers.live_mobile_robot import LiveMobileRobotLayer
 
 _DEPTH = 10
 _Jog = tuple[JogDirection, float]
@@ -43,7 +47,7 @@ class RunningMobileRobot:
             self._poses = node.create_publisher(Pose, "body_pose", _DEPTH)
             self._gaits = node.create_publisher(String, f"{mobile_robot.node}/gait", _DEPTH)
 
-    def begin(self, view: LiveMobileRobotView) -> None:
+    def begin(self, view: LiveMobileRobotLayer) -> None:
         """Tell this page, from now on."""
         self._view = view
         self._feed = MobileRobotFeed(self._node, self._mover, self._settings, view)

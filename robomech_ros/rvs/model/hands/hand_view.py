@@ -79,6 +79,7 @@ class HandView(TreeView):
         The fingers that touch the object.
     """
 
+    kind = "hand"
     lists_postures = True
 
     def __init__(self, hand: Hand) -> None:
@@ -92,7 +93,7 @@ class HandView(TreeView):
         travels = dict(zip(OBJECT_JOINTS, (slide, slide, slide, turn, half, turn), strict=True))
         super().__init__(tree, travels, OBJECT)
         q = np.concatenate([finger.midrange() for finger in hand.fingers])
-        self._at.update(self._named(q))
+        super().place(self._named(q))
         tips = np.array(
             [
                 forward_kinematics(finger, part)[:3, 3]
@@ -101,7 +102,7 @@ class HandView(TreeView):
         )
         middle, begin = tips.mean(axis=0), bases.mean(axis=0)
         centre = begin + OUT * (middle - begin)
-        self._at.update(dict(zip(OBJECT_JOINTS, centre.tolist(), strict=False)))
+        super().place(dict(zip(OBJECT_JOINTS, centre.tolist(), strict=False)))
         self.spots = _spots(tips - middle)
         self.model, self.friction = "point", FRICTION
         self.load = np.array([0.0, 0.0, 0.0, 0.0, 0.0, -WEIGHT])
@@ -116,7 +117,7 @@ class HandView(TreeView):
                 break
         low, high = (float(f"{part * self.held.size:.2g}") for part in (SMALLEST, LARGEST))
         self.sizes = (low, high)
-        self._home = dict(self._at)
+        self._home = self._q
 
     @property
     def state(self) -> Hashable:

@@ -2,63 +2,98 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Protocol
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import ClassVar
 
+import numpy as np
+
+from robomech_ros.robots import RobotDescription
+from robomech_ros.rolling.arcs import moved
+from robomech_ros.rvs.model.draggable import SliderRange
+from robomech_ros.rvs.model.kinds.trail import Trail, on_ground
+from robomech_ros.rvs.model.kinds.tree_view import TreeView
 from robomech_ros.typing import Array
+
+# For how long the way ahead is drawn (s), in so many pieces.
+AHEAD, PIECES = 3.0, 60
 
 # Of a twist: its name, its unit, and its place in [w, vx, vy].
 AXES = (("turn", "rad/s", 0), ("forward", "m/s", 1), ("sideways", "m/s", 2))
 
 
-class MobileRobotView(Protocol):
+class MobileRobotView(TreeView):
     """A robot that goes on in periods; not for several threads at a time.
 
     Attributes
     ----------
-    kind, verb : str
-        Of what kind it is, and what it does: drive, or walk.
+    verb : str
+        What it does: drive, or walk.
     period : float
         s.
     command : ndarray, shape (3,)
         The twist [w, vx, vy] that it is to have (rad/s, m/s).
+    most : ndarray, shape (3,)
+        Greatest velocities that sliders ask for (rad/s, m/s); 0 for none.
+    moved_joint : int or None
+        Number of the slider that moved it last, which is not set back meanwhile.
     """
 
-    kind: ClassVar[str]
     verb: ClassVar[str]
-    period: ClassVar[float]
-    command: Array
+    period: float
+    most: Array
+    moved_joint: int | None = None
+
+    def __init__(
+        self, description: RobotDescription, travels: Mapping[str, SliderRange], end: str
+    ) -> None:
+        super().__init__(description, travels, end)
+        self.command = np.zeros(3)
+        self._trail = Trail()
 
     @property
-    def most(self) -> Array:
-        """Greatest velocities that sliders ask for, shape (3,) (rad/s, m/s); 0 for none."""
+    @abstractmethod
+    def pose(self) -> Array:
+        """Present x, y (m) and heading (rad), shape (3,)."""
 
     @property
+    @abstractmethod
+    def allowed_twist(self) -> Array:
+        """The part of the command that limits leave, shape (3,) (rad/s, m/s)."""
+
+    @property
+    @abstractmethod
     def stands(self) -> bool:
         """Whether it does not move, and is on no way."""
 
-    @property
-    def moved_joint(self) -> int | None:
-        """Number of the slider that moved it last, which is not set back meanwhile."""
-
+    @abstractmethod
     def drive(self, steps: int, *, brake: bool = False) -> None:
         """Follow the command for some periods within all limits, or stop within them."""
 
+    @abstractmethod
     def preview(self) -> None:
-        """Say what becomes of the command."""
+        """Say what becomes of the command, and mark what limits it."""
+
+    @abstractmethod
+    def facts(self) -> list[tuple[str, str]]:
+        """Write how it moves, for people."""
 
     def path_ahead(self) -> Array:
-        """Return the way that the command goes from here, shape (m, 3) (m)."""
+        """Return the way that the command goes from here, within limits, shape (m, 3) (m)."""
+        twist, pose = self.allowed_twist, self.pose
+        if not twist.any():
+            return np.empty((0, 3))
+        times = np.linspace(0.0, AHEAD, PIECES + 1)
+        return on_ground(np.array([moved(pose, twist * time) for time in times]))
 
     @property
     def trail(self) -> Array:
         """Past positions, shape (m, 3) (m)."""
+        return self._trail.points
 
     def forget(self) -> None:
         """Begin a new trail."""
-
-    def facts(self) -> list[tuple[str, str]]:
-        """Write how it moves, for people."""
+        self._trail.clear()
 
 
 def twist_facts(twist: Array, most: Sequence[float] | Array) -> list[tuple[str, str]]:

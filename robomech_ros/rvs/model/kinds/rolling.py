@@ -5,23 +5,19 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
-from typing import ClassVar
 
 import numpy as np
 
 from robomech_ros.rolling import CommandLimiter, rolling_robot
-from robomech_ros.rolling.arcs import moved
 from robomech_ros.rolling.library import RollingRobot
 from robomech_ros.rolling.simulated import SimulatedBase
 from robomech_ros.rolling.tree import BASE_JOINTS, rolling_description
 from robomech_ros.rvs.model.draggable import SliderRange
-from robomech_ros.rvs.model.kinds.mobile_robot import twist_facts
-from robomech_ros.rvs.model.kinds.trail import Trail, on_ground
-from robomech_ros.rvs.model.kinds.tree_view import TreeView
+from robomech_ros.rvs.model.kinds.mobile_robot import MobileRobotView, twist_facts
 from robomech_ros.typing import Array
 
-# Of the steps of the simulation (s), and for how long the way ahead is drawn, in so many pieces.
-PERIOD, AHEAD, PIECES = 0.02, 3.0, 60
+# Of the steps of the simulation (s).
+PERIOD = 0.02
 # Between what the sliders of x and y move it (m); the greatest velocity where there is no limit.
 FAR, OPEN = 5.0, 2.0
 # How many times larger its gizmo is, that it is seen beside the platform.
@@ -30,7 +26,7 @@ GIZMO = 3.0
 ROOM = 4.0
 
 
-class BaseView(TreeView):
+class BaseView(MobileRobotView):
     """A rolling robot with its present place; not for several threads at a time.
 
     Parameters
@@ -38,10 +34,7 @@ class BaseView(TreeView):
     robot : RollingRobot
     """
 
-    kind: ClassVar[str] = "rolling"
-    verb: ClassVar[str] = "drive"
-    period: ClassVar[float] = PERIOD
-    moved_joint = None
+    kind, verb, period = "rolling", "drive", PERIOD
 
     def __init__(self, robot: RollingRobot) -> None:
         self.robot = robot
@@ -52,25 +45,15 @@ class BaseView(TreeView):
         )
         self.limiter = CommandLimiter(robot.base, robot.limits, PERIOD)
         self.motion = self.limiter.at_rest()
-        self.command = np.zeros(3)
         self._simulated = SimulatedBase(robot, dynamic=False, wheel_position=0.0)
-        self._trail = Trail()
-        self.preview()
-
-    @property
-    def room(self) -> float:
-        """Side of the square in which it is seen to drive (m)."""
-        places = np.array([wheel.position for wheel in self.robot.base.wheels])
-        return ROOM * float(np.ptp(places, axis=0).max())
-
-    @property
-    def most(self) -> Array:
-        """Greatest velocities that sliders ask for, shape (3,) (rad/s, m/s); 0 for none."""
-        limits = self.robot.limits.velocity
+        places = np.array([wheel.position for wheel in robot.base.wheels])
+        self.room = ROOM * float(np.ptp(places, axis=0).max())
+        limits = robot.limits.velocity
         assert limits is not None
-        most = np.where(np.isfinite(limits), limits, OPEN)
-        most[2] = most[2] if self.robot.base.axle is None else 0.0
-        return most
+        self.most = np.where(np.isfinite(limits), limits, OPEN)
+        if robot.base.axle is not None:
+            self.most[2] = 0.0
+        self.preview()
 
     @property
     def pose(self) -> Array:
@@ -124,22 +107,10 @@ class BaseView(TreeView):
         wheels = [f"{name}_link" for name in self.robot.base.names if name in limited]
         self.tell(text, wheels)
 
-    def path_ahead(self) -> Array:
-        """Return the way that the command goes from here, within limits, shape (m, 3) (m)."""
-        twist, _ = self.limiter.allowed(self.command)
-        if not twist.any():
-            return np.empty((0, 3))
-        times = np.linspace(0.0, AHEAD, PIECES + 1)
-        return on_ground(np.array([moved(self.pose, twist * time) for time in times]))
-
-    def forget(self) -> None:
-        """Begin a new trail."""
-        self._trail.clear()
-
     @property
-    def trail(self) -> Array:
-        """Past positions of the base, shape (m, 3) (m)."""
-        return self._trail.points
+    def allowed_twist(self) -> Array:
+        """The part of the command within limits, shape (3,) (rad/s, m/s)."""
+        return self.limiter.allowed(self.command)[0]
 
     def facts(self) -> list[tuple[str, str]]:
         """Write twist, wheels and steering as they are, for people."""

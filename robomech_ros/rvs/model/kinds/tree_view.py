@@ -34,40 +34,34 @@ class TreeView(DraggableRobot):
         self, description: RobotDescription, travels: Mapping[str, SliderRange], end: str
     ) -> None:
         self.description = description
-        self._travels = dict(travels)
         unit_of = {
             joint.name: "m" if joint.type == "prismatic" else "rad" for joint in description.joints
         }
+        home, joints = description.joint_positions(description.home), description.joint_names
         super().__init__(
             description.name,
             description.root,
             end,
-            tuple(travels),
+            travels,
             [unit_of[name] for name in travels],
-            description.joint_names,
+            joints,
+            np.array([home[name] for name in joints], dtype=np.float64),
         )
-        at = description.joint_positions(description.home)
-        self._at = {name: float(at[name]) for name in self.state_joints}
-        self._home = dict(self._at)
+        self._number = {name: k for k, name in enumerate(joints)}
         self._text, self._refused = "", False
         self._faulty: tuple[str, ...] = ()
 
     lists_postures = False
 
     @property
-    def q(self) -> Array:
-        """All joints (rad or m), shape (n,)."""
-        return np.array([self._at[name] for name in self.state_joints])
-
-    @property
     def values(self) -> Array:
         """Positions of the joints with sliders (rad or m)."""
-        return np.array([self._at[name] for name in self._travels])
+        return self._q[[self._number[name] for name in self.joint_names]]
 
     @property
     def tip(self) -> Array:
         """Pose of the dragged link (m), shape (4, 4)."""
-        return np.asarray(self.description.link_poses(self._at)[self.end])
+        return np.asarray(self.description.link_poses(self.positions)[self.end])
 
     @property
     def target(self) -> Array:
@@ -91,11 +85,9 @@ class TreeView(DraggableRobot):
 
     def place(self, positions: Mapping[str, float]) -> None:
         """Put joints where they are (rad or m); the others stay."""
-        self._at.update({name: float(value) for name, value in positions.items()})
-
-    def travel(self, joint: int) -> SliderRange:
-        """Return between what a slider moves."""
-        return self._travels[self.joint_names[joint]]
+        self._q = self._q.copy()
+        for name, value in positions.items():
+            self._q[self._number[name]] = value
 
     def set_joint(self, joint: int, value: float) -> None:
         """Move one joint; see ``DraggableRobot``."""
@@ -104,10 +96,6 @@ class TreeView(DraggableRobot):
     def move_to(self, q: ArrayLike) -> None:
         """Take a posture (n,) (rad or m)."""
         self.place(self.positions_of(np.array(q, dtype=np.float64)))
-
-    def go_home(self) -> None:
-        """Go to where it began."""
-        self.place(self._home)
 
     def drag(self, T: ArrayLike) -> None:
         """Bring the link to a pose (4, 4), as far as it can, in the root (m).

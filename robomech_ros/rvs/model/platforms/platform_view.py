@@ -40,6 +40,8 @@ class PlatformView(DraggableRobot):
     robot : StewartGough, Delta, Planar3RPR, Planar3RRR, Spherical3RRR or Mechanism
     """
 
+    kind, slider_noun = "parallel", "drive"
+
     def __init__(self, robot: ParallelRobot | Mechanism) -> None:
         self.robot, self.mechanism = robot, robot.mechanism
         mechanism = robot.mechanism
@@ -47,25 +49,17 @@ class PlatformView(DraggableRobot):
             mechanism.name,
             mechanism.base_link,
             mechanism.platform_link,
-            mechanism.actuated,
+            _travels(mechanism, mechanism.home()),
             [mechanism.units[k] for k in mechanism.drive_index],
             mechanism.joint_names,
+            mechanism.home(),
         )
-        self._q = self.mechanism.home()
-        self._home = self._q
         twists = np.abs(self.mechanism.twist_matrix(self._q)).max(axis=1)
         self._motions = tuple(np.flatnonzero(twists > NOTHING * twists.max()).tolist())
         self._list: PlatformList | None = None
-        self._study = self._at_rest()
+        self._study: PoseStudy = self._at_rest()
         # The limb that ended the last drag, from 0; None where none did.
         self._faulty: int | None = None
-
-    slider_noun = "drive"
-
-    @property
-    def q(self) -> Array:
-        """All joints (rad or m), shape (n,)."""
-        return self._q
 
     def follow(self, q: Array) -> None:
         """Be where a robot is (rad or m)."""
@@ -75,11 +69,6 @@ class PlatformView(DraggableRobot):
     def values(self) -> Array:
         """Positions of the drives (rad or m)."""
         return np.asarray(self._q[self.mechanism.drive_index])
-
-    @property
-    def study(self) -> PoseStudy:
-        """Study of the pose that the platform has or is dragged to."""
-        return self._study
 
     @property
     def tip(self) -> Array:
@@ -104,16 +93,6 @@ class PlatformView(DraggableRobot):
             return {"scale": scale, "active_axes": (True, True, False)}
         return {"scale": scale, "disable_rotations": not turns}
 
-    def travel(self, joint: int) -> SliderRange:
-        """Return between what a drive's slider moves: its limits, or a range about its home."""
-        index = int(self.mechanism.drive_index[joint])
-        low, high = (float(row[index]) for row in (self.mechanism.lower, self.mechanism.upper))
-        middle, most = 0.0, OPEN_TURN
-        if self.mechanism.types[index] == PRISMATIC:
-            middle, most = float(self._home[index]), OPEN_SIZES * self.mechanism.size
-        low = low if math.isfinite(low) else middle - most
-        return SliderRange(low, high if math.isfinite(high) else middle + most)
-
     def set_joint(self, joint: int, value: float) -> None:
         """Move one drive, the assembly mode stays; see ``DraggableRobot``."""
         drives, what = self.values, f"drive '{self.joint_names[joint]}'"
@@ -136,10 +115,6 @@ class PlatformView(DraggableRobot):
         given = np.array(q, dtype=np.float64)
         self._check_inside(given)
         self._go(given)
-
-    def go_home(self) -> None:
-        """Go to where the robot began."""
-        self._go(self._home)
 
     def drag(self, T: ArrayLike) -> None:
         """Bring the platform to a pose, as near to the present posture as its limbs can.
@@ -235,3 +210,16 @@ class PlatformView(DraggableRobot):
             )
             joint = f"joint '{mechanism.joint_names[worst]}'"
             raise BadValueError(joint, float(q[worst]), expected)
+
+
+def _travels(mechanism: Mechanism, home: Array) -> dict[str, SliderRange]:
+    """Return the limits of each drive, or a range about its home."""
+    travels = {}
+    for name, index in zip(mechanism.actuated, mechanism.drive_index.tolist(), strict=True):
+        low, high = (float(row[index]) for row in (mechanism.lower, mechanism.upper))
+        middle, most = 0.0, OPEN_TURN
+        if mechanism.types[index] == PRISMATIC:
+            middle, most = float(home[index]), OPEN_SIZES * mechanism.size
+        low = low if math.isfinite(low) else middle - most
+        travels[name] = SliderRange(low, high if math.isfinite(high) else middle + most)
+    return travels

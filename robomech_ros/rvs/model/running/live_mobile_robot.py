@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from robomech_ros.rvs.model.jog import HoldHeartbeat
-from robomech_ros.rvs.model.live_robot import RunningView
-from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from robomech_ros.rvs.model.walking.support import Support
@@ -36,23 +34,10 @@ class Stance:
     gait: str
 
 
-class LiveMobileRobotView(RunningView, Protocol):
-    """Page for a running mobile robot."""
-
-    def show_pose(self, positions: Mapping[str, float], place: Array) -> None:
-        """Draw the robot with its joints there (rad or m), at x, y (m) and heading (rad)."""
-
-    def show_stance(self, stance: Stance) -> None:
-        """Draw on which feet it stands, and say how safely."""
-
-    def show_condition(self, text: str, links: Sequence[str], *, warns: bool) -> None:
-        """Say how it is, or warn of what limits it, and mark links."""
-
-
 class LiveMobileRobot(Protocol):
     """Running mobile robot as a page uses it; methods return at once, results go to the view."""
 
-    def begin(self, view: LiveMobileRobotView) -> None:
+    def begin(self, view: Any) -> None:
         """Tell this page, from now on."""
 
     def stop(self) -> None:

@@ -108,13 +108,8 @@ class ObservedRobot(TreeView):
         self.verb, self.ways, self.gaits = verb, tuple(ways), tuple(gaits)
         self.shifts = tuple(shifts)
         self.joints, self.placed = tuple(joints), placed
-        self._room = room
+        self.room = room
         self.trail = Trail()
-
-    @property
-    def room(self) -> float:
-        """Side of the square in which it is seen to move (m)."""
-        return self._room
 
     def hear(self, positions: Mapping[str, float], place: ArrayLike) -> None:
         """Be where the robot is.

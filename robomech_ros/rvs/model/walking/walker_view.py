@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.outcomes import Code
-from robomech_ros.rolling.arcs import moved
 from robomech_ros.rvs.model.draggable import SliderRange
-from robomech_ros.rvs.model.kinds.mobile_robot import twist_facts
-from robomech_ros.rvs.model.kinds.trail import Trail, on_ground
-from robomech_ros.rvs.model.kinds.tree_view import TreeView
+from robomech_ros.rvs.model.kinds.mobile_robot import MobileRobotView, twist_facts
 from robomech_ros.rvs.model.walking.placed_tree import BODY_JOINTS, placed_tree, placing
 from robomech_ros.rvs.model.walking.support import Support
 from robomech_ros.spatial import as_pose
@@ -24,8 +20,6 @@ from robomech_ros.walking import GAITS, LeggedRobot, Walker, WalkUpdate, load_le
 
 # In this time (s) the trunk takes a pose, unless a joint would be too fast: it follows the mouse.
 HOP = 0.05
-# For how long (s) the way ahead is drawn, in so many pieces.
-AHEAD, PIECES = 3.0, 60
 # Between what sliders move the trunk: in its height, and rad.
 SIDE, TILT = 0.6, 0.6
 # What sliders ask for, in the speed at which feet come to the ends of their circles.
@@ -36,7 +30,7 @@ REST = 1e-9
 ROOM, GIZMO = 4.0, 2.0
 
 
-class WalkerView(TreeView):
+class WalkerView(MobileRobotView):
     """A walking machine with its present posture and place; not for several threads at a time.
 
     Parameters
@@ -56,8 +50,7 @@ class WalkerView(TreeView):
         One of its links or joints has the name of one that places it.
     """
 
-    kind: ClassVar[str] = "walking"
-    verb: ClassVar[str] = "walk"
+    kind, verb = "walking", "walk"
 
     def __init__(self, robot: LeggedRobot) -> None:
         self.robot, self._walker = robot, Walker(robot)
@@ -70,37 +63,22 @@ class WalkerView(TreeView):
             {name: SliderRange(-most, most) for name, most in travels.items()},
             robot.trunk,
         )
-        self.command = np.zeros(3)
-        self.moved_joint: int | None = None
+        self.period = self._walker.period
+        self.room = ROOM * float(np.ptp(self._update.feet[:, :2], axis=0).max())
         self._wanted = np.zeros(len(BODY_JOINTS))
         self._on_its_way = False
         self._speeds = _speeds(robot)
         speed = FASTER * max(self._speeds.values())
         away = float(np.linalg.norm(robot.feet(robot.home)[:, :2], axis=1).max())
-        self._most = np.round([speed / away, speed, speed], 2)
-        self._trail, self._chosen = Trail(), self._walker.gait
+        self.most = np.round([speed / away, speed, speed], 2)
+        self._chosen = self._walker.gait
         self._refusal, self._refusing = "", ""
         self._show(self._update)
-
-    @property
-    def period(self) -> float:
-        """Period of the walk (s)."""
-        return self._walker.period
-
-    @property
-    def room(self) -> float:
-        """Side of the square in which it is seen to walk (m)."""
-        return ROOM * float(np.ptp(self._update.feet[:, :2], axis=0).max())
 
     @property
     def values(self) -> Array:
         """The pose that the trunk is to take beside the level one (m, rad)."""
         return self._wanted.copy()
-
-    @property
-    def most(self) -> Array:
-        """Greatest velocities that sliders ask for, shape (3,) (rad/s, m/s)."""
-        return self._most
 
     @property
     def gaits(self) -> tuple[str, ...]:
@@ -215,22 +193,15 @@ class WalkerView(TreeView):
             f"nearest is the edge from {first} to {second}."
         )
 
-    def path_ahead(self) -> Array:
-        """Return the way that the command goes from here, shape (m, 3) (m)."""
-        if not self.command.any():
-            return np.empty((0, 3))
-        twist = self.command * self._update.part
-        times = np.linspace(0.0, AHEAD, PIECES + 1)
-        return on_ground(np.array([moved(self._update.base, twist * time) for time in times]))
+    @property
+    def pose(self) -> Array:
+        """Present x, y (m) and heading (rad), shape (3,)."""
+        return self._update.base
 
     @property
-    def trail(self) -> Array:
-        """Past positions, shape (m, 3) (m)."""
-        return self._trail.points
-
-    def forget(self) -> None:
-        """Begin a new trail."""
-        self._trail.clear()
+    def allowed_twist(self) -> Array:
+        """The part of the command that legs and joints can do, shape (3,) (rad/s, m/s)."""
+        return self.command * self._update.part
 
     def facts(self) -> list[tuple[str, str]]:
         """Write twist and part of the command, for people."""

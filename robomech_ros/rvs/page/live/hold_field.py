@@ -7,17 +7,24 @@ from collections.abc import Callable
 from typing import Any
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.rvs.model.jog import HoldHeartbeat, read_beat
+
+# Parts of the greatest jogging speed.
+SLOWEST, AT_FIRST = 0.05, 0.5
 
 
 class HoldField:
-    """A text field of one browser, which is not seen: a pad of buttons writes into it.
+    """A slider of the speed, and a hidden text field that a pad of buttons writes into.
 
     Parameters
     ----------
     gui : viser.GuiApi
         Of the browser.
+    joints : int
+        How many joints there are buttons for.
     hold : callable
-        Goes on with what the text says; raises a BadValueError where it says nothing.
+        Goes on with a HoldHeartbeat at a part of the greatest jogging speed; raises a BadValueError
+        where that cannot be.
     let_go : callable
         Ends what is held.
     refuse : callable
@@ -34,12 +41,15 @@ class HoldField:
     def __init__(
         self,
         gui: Any,
-        hold: Callable[[str], None],
+        joints: int,
+        hold: Callable[[HoldHeartbeat, float], None],
         let_go: Callable[[], None],
         refuse: Callable[[BadValueError], None],
     ) -> None:
-        self._hold, self._let_go, self._refuse = hold, let_go, refuse
+        self._joints, self._hold, self._let_go, self._refuse = joints, hold, let_go, refuse
         self.gone, self._holding = False, threading.Lock()
+        hint = "Part of the greatest jogging speed, a parameter of the node"
+        self._speed = gui.add_slider("speed", SLOWEST, 1.0, 0.05, AT_FIRST, hint=hint)
         self.handle = gui.add_text("jog", "")
 
         # On the server's own thread: no other request of the page may delay the end of a jog.
@@ -63,7 +73,10 @@ class HoldField:
                 self._let_go()
                 return
             try:
-                self._hold(text)
+                beat, speed = read_beat(text, self._joints), self._speed.value
+                if not SLOWEST <= speed <= 1.0:
+                    raise BadValueError("speed", speed, f"{SLOWEST:g} to 1")
+                self._hold(beat, speed)
             except BadValueError as error:
                 self._let_go()
                 self._refuse(error)

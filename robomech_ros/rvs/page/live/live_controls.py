@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from robomech_ros.errors import BadValueError
 from robomech_ros.robots import SerialChain
-from robomech_ros.rvs.model.jog import read_beat
+from robomech_ros.rvs.model.jog import HoldHeartbeat
 from robomech_ros.rvs.model.live_robot import LiveRobot
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.live.hold_field import HoldField
@@ -18,8 +17,6 @@ from robomech_ros.spatial.arrays import as_choice
 # Label of the buttons about the goal, and what they do.
 GOAL = "Goal"
 PLAN, EXECUTE, TO_ROBOT = "Plan", "Execute", "To robot"
-# Parts of the greatest jogging speed.
-SLOWEST, AT_FIRST = 0.05, 0.5
 # Whose axes the tip is jogged along and about.
 FRAMES = ("base", "tip")
 
@@ -62,7 +59,6 @@ class LiveControls:
         gui = client.gui
         self._add_goal(gui)
         if chain is not None:
-            self._joints = chain.n
             self._add_jog(gui, chain)
         folder = Folder(gui, units, "ROS", 50)
         self._handles.append(folder)
@@ -96,20 +92,15 @@ class LiveControls:
         folder = gui.add_folder("Jog", order=3.5, expand_by_default=False)
         self._handles.append(folder)
         with folder:
-            hint = "Part of the greatest jogging speed, a parameter of the node"
-            self._speed = gui.add_slider("speed", SLOWEST, 1.0, 0.05, AT_FIRST, hint=hint)
             hint = "Axes along and about which the tip is jogged"
+            let_go, refuse = self._robot.let_go, self._layer.refuse
+            self._pad = HoldField(gui, chain.n, self._hold, let_go, refuse)
             self._frame = gui.add_dropdown("axes of", FRAMES, hint=hint)
-            self._pad = HoldField(gui, self._hold, self._robot.let_go, self._layer.refuse)
             names = [short_name(name) for name in chain.joint_names]
             gui.add_html(jog_pad(self._pad.identifier, names))
 
-    def _hold(self, text: str) -> None:
+    def _hold(self, beat: HoldHeartbeat, speed: float) -> None:
         """Go on with a jog."""
-        beat = read_beat(text, self._joints)
-        speed = self._speed.value
-        if not SLOWEST <= speed <= 1.0:
-            raise BadValueError("speed", speed, f"{SLOWEST:g} to 1")
         self._robot.hold(beat, as_choice("axes", self._frame.value, FRAMES), speed)
 
     def show_waiting(self, waiting: bool) -> None:

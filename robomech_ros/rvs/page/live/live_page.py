@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.rvs.page.layer import LayerContext
+from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.tables import STYLE, WARN
 from robomech_ros.rvs.page.units import Units
 
@@ -42,7 +42,7 @@ class StatusLines:
             self._html.content = f'<div style="{STYLE}" data-live>{rows}</div>' if rows else ""
 
 
-class LivePage:
+class LivePage(Layer):
     """Common part of the pages of all running robots.
 
     Parameters
@@ -58,7 +58,8 @@ class LivePage:
     def __init__(
         self, place: LayerContext, robot: Any, lines: Sequence[str], stop_hint: str
     ) -> None:
-        self._place, self._running = place, robot
+        super().__init__(place)
+        self._running = robot
         # The controls of the browser that commands.
         self._controls: Any = None
         self._somebody, self._clients = threading.Event(), set[int]()

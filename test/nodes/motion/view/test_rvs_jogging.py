@@ -69,7 +69,7 @@ def test_a_button_moves_the_tip_while_it_is_held(jogged):
 
 def test_a_joint_is_jogged_to_its_limit_and_no_further(jogged):
     browser, robot = jogged
-    browser.set(browser.layer._controls._speed, 1.0)
+    browser.set(browser.layer._controls._pad._speed, 1.0)
     upper = robot.chain.upper[4]
     hold_until(browser, "joint 4 +", lambda: robot.position[4] > upper - 0.05)
     hold_until(browser, "joint 4 +", lambda: robot.names[4] in browser.said("servo"))
@@ -121,8 +121,8 @@ def test_wild_jogs_are_refused(jogged, text):
     controls = browser.layer._controls
     # A slider takes what can be read as a number.
     for field, value, right, word in (
-        (controls._speed, 1e300, 0.5, "speed is 1e+300"),
-        (controls._speed, "nan", 0.5, "speed is nan"),
+        (controls._pad._speed, 1e300, 0.5, "speed is 1e+300"),
+        (controls._pad._speed, "nan", 0.5, "speed is nan"),
         (controls._frame, "sideways", "base", "axes is 'sideways'"),
     ):
         browser.set(field, value)
