@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from robomech_ros.errors import WrongSizeError
-from robomech_ros.plotting.pictures import new_figure
+from robomech_ros.plotting.pictures import new_figure, save
 from robomech_ros.typing import Array, BoolArray
 
 _WIDTH, _HEIGHT = 11.0, 6.6
@@ -76,11 +76,8 @@ def plot_calibration(
     axes[1, 0].legend(
         loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False, fontsize=8
     )
-    figure.suptitle(title)
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path)
-    return path
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    return save(figure, path, title=title)
 
 
 def _draw_progress(

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from robomech_ros.errors import WrongSizeError
-from robomech_ros.plotting.pictures import new_figure
+from robomech_ros.plotting.pictures import new_figure, save
 from robomech_ros.typing import Array
 
 _WIDTH, _HEIGHT, _REST = 5.2, 4.6, 0.6
@@ -76,7 +76,4 @@ def plot_paths(
     axes[0].plot([], [], color="tab:orange", linewidth=1.2, label="heading")
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False, fontsize=8)
-    figure.suptitle(title)
-    path = Path(path)
-    figure.savefig(path)
-    return path
+    return save(figure, path, title=title)

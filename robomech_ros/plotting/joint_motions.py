@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.plotting.pictures import new_figure
+from robomech_ros.plotting.pictures import new_figure, save
 from robomech_ros.typing import Array
 
 # Width of a picture, and height of one diagram and of the rest, in inches.
@@ -73,12 +73,9 @@ def plot_motion(
         ax.set_ylabel(f"{_LABELS[i]} ({units})")
     _draw_marks(axes, marks)
     axes[-1].set_xlabel("time (s)")
-    figure.suptitle(title)
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right upper", frameon=False)
-    path = Path(path)
-    figure.savefig(path)
-    return path
+    return save(figure, path, title=title)
 
 
 def _draw_curves(

@@ -8,7 +8,7 @@ import numpy as np
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics import ReachMap
 from robomech_ros.numerics.arrays import real_number
-from robomech_ros.plotting.pictures import new_figure
+from robomech_ros.plotting.pictures import new_figure, save
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.typing import Array
 
@@ -73,9 +73,8 @@ def plot_map(
     for picture, (normal, layer) in zip(pictures, layers, strict=True):
         image = _draw_slice(picture, reach, values, normal, layer)
     figure.colorbar(image, ax=pictures, label=label)
-    figure.suptitle(f"{reach.robot.name}, {reach.robot.tip}" if title is None else title)
-    figure.savefig(path)
-    return Path(path)
+    known = f"{reach.robot.name}, {reach.robot.tip}" if title is None else title
+    return save(figure, path, title=known)
 
 
 def _draw_slice(picture: Any, reach: ReachMap, values: Array, normal: int, layer: int) -> Any:

@@ -1,5 +1,6 @@
 """Basis of all plots: matplotlib, if it is installed, and a new figure."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from robomech_ros.errors import RobomechError
@@ -38,3 +39,10 @@ def new_figure(width: float, height: float, **options: Any) -> "Figure":
         raise PlottingUnavailableError from None
     settings: dict[str, Any] = {"dpi": _DPI, "layout": "constrained"} | options
     return Figure(figsize=(width, height), **settings)
+
+
+def save(figure: "Figure", path: str | Path, *, title: str = "") -> Path:
+    """Write a figure with its title to a file; gives the file."""
+    figure.suptitle(title)
+    figure.savefig(path)
+    return Path(path)

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import ConvexHull
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
@@ -240,7 +241,8 @@ class _Painter:
 
     def _drum(self, near: Array, far: Array, face: str, order: int) -> None:
         near, far = self._view.flat(near), self._view.flat(far)
-        hull = _hull(np.concatenate((near, far)))
+        points = np.concatenate((near, far))
+        hull = points[ConvexHull(points).vertices]
         self._ax.fill(*hull.T, facecolor="#5b616b", edgecolor=_DARK, linewidth=0.8, zorder=order)
         style = {"facecolor": face, "edgecolor": _DARK, "linewidth": 0.6}
         self._ax.fill(*near.T, zorder=order + 1, **style)
@@ -267,24 +269,6 @@ def _circle(center: Array, axis: Array, radius: float, around: int = 40) -> Arra
         np.cos(angles)[:, None] * side + np.sin(angles)[:, None] * np.cross(axis, side)
     )
     return circle
-
-
-def _hull(points: Array) -> Array:
-    """Convex hull of points of a plane, shape (k, 2), counter-clockwise (Andrew's algorithm)."""
-
-    def half(ordered: Any) -> list[Any]:
-        chain: list[Any] = []
-        for x, y in ordered:
-            while len(chain) > 1:
-                (ax, ay), (bx, by) = chain[-2:]
-                if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
-                    break
-                chain.pop()
-            chain.append((x, y))
-        return chain[:-1]
-
-    ordered = sorted(map(tuple, points.tolist()))
-    return np.array(half(ordered) + half(reversed(ordered)))
 
 
 def _caption(ax: Any, number: int, q: Array, chain: SerialChain) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from robomech_ros.errors import WrongSizeError
-from robomech_ros.plotting.pictures import new_figure
+from robomech_ros.plotting.pictures import new_figure, save
 from robomech_ros.typing import Array
 
 _WIDTH, _HEIGHT = 12.0, 5.4
@@ -79,7 +79,4 @@ def plot_walk(
     over_time.margins(x=0.01)
     over_time.grid(visible=True, color="0.92")
     over_time.legend(frameon=False, fontsize=8)
-    figure.suptitle(title)
-    path = Path(path)
-    figure.savefig(path)
-    return path
+    return save(figure, path, title=title)

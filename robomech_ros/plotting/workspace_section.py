@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from robomech_ros.kinetostatics import Workspace
-from robomech_ros.plotting.pictures import new_figure
+from robomech_ros.plotting.pictures import new_figure, save
 from robomech_ros.typing import Array
 
 # Points of the grid on which postures are counted for the colours, per metre of the larger side.
@@ -59,10 +59,7 @@ def plot_workspace(path: str | Path, space: Workspace, *, title: str = "") -> Pa
     ax.set_xlabel(f"{space.coordinates[0]} (m)")
     ax.set_ylabel(f"{space.coordinates[1]} (m)")
     figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=8)
-    figure.suptitle(title)
-    path = Path(path)
-    figure.savefig(path)
-    return path
+    return save(figure, path, title=title)
 
 
 def _corners(space: Workspace) -> tuple[Array, Array]:

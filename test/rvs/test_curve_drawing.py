@@ -10,9 +10,9 @@ from robomech_ros.robots import load_robot
 from robomech_ros.rvs.model.curve_drawing import BOTTOM, LEFT, SIDE, TOP, Mark, draw_curves
 from robomech_ros.rvs.model.curve_problems import (
     Axis,
-    EquationsProblem,
-    PostureProblem,
+    equations_problem,
     minor_names,
+    posture_problem,
     what_is_missing,
 )
 
@@ -52,7 +52,7 @@ def test_curves_marks_and_steps():
 def test_postures_are_found_by_pointing(name, pair):
     chain = load_robot(name)
     T = forward_kinematics(chain, np.random.default_rng(3).uniform(-2.0, 2.0, 6))
-    problem = PostureProblem(chain, T, pair)
+    problem = posture_problem(chain, T, pair)
     solutions = inverse_kinematics(chain, T, respect_limits=False).q
     for q in solutions:
         found = problem.refine((q[3:5] + 1e-4 + np.pi) % (2.0 * np.pi) - np.pi)
@@ -67,12 +67,12 @@ def test_postures_are_found_by_pointing(name, pair):
 
 def test_equations_that_are_left_over_tell_roots():
     axes = (Axis("x", "", -3.0, 3.0), Axis("y", "", -3.0, 3.0))
-    problem = EquationsProblem(
+    problem = equations_problem(
         lambda x, y: [x - 1.0, x + y - 3.0, y**2 - 1.0, y - 2.0], axes, (0, 2), 4
     )
     spurious = problem.refine([1.1, 0.9])
     assert not spurious.is_root and spurious.left_over > 0.1
-    root = EquationsProblem(lambda x, y: [x - 1.0, x + y - 3.0, y - 2.0], axes, (0, 2), 3)
+    root = equations_problem(lambda x, y: [x - 1.0, x + y - 3.0, y - 2.0], axes, (0, 2), 3)
     assert root.refine([1.1, 1.9]).is_root
 
 

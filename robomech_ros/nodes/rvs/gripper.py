@@ -63,7 +63,7 @@ class GripperClient:
         with self._lock:
             self._number += 1
             number, self.moves = self._number, True
-        self._soon(lambda: self._send(number, value))
+        soon(self._node, lambda: self._send(number, value))
 
     def stop(self) -> None:
         """Slow down and hold."""
@@ -71,13 +71,7 @@ class GripperClient:
             self._number += 1
             handle, self._handle, self.moves = self._handle, None, False
         if handle is not None:
-            self._soon(handle.cancel_goal_async)
-
-    def _soon(self, what: Callable[[], object]) -> None:
-        """Have something done on the thread that serves the node."""
-        executor = self._node.executor
-        if executor is not None:
-            executor.create_task(what)
+            soon(self._node, handle.cancel_goal_async)
 
     def _send(self, number: int, value: float) -> None:
         # Of several values that wait, the latest counts.
@@ -118,3 +112,9 @@ class GripperClient:
                 return
             self._handle, self.moves = None, False
         self._view.show_gripper(text, failed=failed)
+
+
+def soon(node: Node, what: Callable[[], object]) -> None:
+    """Have something done on the thread that serves a node."""
+    if node.executor is not None:
+        node.executor.create_task(what)

@@ -2,50 +2,52 @@
 
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
+from rclpy.node import Node
+
+from robomech_ros.nodes.rvs.poll_thread import PollThread
 from robomech_ros.rvs.model.jog import HoldHeartbeat, JogSwitch
 
 Held = TypeVar("Held")
 
 
-class JogThread(Generic[Held]):
+class JogThread(ABC, Generic[Held]):
     """Sends commands from a thread of its own, which nothing else delays.
 
     What ends a press, and in how much time, is in :mod:`robomech_ros.rvs.model.jog`.
 
     Parameters
     ----------
+    node : Node
     silence : float
         After so long (s) without a word of the page nothing is held.
     period : float
         How often it commands (s).
-    send : callable
-        Sends the command for what is held, and whether to move; or to stand.
-    missing : callable
-        Says why that cannot be followed now; empty for nothing.
     complain : callable
         Told why a jog ends that is held, or does not begin; an empty text when one begins.
-    logger : rclpy.impl.rcutils_logger.RcutilsLogger
     """
 
     def __init__(
-        self,
-        silence: float,
-        period: float,
-        send: Callable[[Held, bool], None],
-        missing: Callable[[Held], str],
-        complain: Callable[[str], None],
-        logger: Any,
+        self, node: Node, silence: float, period: float, complain: Callable[[str], None]
     ) -> None:
-        self._period, self._send, self._missing = period, send, missing
-        self._complain, self._logger = complain, logger
+        self._clock, self._logger = node.get_clock(), node.get_logger()
+        self._period, self._complain = period, complain
         self._switch = JogSwitch[Held](silence, time.monotonic)
         self._thread = threading.Thread(target=self._run, name="jog", daemon=True)
         self._thread.start()
 
-    def hold(self, what: Held, beat: HoldHeartbeat) -> None:
+    @abstractmethod
+    def send(self, what: Held, moves: bool) -> None:
+        """Send the command for what is held, and whether to move; or to stand."""
+
+    @abstractmethod
+    def missing(self, what: Held) -> str:
+        """Say why that cannot be followed now; empty for nothing."""
+
+    def press(self, what: Held, beat: HoldHeartbeat) -> None:
         """Go on with a press, or begin one."""
         self._switch.hold(what, beat.press, beat.age)
 
@@ -77,14 +79,40 @@ class JogThread(Generic[Held]):
         """Command what is held, and then to stand."""
         last: Held | None = None
         while (jog := self._switch.held()) is not None:
-            missing = self._missing(jog)
+            missing = self.missing(jog)
             if missing or last is None:
                 self._complain(missing)
             if missing:
                 self._switch.release()
                 break
-            self._send(jog, True)
+            self.send(jog, True)
             last = jog
             time.sleep(self._period)
         if last is not None:
-            self._send(last, False)
+            self.send(last, False)
+
+
+class JoggedRobot:
+    """A running robot of a page: what it says goes to a view, and buttons of that jog it."""
+
+    _feed: PollThread
+    _jogger: JogThread
+
+    @property
+    def condition(self) -> str:
+        """What is wrong with the state of the robot; empty for nothing."""
+        return self._feed.condition
+
+    @property
+    def jogs(self) -> bool:
+        """Whether a jog button is held."""
+        return self._jogger.held
+
+    def let_go(self) -> None:
+        """End the jog."""
+        self._jogger.let_go()
+
+    def close(self) -> None:
+        """End what was begun; the topics go with the node."""
+        self._jogger.close()
+        self._feed.close()

@@ -28,7 +28,7 @@ class _Jog(NamedTuple):
     speed: float
 
 
-class Jogger:
+class Jogger(JogThread[_Jog]):
     """Sends commands to the servo from a thread of its own, which nothing else delays.
 
     Parameters
@@ -52,48 +52,29 @@ class Jogger:
         servo_is_silent: Callable[[], bool],
         complain: Callable[[str], None],
     ) -> None:
-        self._clock, self._model, self._settings = node.get_clock(), model, settings
+        super().__init__(node, settings.jog_timeout, _PERIOD, complain)
+        self._model, self._settings = model, settings
         self._servo_is_silent = servo_is_silent
         servo = settings.servo
         self._twists = node.create_publisher(TwistStamped, f"{servo}/delta_twist_cmds", 10)
         self._joints = node.create_publisher(JointState, f"{servo}/joint_velocity_cmds", 10)
-        self._held = JogThread[_Jog](
-            settings.jog_timeout,
-            _PERIOD,
-            self._send,
-            lambda jog: self._missing(jog.direction),
-            complain,
-            node.get_logger(),
-        )
 
     def hold(self, beat: HoldHeartbeat, frame: str, speed: float) -> None:
         """Go on with a press, or begin one; see ``LiveRobot``."""
-        self._held.hold(_Jog(beat.direction, frame, speed), beat)
+        self.press(_Jog(beat.direction, frame, speed), beat)
 
-    def let_go(self) -> None:
-        """End the press."""
-        self._held.let_go()
-
-    @property
-    def held(self) -> bool:
-        """Whether a button is held."""
-        return self._held.held
-
-    def close(self) -> None:
-        """End what is held, and the thread."""
-        self._held.close()
-
-    def _missing(self, direction: JogDirection) -> str:
+    def missing(self, what: _Jog) -> str:
         """Say what is missing of the servo; empty for nothing."""
-        publisher = self._joints if direction.kind == "joint" else self._twists
+        publisher = self._joints if what.direction.kind == "joint" else self._twists
         if not publisher.get_subscription_count():
             return f"No servo listens on '{publisher.topic_name}'."
         if self._servo_is_silent():
             return f"'{self._settings.servo}' has said nothing for some time: no jog."
         return ""
 
-    def _send(self, jog: _Jog, moves: bool) -> None:
-        jog = jog if moves else jog._replace(speed=0.0)
+    def send(self, what: _Jog, moves: bool) -> None:
+        """Command the servo."""
+        jog = what if moves else what._replace(speed=0.0)
         given, stamp, direction = self._settings, self._clock.now().to_msg(), jog.direction
         linear = jog.speed * given.jog_linear_speed
         if direction.kind == "joint":

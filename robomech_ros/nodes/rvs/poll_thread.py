@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
+from rclpy.node import Node
+
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
+from robomech_ros.nodes.rvs.settings import RvsSettings
 
 if TYPE_CHECKING:
     from robomech_ros.rvs.page.live.live_page import LivePage
 
-# How often it is looked whether somebody looks (s).
-_IDLE = 0.2
+# How often it is looked whether somebody looks, and whether states are old (s).
+_IDLE, _SELDOM = 0.2, 0.1
+# Messages that wait at the most; the latest counts.
+_DEPTH = 10
 
 
 class PollThread(ABC):
@@ -21,11 +30,13 @@ class PollThread(ABC):
 
     Parameters
     ----------
-    view : object
+    node : Node
+        Owner of the subscriptions.
+    settings : RvsSettings
+    view : LivePage
         Says by ``wait_for_viewer`` whether somebody looks.
-    rate : float
-        Looks per second.
-    logger : rclpy logger
+    joints : sequence of str
+        Those that say where the robot is.
 
     Attributes
     ----------
@@ -33,15 +44,17 @@ class PollThread(ABC):
         What is wrong with what the robot says; empty for nothing, or if nobody looks.
     """
 
-    def __init__(self, view: LivePage, rate: float, logger: Any) -> None:
-        self._seen, self._period, self._log = view, 1.0 / rate, ThrottledLog(logger)
+    def __init__(
+        self, node: Node, settings: RvsSettings, view: LivePage, joints: Sequence[str]
+    ) -> None:
+        self._page, self._settings, self._joints = view, settings, joints
+        self._period, self._log = 1.0 / settings.rate, ThrottledLog(node.get_logger())
         self.condition = ""
+        self._monitor = JointStateMonitor(node)
+        self._topic = node.resolve_topic_name("joint_states")
+        self._heard, self._heard_at, self._looked_at = 0, -math.inf, -math.inf
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="states", daemon=True)
-
-    def begin(self) -> None:
-        """Start the thread."""
-        self._thread.start()
 
     def close(self) -> None:
         """End the thread."""
@@ -49,18 +62,32 @@ class PollThread(ABC):
         self._thread.join()
 
     @abstractmethod
-    def look(self, now: float) -> None:
+    def show(self, now: float) -> None:
         """Read what has come and show it, at a time of the monotonic clock (s)."""
+
+    @abstractmethod
+    def fault(self, now: float) -> str:
+        """Read what comes seldom, and say what is wrong with the state of the robot."""
+
+    def _look(self, now: float) -> None:
+        heard = self._monitor.update_count(self._joints)
+        if heard > self._heard:
+            self._heard, self._heard_at = heard, now
+        self.show(now)
+        if now - self._looked_at >= _SELDOM:
+            self._looked_at = now
+            self.condition = self.fault(now)
+            self._page.show_state(self.condition)
 
     def _run(self) -> None:
         due = time.monotonic()
         while not self._closing.is_set():
-            if not self._seen.wait_for_viewer(_IDLE):
+            if not self._page.wait_for_viewer(_IDLE):
                 self.condition = ""
                 continue
             now = time.monotonic()
             try:
-                self.look(now)
+                self._look(now)
             except Exception as error:
                 # The thread goes on: it also says that states are old.
                 self.condition = f"The robot cannot be shown: {error!r}."
@@ -68,3 +95,10 @@ class PollThread(ABC):
             # What was missed is not made up for.
             due = max(due + self._period, now)
             self._closing.wait(max(due - time.monotonic(), 0.0))
+
+
+def polled(node: Node, kind: type, topic: str, depth: int = _DEPTH) -> Inbox:
+    """Subscribe to messages that a thread takes by hand."""
+    inbox = Inbox(node, kind, topic, depth, lambda: None)
+    inbox.attend(False)
+    return inbox

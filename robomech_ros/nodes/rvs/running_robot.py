@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rclpy.node import Node
@@ -14,7 +13,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
-from robomech_ros.nodes.rvs.gripper import GripperClient
+from robomech_ros.nodes.rvs.gripper import GripperClient, soon
+from robomech_ros.nodes.rvs.jog_thread import JoggedRobot
 from robomech_ros.nodes.rvs.jogging import Jogger
 from robomech_ros.nodes.rvs.messages import motion_from_trajectory, read_marker
 from robomech_ros.nodes.rvs.motions import Motions
@@ -33,7 +33,7 @@ _MOST_MARKERS, _MOST_POINTS = 1000, 100_000
 _PLANS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
-class RunningRobot:
+class RunningRobot(JoggedRobot):
     """Carries out what a page asks for, see ``LiveRobot``, and tells it what is heard.
 
     Parameters
@@ -44,6 +44,9 @@ class RunningRobot:
         The robot.
     settings : RvsSettings
     """
+
+    _feed: StateFeed
+    _jogger: Jogger
 
     def __init__(self, node: Node, model: RobotModel, settings: RvsSettings) -> None:
         self._node, self._model, self._settings = node, model, settings
@@ -62,16 +65,6 @@ class RunningRobot:
         self._jogger = Jogger(node, model, settings, lambda: feed.servo_is_silent, view.show_jog)
         topic = f"{settings.planner}/planned_trajectory"
         node.create_subscription(JointTrajectory, topic, self._take_plan, _PLANS)
-
-    @property
-    def condition(self) -> str:
-        """Problem of the joint states; empty if there is none."""
-        return self._feed.condition
-
-    @property
-    def jogs(self) -> bool:
-        """Whether a jog button is held."""
-        return self._jogger.held
 
     def plan(self, q: Array) -> None:
         """Plan a motion from where the robot is to a posture (n,) (rad or m)."""
@@ -107,31 +100,16 @@ class RunningRobot:
 
     def want_markers(self, wanted: bool) -> None:
         """Listen to markers, or not."""
-        self._soon(lambda: self._listen(wanted))
+        soon(self._node, lambda: self._listen(wanted))
 
     def hold(self, beat: HoldHeartbeat, frame: str, speed: float) -> None:
         """Jog while this is said again and again; see ``LiveRobot``."""
         self._jogger.hold(beat, frame, speed)
 
-    def let_go(self) -> None:
-        """End the jog."""
-        self._jogger.let_go()
-
     def look(self) -> None:
         """Look from time to time whether all is as it was."""
         if self._view.wait_for_viewer(0.0):
             self._motions.look()
-
-    def close(self) -> None:
-        """End what was begun; the topics go with the node."""
-        self._jogger.close()
-        self._feed.close()
-
-    def _soon(self, what: Callable[[], None]) -> None:
-        """Have something done on the thread that serves the node."""
-        executor = self._node.executor
-        if executor is not None:
-            executor.create_task(what)
 
     def _take_plan(self, trajectory: JointTrajectory) -> None:
         try:

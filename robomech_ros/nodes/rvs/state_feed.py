@@ -10,11 +10,9 @@ from rclpy.node import Node
 
 from robomech_interfaces.msg import ServoStatus
 from robomech_ros.nodes.common.error_codes import NoStateError
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.rvs.messages import servo_news
-from robomech_ros.nodes.rvs.poll_thread import PollThread
+from robomech_ros.nodes.rvs.poll_thread import PollThread, polled
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.servo.status import status_topic
 from robomech_ros.rvs.model.live_robot import ServoNews
@@ -22,12 +20,8 @@ from robomech_ros.rvs.model.live_robot import ServoNews
 if TYPE_CHECKING:
     from robomech_ros.rvs.layers.live import LiveLayer
 
-# How often it is looked what states and servo say (s).
-_SELDOM = 0.1
 # At rest the servo speaks once a second.
 _SERVO_GONE = 3.0
-# Statuses that wait at the most; the latest counts.
-_DEPTH = 10
 
 
 class StateFeed(PollThread):
@@ -51,21 +45,15 @@ class StateFeed(PollThread):
     def __init__(
         self, node: Node, model: RobotModel, settings: RvsSettings, view: LiveLayer
     ) -> None:
-        super().__init__(view, settings.rate, node.get_logger())
-        self._view, self._settings = view, settings
         # Of a parallel robot it takes all joints to say where it is.
         moved = model.chain if model.mechanism is None else model.mechanism
-        self._chain, self._joints = moved.joint_names, model.joint_names
-        self._monitor = JointStateMonitor(node)
-        self._topic = node.resolve_topic_name("joint_states")
-        topic = status_topic(node, settings.servo)
-        self._inbox = Inbox(node, ServoStatus, topic, _DEPTH, lambda: None)
-        self._inbox.attend(False)
+        super().__init__(node, settings, view, moved.joint_names)
+        self._view, self._all_joints = view, model.joint_names
+        self._inbox = polled(node, ServoStatus, status_topic(node, settings.servo))
         self.positions: dict[str, float] = {}
-        self._heard, self._heard_at = 0, -math.inf
         self._servo: ServoNews | None = None
-        self._servo_at, self._looked_at = -math.inf, -math.inf
-        self.begin()
+        self._servo_at = -math.inf
+        self._thread.start()
 
     @property
     def servo_is_silent(self) -> bool:
@@ -76,21 +64,15 @@ class StateFeed(PollThread):
     def _since_servo(self) -> float:
         return time.monotonic() - self._servo_at
 
-    def look(self, now: float) -> None:
-        """Show what has come, and say what is wrong with it."""
-        self.positions = self._monitor.known_positions(self._joints)
-        heard = self._monitor.update_count(self._chain)
-        if heard > self._heard:
-            self._heard, self._heard_at = heard, now
+    def show(self, now: float) -> None:
+        """Show where the joints are."""
+        self.positions = self._monitor.known_positions(self._all_joints)
+        if self._heard_at == now:
             self._view.show_joints(self.positions)
-        if now - self._looked_at >= _SELDOM:
-            self._looked_at = now
-            self.condition = self._fault(now)
-            self._view.show_state(self.condition)
-            self._hear_servo(now)
 
-    def _fault(self, now: float) -> str:
-        """Say what is wrong with the joint states."""
+    def fault(self, now: float) -> str:
+        """Show what the servo says, and say what is wrong with the joint states."""
+        self._hear_servo(now)
         age = now - self._heard_at
         if age <= self._settings.state_timeout:
             return ""
@@ -99,7 +81,7 @@ class StateFeed(PollThread):
                 f"No joint states on '{self._topic}' for {age:.0f} s: the robot may be elsewhere."
             )
         try:
-            self._monitor.require(self._chain)
+            self._monitor.require(self._joints)
         except NoStateError as error:
             return f"{str(error)[:1].upper()}{str(error)[1:]}."
         return ""

@@ -13,8 +13,8 @@ from robomech_ros.rvs.model.curve_problems import (
     JOINTS,
     CurveProblem,
     Finding,
-    PostureProblem,
     minor_names,
+    posture_problem,
     what_is_missing,
 )
 from robomech_ros.rvs.model.ghosts import PALETTE
@@ -112,7 +112,7 @@ class ContoursLayer(Layer):
     def problem(self, pair: tuple[int, int]) -> CurveProblem | None:
         """Return the contours of the pose; None where they have been switched off."""
         T = self._target
-        return None if T is None else PostureProblem(self._place.chain, T, pair)
+        return None if T is None else posture_problem(self._place.chain, T, pair)
 
     def disc(self, found: Finding) -> tuple[str, str]:
         """Return the number and the colour of a posture in the table, none outside the limits."""

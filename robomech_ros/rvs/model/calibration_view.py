@@ -25,6 +25,8 @@ NO_DISTANCE = 0.2
 FLAT = 0.02
 RED, GREEN, BLUE = (0.85, 0.15, 0.15, 1.0), (0.1, 0.6, 0.2, 1.0), (0.15, 0.35, 0.9, 1.0)
 SENSOR, ELLIPSOID, TARGET = (0.1, 0.45, 0.85, 1.0), (0.95, 0.55, 0.1, 0.45), (0.3, 0.3, 0.35, 0.8)
+TEXT: Rgba = (0.1, 0.1, 0.1, 1.0)
+NO_POINTS = np.empty((0, 3))
 UNSOLVED: Rgba = (0.5, 0.5, 0.5, 1.0)
 # From the colour of a residual as the noise makes it to that of one three times as large.
 GOOD, POOR, MOST = (0.1, 0.6, 0.25), (0.95, 0.65, 0.1), 3.0
@@ -131,7 +133,9 @@ def calibration_markers(
     place = np.eye(4)
     place[:3, :3], place[:3, 3] = axes, result.sensor[:3, 3]
     drawn = factor * np.maximum(half_axes, FLAT * max(float(half_axes[0]), 1e-9))
+    x, y, z = (2.0 * drawn).tolist()
     plate = PLATE * distance
+    sizes = (plate, plate, 0.02 * plate)
     frustum = _frustum(result.sensor, tracking, DEPTH * distance, parent)
     corner = np.eye(4)
     corner[:3, 3] = frustum.points[1]
@@ -139,9 +143,9 @@ def calibration_markers(
     return [
         *_samples(result.robot_poses, colours, distance, base),
         *_axes("target_axes", other, result.target[None], 0.6 * plate, 0.02 * plate),
-        _body("target", other, "box", result.target, (plate, plate, 0.02 * plate), TARGET),
+        ViewMarker("target", other, "box", result.target, sizes, NO_POINTS, TARGET),
         frustum,
-        _body("uncertainty", parent, "sphere", place, _triple(2.0 * drawn), ELLIPSOID),
+        ViewMarker("uncertainty", parent, "sphere", place, (x, y, z), NO_POINTS, ELLIPSOID),
         _text("uncertainty_label", parent, corner, label, AXES * distance),
     ]
 
@@ -197,7 +201,9 @@ def _samples(robot: Array, colours: list[Rgba], distance: float, base: str) -> l
     markers = _axes("samples", base, robot, length, 0.06 * length)
     for number, (T, colour) in enumerate(zip(robot, colours, strict=True)):
         width = (0.8 if colour == RED else 0.4) * length
-        markers.append(_body(f"sample_{number}", base, "sphere", T, (width,) * 3, colour))
+        name = f"sample_{number}"
+        sizes = (width, width, width)
+        markers.append(ViewMarker(name, base, "sphere", T, sizes, NO_POINTS, colour))
         if colour == RED:
             markers.append(_text(f"left_out_{number}", base, T, f"{number}: left out", length))
     return markers
@@ -234,17 +240,5 @@ def _lines(name: str, link: str, points: Array, width: float, colour: Rgba) -> V
     return ViewMarker(name, link, "lines", np.eye(4), (width, 0.0, 0.0), points, colour)
 
 
-def _body(
-    name: str, link: str, kind: str, T: Array, sizes: tuple[float, float, float], colour: Rgba
-) -> ViewMarker:
-    return ViewMarker(name, link, kind, T, sizes, np.empty((0, 3)), colour)
-
-
 def _text(name: str, link: str, T: Array, text: str, height: float) -> ViewMarker:
-    sizes = (0.0, 0.0, height)
-    return ViewMarker(name, link, "text", T, sizes, np.empty((0, 3)), (0.1, 0.1, 0.1, 1.0), text)
-
-
-def _triple(values: Array) -> tuple[float, float, float]:
-    x, y, z = values.tolist()
-    return x, y, z
+    return ViewMarker(name, link, "text", T, (0.0, 0.0, height), NO_POINTS, TEXT, text)

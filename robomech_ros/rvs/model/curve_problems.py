@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -61,115 +61,85 @@ class Finding:
     q: Array | None = None
 
 
-class CurveProblem(Protocol):
-    """Two curves, and what is known of where they cross."""
+class CurveProblem:
+    """Two curves, and what is known of where they cross.
 
-    @property
-    def axes(self) -> tuple[Axis, Axis]:
-        """The two unknowns."""
+    Parameters
+    ----------
+    axes : tuple of Axis
+        The two unknowns.
+    others : int
+        How many equations are left over.
+    source : PostureContours or CurvePair
+        Makes the curves, and refines their crossings.
+    """
 
-    @property
-    def others(self) -> int:
-        """How many equations are left over."""
+    def __init__(
+        self, axes: tuple[Axis, Axis], others: int, source: PostureContours | CurvePair
+    ) -> None:
+        self.axes, self.others, self._source = axes, others, source
 
     def curves(self) -> tuple[tuple[Array, ...], ...]:
         """Return the two curves, each in pieces of connected points (k, 2)."""
+        return self._source.curves()
 
     def refine(self, estimate: ArrayLike) -> Finding:
         """Refine an estimate (2,); raises what ``CurvePair.refine`` does."""
+        return _finding(self._source.refine(estimate))
 
     def all(self) -> list[Finding]:
         """Find all crossings."""
+        return [_finding(each) for each in self._source.all()]
 
 
-class PostureProblem:
-    """The postures of an arm of six revolute joints at a pose, over joints 4 and 5.
+def posture_problem(chain: SerialChain, T: Array, pair: tuple[int, int]) -> CurveProblem:
+    """Draw the postures of an arm of six revolute joints at a pose, over joints 4 and 5.
 
     Parameters
     ----------
     chain : SerialChain
+        As :func:`what_is_missing` says nothing of.
     T : ndarray, shape (4, 4)
-        ``T_base_tip`` (m).
+        Of the tip in the base (m).
     pair : tuple of int
-        Numbers of two of ``minor_names()``.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As :class:`~robomech_ros.kinematics.oracles.PostureContours` does.
+        Which two equations, counted in :func:`minor_names`.
     """
-
-    def __init__(self, chain: SerialChain, T: Array, pair: tuple[int, int]) -> None:
-        self._contours = PostureContours(chain, T, pair=[MINORS[k] for k in pair])
-        names = [chain.joint_names[joint] for joint in JOINTS]
-        first, second = (Axis(name, "rad", -np.pi, np.pi) for name in names)
-        self.axes = (first, second)
-        self.others = len(MINORS) - 2
-
-    def curves(self) -> tuple[tuple[Array, ...], ...]:
-        """Return the contours."""
-        return self._contours.curves()
-
-    def refine(self, estimate: ArrayLike) -> Finding:
-        """Refine an estimate of joints 4 and 5 (rad)."""
-        return _posture(self._contours.refine(estimate))
-
-    def all(self) -> list[Finding]:
-        """Find all crossings."""
-        return [_posture(each) for each in self._contours.all()]
+    first, second = (Axis(chain.joint_names[joint], "rad", -np.pi, np.pi) for joint in JOINTS)
+    contours = PostureContours(chain, T, pair=[MINORS[k] for k in pair])
+    return CurveProblem((first, second), len(MINORS) - 2, contours)
 
 
-class EquationsProblem:
-    """Any two equations in two unknowns, and those that are left over.
+def equations_problem(
+    equations: Equations,
+    axes: tuple[Axis, Axis],
+    pair: tuple[int, int],
+    count: int,
+    period: float | None = None,
+) -> CurveProblem:
+    """Draw two of several equations in two unknowns.
 
     Parameters
     ----------
     equations : callable
-        As in :func:`~robomech_ros.numerics.bivariate`.
-    axes : tuple of two Axis
+        As for :class:`~robomech_ros.numerics.CurvePair`, all of them.
+    axes : tuple of Axis
     pair : tuple of int
-        Numbers of the two equations, from 0.
+        The two that are drawn.
     count : int
-        How many equations there are.
+        How many there are.
     period : float, optional
-        With which all of them repeat.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As :class:`~robomech_ros.numerics.CurvePair` does.
+        Of both unknowns.
     """
+    rest = [k for k in range(count) if k not in pair]
 
-    def __init__(
-        self,
-        equations: Equations,
-        axes: tuple[Axis, Axis],
-        pair: tuple[int, int],
-        count: int,
-        period: float | None = None,
-    ) -> None:
-        rest = [k for k in range(count) if k not in pair]
-        self.axes, self.others = axes, len(rest)
+    def part(chosen: Sequence[int]) -> Equations:
+        return lambda x, y: np.asarray(equations(x, y), float)[list(chosen)]
 
-        def part(chosen: Sequence[int]) -> Equations:
-            return lambda x, y: np.asarray(equations(x, y), float)[list(chosen)]
-
-        bounds = [(axis.low, axis.high) for axis in axes]
-        self._pair = CurvePair(
-            part(pair), bounds, others=part(rest) if rest else None, period=period
-        )
-
-    def curves(self) -> tuple[tuple[Array, ...], ...]:
-        """Return the curves."""
-        return self._pair.curves()
-
-    def refine(self, estimate: ArrayLike) -> Finding:
-        """Refine an estimate."""
-        return _root(self._pair.refine(estimate))
-
-    def all(self) -> list[Finding]:
-        """Find all crossings."""
-        return [_root(each) for each in self._pair.all()]
+    bounds = [(axis.low, axis.high) for axis in axes]
+    others = part(rest) if rest else None
+    return CurveProblem(
+        axes, len(rest), CurvePair(part(pair), bounds, others=others, period=period)
+    )
 
 
 def minor_names() -> tuple[str, ...]:
@@ -192,14 +162,12 @@ def what_is_missing(chain: SerialChain) -> str:
     return f"Contours are drawn for arms of six revolute joints; {why}."
 
 
-def _posture(found: Crossing) -> Finding:
+def _finding(found: Crossing | CurveCrossing) -> Finding:
+    if isinstance(found, CurveCrossing):
+        is_root = found.left_over <= LEFT
+        known = (found.point, found.path, is_root, found.left_over, found.angle)
+        return Finding(*known, found.condition)
     known = (found.angles, found.path, found.posture is not None, found.left_over, found.across)
     if found.posture is None:
         return Finding(*known)
     return Finding(*known, found.posture.condition, found.posture.q)
-
-
-def _root(found: CurveCrossing) -> Finding:
-    is_root = found.left_over <= LEFT
-    known = (found.point, found.path, is_root, found.left_over, found.angle)
-    return Finding(*known, found.condition)

@@ -124,20 +124,12 @@ class Ghosts:
         colours : sequence of tuple of int
             One for each.
         """
-        count = len(postures)
-        if not count or not self.pieces:
-            empty = np.empty((0, 3))
-            return GhostPieces(empty, np.empty((0, 4)), empty, np.empty((0, 3), dtype=np.uint8))
+        if not len(postures) or not self.pieces:
+            return placed_pieces(np.empty((0, 4, 4)), np.empty((0, 3)), (), 0)
         poses = link_poses(self._chain, np.array(postures), self._links)
         T = poses[:, self._link] @ self._pose
-        scales = np.where(self._is_again(T)[..., None], NOTHING, self._scale).reshape(-1, 3)
-        T = T.reshape(-1, 4, 4)
-        return GhostPieces(
-            T[:, :3, 3],
-            np.roll(quaternion_from_matrix(T[:, :3, :3]), 1, axis=-1),
-            scales,
-            np.repeat(np.array(colours, dtype=np.uint8), self.pieces, axis=0),
-        )
+        scales = np.where(self._is_again(T)[..., None], NOTHING, self._scale)
+        return placed_pieces(T, scales, colours, self.pieces)
 
     def _is_again(self, T: Array) -> BoolArray:
         """Tell which pieces, at T (count, pieces, 4, 4), lie where an earlier ghost has them."""
@@ -158,9 +150,16 @@ class NoGhosts:
 
     def placed(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> GhostPieces:
         """Place no piece."""
-        empty = np.empty((0, 3))
-        return GhostPieces(empty, np.empty((0, 4)), empty, np.empty((0, 3), dtype=np.uint8))
+        return placed_pieces(np.empty((0, 4, 4)), np.empty((0, 3)), (), 0)
 
     def middles(self, postures: Sequence[Array]) -> Array:
         """Write no number."""
         return np.empty((0, 3))
+
+
+def placed_pieces(T: Array, scales: Array, colours: Sequence[Rgb], pieces: int) -> GhostPieces:
+    """Return cylinders at poses (..., 4, 4) (m), of these scales, as many of each colour."""
+    T = T.reshape(-1, 4, 4)
+    shades = np.repeat(np.array(colours, dtype=np.uint8).reshape(-1, 3), pieces, axis=0)
+    wxyz = np.roll(quaternion_from_matrix(T[:, :3, :3]), 1, axis=-1)
+    return GhostPieces(T[:, :3, 3], wxyz, scales.reshape(-1, 3), shades)

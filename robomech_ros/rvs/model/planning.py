@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -72,33 +73,56 @@ def plan_between(chain: SerialChain, start: Array, goal: Array, way: str, profil
         points, _ = nearest_turns([start, goal], chain.continuous)
         trajectory = point_to_point(*points, limits=chain, profile=profile)
         return _made(chain, trajectory, f"{profile}: {trajectory.duration:.2f} s", True)
-    return _along_line(chain, start, goal, profile)
-
-
-def _along_line(chain: SerialChain, start: Array, goal: Array, profile: str) -> MadePlan:
     T = forward_kinematics(chain, np.array([start, goal]))
+
+    def made(trajectory: PiecewiseTrajectory, sentence: str, complete: bool) -> MadePlan:
+        end = trajectory.sample(trajectory.duration).position
+        if complete and np.abs(end - goal).max() > SAME:
+            sentence += "; it ends in another posture of the goal's pose"
+        return _made(chain, trajectory, sentence, complete)
+
+    return along_line(
+        T, lambda path: plan_along(chain, path, start, profile=profile), made, profile
+    )
+
+
+def along_line(
+    T: Array,
+    plan_path: Callable[[Any], Any],
+    made: Callable[[PiecewiseTrajectory, str, bool], MadePlan],
+    profile: str,
+) -> MadePlan:
+    """Plan along the line between two poses, as far as it can be followed.
+
+    Parameters
+    ----------
+    T : ndarray, shape (2, 4, 4)
+        In the base (m).
+    plan_path : callable
+        Plans along a path.
+    made : callable
+        Gives the plan for a trajectory, what is said of it, and whether it arrives.
+    profile : str
+    """
     try:
         path = waypoint_path(T[0], T[1:])
     except BadValueError as error:
-        raise BadValueError(of_goal(error.what), error.value, error.expected) from None
+        raise BadValueError(_of_goal(error.what), error.value, error.expected) from None
     if path is None:
         raise BadValueError("goal", "the pose of the start", "another pose")
-    plan = plan_along(chain, path, start, profile=profile)
+    plan = plan_path(path)
     trajectory = plan.trajectory
     if trajectory is None or plan.stop is not None:
-        why = of_goal(plan.stop.text) if plan.stop is not None else "the path does not begin"
+        why = _of_goal(plan.stop.text) if plan.stop is not None else "the path does not begin"
         sentence = f"Followed to {plan.fraction:.0%}: {why}"
         if trajectory is None or not trajectory.duration > 0.0:
             return MadePlan(None, sentence, False)
-        return _made(chain, trajectory, sentence, False)
+        return made(trajectory, sentence, False)
     sentence = f"{profile} along {path.length:.3f} m: {trajectory.duration:.2f} s"
-    end = trajectory.sample(trajectory.duration).position
-    if np.abs(end - goal).max() > SAME:
-        sentence += "; it ends in another posture of the goal's pose"
-    return _made(chain, trajectory, sentence, True)
+    return made(trajectory, sentence, True)
 
 
-def of_goal(text: str) -> str:
+def _of_goal(text: str) -> str:
     """Name the goal, which is the only waypoint of the path."""
     return text.replace("waypoints[0]", "the goal")
 

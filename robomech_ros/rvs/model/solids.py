@@ -1,9 +1,9 @@
 """Triangles of the simple bodies."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.typing import Array, IntArray
 
@@ -51,13 +51,13 @@ def sphere(radius: float) -> Solid:
     return _revolved(radius * np.sin(angles), -radius * np.cos(angles), (-radius, radius))
 
 
-def _revolved(radii: ArrayLike, heights: ArrayLike, ends: tuple[float, float]) -> Solid:
+def _revolved(
+    radii: Sequence[float] | Array, heights: Sequence[float] | Array, ends: tuple[float, float]
+) -> Solid:
     """Join rings (m) from below to above, closed by a point of the axis at each end."""
-    turns, up = 2.0 * np.pi * np.arange(SIDES) / SIDES, np.ones(SIDES)
-    rings = np.stack(
-        [np.outer(np.asarray(radii), np.cos(turns)), np.outer(radii, np.sin(turns)), np.outer(np.asarray(heights), up)],
-        axis=-1,
-    ).reshape(-1, 3)
+    turns = 2.0 * np.pi * np.arange(SIDES) / SIDES
+    x, y = (np.outer(radii, part).ravel() for part in (np.cos(turns), np.sin(turns)))
+    rings = np.column_stack([x, y, np.repeat(heights, SIDES)])
     here = np.arange(SIDES)
     there = (here + 1) % SIDES
     bottom, top = np.full(SIDES, len(rings)), np.full(SIDES, len(rings) + 1)

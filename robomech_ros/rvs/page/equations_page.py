@@ -7,7 +7,7 @@ from typing import Any
 
 from robomech_ros.numerics.grid_crossings import Equations
 from robomech_ros.rvs.model.curve_drawing import ROOT
-from robomech_ros.rvs.model.curve_problems import Axis, CurveProblem, EquationsProblem, Finding
+from robomech_ros.rvs.model.curve_problems import Axis, CurveProblem, Finding, equations_problem
 from robomech_ros.rvs.page.curve_view import CurveView
 from robomech_ros.rvs.page.theme import set_theme
 from robomech_ros.rvs.serving.server import guarded_server
@@ -47,7 +47,7 @@ class EquationsPage:
         port: int,
         host: str,
     ) -> None:
-        self._make = lambda both: EquationsProblem(equations, axes, both, count, period)
+        self._make = lambda both: equations_problem(equations, axes, both, count, period)
         self._server = guarded_server(host, port, "equations")
         self._worker = Worker()
         gui: Any = self._server.viser.gui

@@ -80,7 +80,8 @@ class RobotNodes:
     def _joint_axis(self, scene: Any, path: str, axis: Array) -> Any:
         reach = self._seen.reach
         solid = cylinder(AXIS_RADIUS * reach, AXIS_LENGTH * reach)
-        look: dict[str, Any] = {"flat_shading": True, "visible": False, **placed(rotation_from_z(axis))}
+        look: dict[str, Any] = {"flat_shading": True, "visible": False}
+        look |= placed(rotation_from_z(axis))
         return add_mesh(scene, f"{path}/axis", solid, AXIS_COLOUR, **look)
 
     def _add_bodies(self, scene: Any) -> None:

@@ -14,12 +14,10 @@ from std_msgs.msg import Float64
 
 from robomech_interfaces.msg import FootContacts
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.status_report import TOPIC
-from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.rvs.mobile.mobile_robots import MobileRobot
-from robomech_ros.nodes.rvs.poll_thread import PollThread
+from robomech_ros.nodes.rvs.poll_thread import PollThread, polled
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.rvs.model.running.live_mobile_robot import Stance
 from robomech_ros.rvs.model.running.observed_robot import on_plane
@@ -29,10 +27,8 @@ from robomech_ros.typing import Array
 if TYPE_CHECKING:
     from robomech_ros.rvs.layers.live_mobile_robot import LiveMobileRobotLayer
 
-# How often it is looked whether states are old (s).
-_SELDOM = 0.1
-# Messages that wait at the most; the latest counts.  Diagnostics come from many nodes.
-_DEPTH, _MANY = 10, 100
+# Diagnostics that wait at the most: they come from many nodes.
+_MANY = 100
 # The margin that walking machines keep, until they say so themselves (m).
 _BOUND = 0.01
 
@@ -56,47 +52,36 @@ class MobileRobotFeed(PollThread):
         settings: RvsSettings,
         view: LiveMobileRobotLayer,
     ) -> None:
-        super().__init__(view, settings.rate, node.get_logger())
-        self._view, self._settings = view, settings
-        self._mover, self._joints = mobile_robot, mobile_robot.followed.joints
-        self._monitor = JointStateMonitor(node)
-        self._states = node.resolve_topic_name("joint_states")
-        self._odometry = _inbox(node, Odometry, mobile_robot.odometry)
-        self._reports = _inbox(node, DiagnosticArray, TOPIC, _MANY)
+        super().__init__(node, settings, view, mobile_robot.followed.joints)
+        self._view, self._mover = view, mobile_robot
+        self._odometry = polled(node, Odometry, mobile_robot.odometry)
+        self._reports = polled(node, DiagnosticArray, TOPIC, _MANY)
         self._reporter = node.resolve_topic_name(mobile_robot.node).lstrip("/")
         self._contacts = self._margins = None
         if mobile_robot.legged is not None:
-            self._contacts = _inbox(node, FootContacts, "foot_contacts")
-            self._margins = _inbox(node, Float64, f"{mobile_robot.node}/stability_margin")
+            self._contacts = polled(node, FootContacts, "foot_contacts")
+            self._margins = polled(node, Float64, f"{mobile_robot.node}/stability_margin")
         self._T: Array | None = None
         self._margin, self._bound, self._gait = math.nan, _BOUND, ""
-        self._heard, self._heard_at, self._placed_at = 0, -math.inf, -math.inf
-        self._looked_at = -math.inf
-        self.begin()
+        self._placed_at = -math.inf
+        self._thread.start()
 
-    def look(self, now: float) -> None:
-        """Show what has come, and say what is wrong with it."""
-        known = self._monitor.known_positions(self._joints)
-        heard = self._monitor.update_count(self._joints)
-        if heard > self._heard:
-            self._heard, self._heard_at = heard, now
+    def show(self, now: float) -> None:
+        """Show where the robot is, and on which feet it stands."""
         for message in self._odometry.take():
             self._T = matrix_from_pose(message.pose.pose, "odometry")
             self._placed_at = now
         if self._T is not None and now in (self._heard_at, self._placed_at):
             placed = self._mover.followed.placed(self._T)
+            known = self._monitor.known_positions(self._joints)
             self._view.show_pose({**known, **placed}, on_plane(self._T))
         if self._margins is not None:
             self._hear_feet()
-        if now - self._looked_at >= _SELDOM:
-            self._looked_at = now
-            self._hear_reports()
-            self.condition = self._fault(now)
-            self._view.show_state(self.condition)
 
-    def _fault(self, now: float) -> str:
-        """Say what is wrong with odometry or joint states."""
-        heard = ((self._odometry.topic, self._placed_at), (self._states, self._heard_at))
+    def fault(self, now: float) -> str:
+        """Show what limits the robot, and say what is wrong with odometry or joint states."""
+        self._hear_reports()
+        heard = ((self._odometry.topic, self._placed_at), (self._topic, self._heard_at))
         for topic, at in heard:
             if math.isinf(at):
                 return f"Nothing yet on '{topic}': where the robot is is not known."
@@ -157,12 +142,6 @@ class MissingLegsError(RobomechError):
 
     def __init__(self, legs: Iterable[str]) -> None:
         super().__init__(f"foot_contacts does not name {', '.join(legs)}")
-
-
-def _inbox(node: Node, kind: type, topic: str, depth: int = _DEPTH) -> Inbox:
-    inbox = Inbox(node, kind, topic, depth, lambda: None)
-    inbox.attend(False)
-    return inbox
 
 
 def _number(text: Any, otherwise: float) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
-from robomech_ros.nodes.rvs.jog_thread import JogThread
+from robomech_ros.nodes.rvs.jog_thread import JoggedRobot, JogThread
 from robomech_ros.nodes.rvs.messages import twist_jog
 from robomech_ros.nodes.rvs.mobile.mobile_robot_feed import MobileRobotFeed
 from robomech_ros.nodes.rvs.mobile.mobile_robots import MobileRobot
@@ -27,7 +27,51 @@ _DEPTH = 10
 _Jog = tuple[JogDirection, float]
 
 
-class RunningMobileRobot:
+class TwistJogger(JogThread[_Jog]):
+    """Commands a robot over the ground by twists while a button is held.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the publisher.
+    mobile_robot : MobileRobot
+    settings : RvsSettings
+    complain : callable
+        As for ``JogThread``.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        mobile_robot: MobileRobot,
+        settings: RvsSettings,
+        complain: Callable[[str], None],
+    ) -> None:
+        super().__init__(node, settings.jog_timeout, mobile_robot.period, complain)
+        self._settings = settings
+        self._twists = node.create_publisher(TwistStamped, mobile_robot.command, _DEPTH)
+
+    def missing(self, _: _Jog | None = None) -> str:
+        """Say what is missing to move; empty for nothing."""
+        if not self._twists.get_subscription_count():
+            return f"Nobody listens on '{self._twists.topic_name}'."
+        return ""
+
+    def send(self, what: _Jog, moves: bool) -> None:
+        """Command the robot to move, or to stand."""
+        direction, part = what
+        part = part if moves else 0.0
+        given = self._settings
+        speeds = part * given.jog_linear_speed, part * given.jog_angular_speed
+        self.publish(twist_jog("", direction, *speeds))
+
+    def publish(self, twist: TwistStamped) -> None:
+        """Command a twist from now."""
+        twist.header.stamp = self._clock.now().to_msg()
+        self._twists.publish(twist)
+
+
+class RunningMobileRobot(JoggedRobot):
     """Carries out what a page asks for, see ``LiveMobileRobot``, and tells it what is heard.
 
     Parameters
@@ -38,10 +82,10 @@ class RunningMobileRobot:
     settings : RvsSettings
     """
 
+    _jogger: TwistJogger
+
     def __init__(self, node: Node, mobile_robot: MobileRobot, settings: RvsSettings) -> None:
         self._node, self._mover, self._settings = node, mobile_robot, settings
-        self._clock = node.get_clock()
-        self._twists = node.create_publisher(TwistStamped, mobile_robot.command, _DEPTH)
         self._gaits = self._poses = None
         if mobile_robot.legged is not None:
             self._poses = node.create_publisher(Pose, "body_pose", _DEPTH)
@@ -51,38 +95,17 @@ class RunningMobileRobot:
         """Tell this page, from now on."""
         self._view = view
         self._feed = MobileRobotFeed(self._node, self._mover, self._settings, view)
-        self._jogger = JogThread[_Jog](
-            self._settings.jog_timeout,
-            self._mover.period,
-            self._send,
-            lambda _: self._missing(),
-            view.show_jog,
-            self._node.get_logger(),
-        )
-
-    @property
-    def condition(self) -> str:
-        """Problem of odometry or joint states; empty if there is none."""
-        return self._feed.condition
-
-    @property
-    def jogs(self) -> bool:
-        """Whether a button is held."""
-        return self._jogger.held
+        self._jogger = TwistJogger(self._node, self._mover, self._settings, view.show_jog)
 
     def hold(self, beat: HoldHeartbeat, speed: float) -> None:
         """Jog while this is said again and again, at a part of the greatest jogging speed."""
-        self._jogger.hold((beat.direction, speed), beat)
-
-    def let_go(self) -> None:
-        """End the jog."""
-        self._jogger.let_go()
+        self._jogger.press((beat.direction, speed), beat)
 
     def stop(self) -> None:
         """End the jog, and command to stand."""
         self._jogger.let_go()
-        missing = self._missing()
-        self._publish(TwistStamped())
+        missing = self._jogger.missing()
+        self._jogger.publish(TwistStamped())
         text = f"Stop may have failed: {missing}" if missing else "Commanded to stand."
         self._view.show_result(text, failed=bool(missing))
 
@@ -99,31 +122,9 @@ class RunningMobileRobot:
             T = assembled(matrix_from_roll_pitch_yaw(angles), position)
             self._command(self._poses, pose_from_matrix(T), "Pose of the trunk commanded.")
 
-    def close(self) -> None:
-        """End what was begun; the topics go with the node."""
-        self._jogger.close()
-        self._feed.close()
-
     def _command(self, publisher: Any, message: Any, text: str) -> None:
         """Publish, and say so, or that nobody listens."""
         heard = publisher.get_subscription_count()
         publisher.publish(message)
         nobody = f"Nobody listens on '{publisher.topic_name}'."
         self._view.show_result(text if heard else nobody, failed=not heard)
-
-    def _missing(self) -> str:
-        """Say what is missing to move; empty for nothing."""
-        if not self._twists.get_subscription_count():
-            return f"Nobody listens on '{self._twists.topic_name}'."
-        return ""
-
-    def _send(self, jog: _Jog, moves: bool) -> None:
-        direction, part = jog
-        part = part if moves else 0.0
-        given = self._settings
-        speeds = part * given.jog_linear_speed, part * given.jog_angular_speed
-        self._publish(twist_jog("", direction, *speeds))
-
-    def _publish(self, twist: TwistStamped) -> None:
-        twist.header.stamp = self._clock.now().to_msg()
-        self._twists.publish(twist)

@@ -8,8 +8,7 @@ import numpy as np
 
 from robomech_ros.kinematics import link_poses
 from robomech_ros.parallel import Mechanism
-from robomech_ros.rvs.model.ghosts import NOTHING, GhostPieces, Rgb
-from robomech_ros.spatial import quaternion_from_matrix
+from robomech_ros.rvs.model.ghosts import NOTHING, GhostPieces, Rgb, placed_pieces
 from robomech_ros.typing import Array
 
 # Radius of rods, part of the size of the robot.
@@ -106,10 +105,4 @@ class PlatformGhosts:
         T, length = rod_poses(starts, ends)
         radius = np.where(length > SAME * size, self._slimness * RADIUS * size, NOTHING)
         scales = np.stack((radius, radius, np.maximum(length, NOTHING)), axis=-1)
-        T = T.reshape(-1, 4, 4)
-        return GhostPieces(
-            T[:, :3, 3],
-            np.roll(quaternion_from_matrix(T[:, :3, :3]), 1, axis=-1),
-            scales.reshape(-1, 3),
-            np.repeat(np.array(colours, dtype=np.uint8), self.pieces, axis=0),
-        )
+        return placed_pieces(T, scales, colours, self.pieces)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from robomech_ros.cartesian import waypoint_path
 from robomech_ros.errors import BadValueError
 from robomech_ros.parallel import Mechanism, follow_drives, plan_drives, plan_platform
 from robomech_ros.rvs.model.planning import (
@@ -12,7 +13,7 @@ from robomech_ros.rvs.model.planning import (
     JOINTS,
     SAME,
     MadePlan,
-    of_goal,
+    along_line,
     sample_times,
 )
 from robomech_ros.rvs.motion import Motion
@@ -48,7 +49,15 @@ def plan_platform_between(
     """
     as_choice("way", way, JOG_DIRECTIONS)
     if way != JOINTS:
-        return _along_line(mechanism, start, goal, profile)
+        poses = mechanism.pose(np.stack([start, goal]))
+
+        def made(trajectory: PiecewiseTrajectory, sentence: str, complete: bool) -> MadePlan:
+            return _made(mechanism, trajectory, start, goal if complete else None, sentence)
+
+        def plan_path(path: Any) -> Any:
+            return plan_platform(mechanism, path, start, profile=profile)
+
+        return along_line(poses, plan_path, made, profile)
     as_choice("profile", profile, tuple(PROFILES))
     points = np.stack([start, goal])[:, mechanism.drive_index]
     if np.array_equal(points[0], points[1]):
@@ -61,23 +70,6 @@ def plan_platform_between(
         return MadePlan(None, why, False)
     trajectory = plan.sampled.trajectory
     sentence = f"{profile}: {trajectory.duration:.2f} s"
-    return _made(mechanism, trajectory, start, goal, sentence)
-
-
-def _along_line(mechanism: Mechanism, start: Array, goal: Array, profile: str) -> MadePlan:
-    T = mechanism.pose(np.stack([start, goal]))
-    path = waypoint_path(T[0], T[1:])
-    if path is None:
-        raise BadValueError("goal", "the pose of the start", "another pose")
-    plan = plan_platform(mechanism, path, start, profile=profile)
-    trajectory = plan.trajectory
-    if trajectory is None or plan.stop is not None:
-        why = of_goal(plan.stop.text) if plan.stop is not None else "the path does not begin"
-        sentence = f"Followed to {plan.fraction:.0%}: {why}"
-        if trajectory is None or not trajectory.duration > 0.0:
-            return MadePlan(None, sentence, False)
-        return _made(mechanism, trajectory, start, None, sentence)
-    sentence = f"{profile} along {path.length:.3f} m: {trajectory.duration:.2f} s"
     return _made(mechanism, trajectory, start, goal, sentence)
 
 

@@ -25,7 +25,7 @@ _PLACE = (
 def test_a_base_drives_while_a_button_is_held_and_stands_when_it_is_let_go(graph):
     graph.start(MobileBaseNode, robot_description="omni")
     node = graph.start(RvsNode, robot_description="omni", port=0, jog_timeout=2.0)
-    wait_until(node._robot._twists.get_subscription_count)
+    wait_until(node._robot._jogger._twists.get_subscription_count)
     arm = node._page._arm
     with browser(node.url) as tab:
         tab.wait_for("document.querySelector('[data-jog-pad]')")

@@ -93,7 +93,7 @@ def until_still(robot):
 
 def press_until_moved(node, robot, tab):
     """Hold the button until the robot has moved, again where the page was too slow to say so."""
-    start, switch = robot.position[1], node._robot._jogger._held._switch
+    start, switch = robot.position[1], node._robot._jogger._switch
 
     def moved():
         return robot.position[1] > start + 0.02

@@ -33,7 +33,7 @@ def page_of(graph, browse, robot):
     browser = browse(node)
     wait_until(lambda: browser.layer._controls is not None)
     wait_until(lambda: len(browser.page._arm.trail.points) and not browser.said("state"))
-    wait_until(node._robot._twists.get_subscription_count)
+    wait_until(node._robot._jogger._twists.get_subscription_count)
     return browser
 
 
