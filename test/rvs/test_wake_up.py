@@ -12,7 +12,7 @@ from raw_client import camera, wait_until
 from viser.infra._async_message_buffer import AsyncMessageBuffer
 from viser.infra._messages import Message
 
-from robomech_ros.rvs.serving.wake_up import WakeUp
+from robomech_ros.rvs.serving.server import WakeUp
 
 
 class Interrupted(deque):

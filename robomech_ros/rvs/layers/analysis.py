@@ -22,12 +22,12 @@ from robomech_ros.rvs.model.analysis import (
     twist_arrows,
 )
 from robomech_ros.rvs.model.solids import sphere
-from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.mesh_nodes import add_mesh
 from robomech_ros.rvs.page.robot_nodes import placed
 from robomech_ros.rvs.page.switches import Switches
+from robomech_ros.rvs.page.tables import fact_table
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.spatial.arrays import as_choice
 
@@ -81,7 +81,7 @@ class AnalysisLayer(Layer):
         if self.is_open:
             self._table.content = fact_table("understand", self._lines(judged, found))
 
-    def fill(self, folder: Folder, gui: Any) -> None:
+    def _fill(self, folder: Folder, gui: Any) -> None:
         """Add key figures, switches and a button to the folder."""
         self._table = folder.text()
         for name in LABELS:

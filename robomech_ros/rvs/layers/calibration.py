@@ -10,11 +10,11 @@ import numpy as np
 from robomech_ros.calibration import HandEyeResult
 from robomech_ros.rvs.model.calibration_view import calibration_facts, calibration_markers
 from robomech_ros.rvs.model.camera import marker_points, visible_points
-from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.marker_nodes import MarkerNodes
 from robomech_ros.rvs.page.surroundings import place_camera
+from robomech_ros.rvs.page.tables import fact_table
 from robomech_ros.typing import Array
 
 SOURCE = "calibration"
@@ -49,7 +49,7 @@ class CalibrationLayer(Layer):
         place.arm.release()
         place_camera(place.server, self._points())
 
-    def fill(self, folder: Folder, gui: Any) -> None:
+    def _fill(self, folder: Folder, gui: Any) -> None:
         """Add the switch, and the facts, to the folder."""
         turn = partial(self._place.run, (self, "shown"))
         folder.checkbox("shown", self._shown, lambda shown: turn(partial(self._turn, shown)))

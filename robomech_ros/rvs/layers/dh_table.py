@@ -37,7 +37,7 @@ class DHTableLayer(Layer):
             self._version += 1
             self._write()
 
-    def fill(self, folder: Folder, gui: Any) -> None:
+    def _fill(self, folder: Folder, gui: Any) -> None:
         """Add the table, and what changes it, to the folder."""
         self._table = folder.text()
         if self._place.chain.coupling is not None:

@@ -56,7 +56,7 @@ class GripperLayer(Layer):
         """Give the browser that commands the slider."""
         return AllControls([]) if self._gripper is None else super().controls(client)
 
-    def fill(self, folder: Folder, gui: Any) -> None:
+    def _fill(self, folder: Folder, gui: Any) -> None:
         """Add the slider to the folder."""
         gripper = self._gripper
         assert gripper is not None

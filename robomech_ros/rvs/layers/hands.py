@@ -17,10 +17,10 @@ from robomech_ros.rvs.model.hands.grasp import Grasp, Line, quality_line, study_
 from robomech_ros.rvs.model.hands.grasped_object import SHAPES
 from robomech_ros.rvs.model.hands.hand_view import SPOT, HandView
 from robomech_ros.rvs.page.clients import AllControls, Controls
-from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.switches import Switches
+from robomech_ros.rvs.page.tables import fact_table
 from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag
 
 # Greatest force and moment of a load that is asked for (N, N m).
@@ -86,7 +86,7 @@ class HandLayer(Layer):
                 self._add_spot(self._contacts, k, name)
         return AllControls([grasp, self._contacts])
 
-    def fill(self, folder: Folder, gui: Any) -> None:
+    def _fill(self, folder: Folder, gui: Any) -> None:
         """Add object, contacts, load and switches to the folder."""
         hand, ask = self.hand, self.ask
         self._table = folder.text()

@@ -7,14 +7,14 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from robomech_ros.rvs.model.running.live_mobile_robot import LiveMobileRobot, Stance
+from robomech_ros.rvs.model.live_robot import LiveMobileRobot, Stance
 from robomech_ros.rvs.model.running.observed_robot import ObservedRobot
-from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.layer import LayerContext
 from robomech_ros.rvs.page.live.live_page import LivePage
 from robomech_ros.rvs.page.live.mobile_robot_controls import MobileRobotControls
 from robomech_ros.rvs.page.path_nodes import PathNode
 from robomech_ros.rvs.page.switches import Switches
+from robomech_ros.rvs.page.tables import fact_table
 
 TRAIL = (31, 119, 180)
 

@@ -8,12 +8,12 @@ from typing import Any
 from robomech_ros.errors import BadValueError
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.rvs.model.kinds.mobile_robot import AXES, MobileRobotView
-from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.mobile.stepping import Stepping
 from robomech_ros.rvs.page.path_nodes import PathNode
 from robomech_ros.rvs.page.switches import Switches
+from robomech_ros.rvs.page.tables import fact_table
 from robomech_ros.spatial.arrays import as_flag
 
 TRAIL, AHEAD = (31, 119, 180), (230, 120, 20)
@@ -54,7 +54,7 @@ class MobileRobotLayer(Layer):
         if self.is_open:
             self._table.content = fact_table(robot.kind, robot.facts())
 
-    def fill(self, folder: Folder, gui: Any) -> None:
+    def _fill(self, folder: Folder, gui: Any) -> None:
         """Add the command, and what becomes of it, to the folder."""
         robot, verb = self._robot, self._robot.verb
         for name, unit, k in AXES:

@@ -87,7 +87,7 @@ class MotionLayer(Layer):
             else:
                 self.find("prepare", partial(_prepared, motion), self._show_prepared)
 
-    def fill(self, folder: Folder, gui: Any) -> None:
+    def _fill(self, folder: Folder, gui: Any) -> None:
         """Add planning, playing and looks to the folder."""
         self._status = folder.text()
         for label, which in ((START, "start"), (GOAL, "goal")):

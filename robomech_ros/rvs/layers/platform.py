@@ -9,10 +9,10 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.rvs.model.analysis import twist_arrows
 from robomech_ros.rvs.model.platforms.facts import PlatformFacts, platform_facts
 from robomech_ros.rvs.model.platforms.lists import LISTS, PlatformList, platform_list
-from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.switches import Switches
+from robomech_ros.rvs.page.tables import fact_table
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.spatial.arrays import as_choice
 
@@ -54,7 +54,7 @@ class PlatformLayer(Layer):
         if self.is_open:
             self._table.content = fact_table("platform", self._lines())
 
-    def fill(self, folder: Folder, gui: Any) -> None:
+    def _fill(self, folder: Folder, gui: Any) -> None:
         """Add the choice of ghosts, and the switches, to the folder."""
         list_other = partial(self.ask, "ghosts", self._list_other)
         folder.dropdown("ghosts", LISTS, self._kind, list_other)

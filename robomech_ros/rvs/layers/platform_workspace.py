@@ -11,11 +11,11 @@ import numpy as np
 from robomech_ros.errors import RobomechError
 from robomech_ros.rvs.model.platforms.reach import PlatformReach, platform_reach
 from robomech_ros.rvs.model.solids import Solid
-from robomech_ros.rvs.page.fact_table import SMALL
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.mesh_nodes import add_mesh
 from robomech_ros.rvs.page.switches import Switches
+from robomech_ros.rvs.page.tables import SMALL
 
 # What can be shown, and its hint.
 LABELS = {
@@ -52,7 +52,7 @@ class PlatformWorkspaceLayer(Layer):
         if self.is_open:
             self._table.content = self._written()
 
-    def fill(self, folder: Folder, gui: Any) -> None:
+    def _fill(self, folder: Folder, gui: Any) -> None:
         """Add the switches to the folder."""
         for label, hint in LABELS.items():
             self._switches.add_to(folder, label, hint)

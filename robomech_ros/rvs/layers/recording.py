@@ -58,7 +58,7 @@ class RecordingLayer(Layer):
             read_address_into(client, VIEW)
         return folder
 
-    def fill(self, folder: Folder, gui: Any) -> None:
+    def _fill(self, folder: Folder, gui: Any) -> None:
         """Add recording, files and the view to the folder."""
         client, ask = self._client, self.ask
         record = partial(ask, "record", self.record_or_end)

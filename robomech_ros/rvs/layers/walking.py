@@ -6,11 +6,11 @@ from functools import partial
 from typing import Any
 
 from robomech_ros.rvs.model.walking.walker_view import WalkerView
-from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.mobile.support_nodes import SupportNodes
 from robomech_ros.rvs.page.switches import Switches
+from robomech_ros.rvs.page.tables import fact_table
 from robomech_ros.spatial.arrays import as_choice
 
 SHOWN = "support polygon"
@@ -43,7 +43,7 @@ class WalkingLayer(Layer):
                 self._gait.value = robot.chosen_gait
             self._table.content = fact_table("feet", robot.support_facts())
 
-    def fill(self, folder: Folder, gui: Any) -> None:
+    def _fill(self, folder: Folder, gui: Any) -> None:
         """Add the gaits, and the switch of the support polygon, to the folder."""
         hint = "In which it walks on as soon as it stands"
         choose = partial(self.ask, "gait", self._choose)

@@ -22,13 +22,13 @@ from robomech_ros.rvs.model.reach_points import (
 from robomech_ros.rvs.model.section_drawing import draw_section, here_rule
 from robomech_ros.rvs.model.workspace_views import SectionView, section_view, why_no_section
 from robomech_ros.rvs.page.clients import Controls
-from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.tables import small_text
 from robomech_ros.rvs.page.workspace_legends import map_legend, section_text
 from robomech_ros.rvs.page.workspace_nodes import WorkspaceNodes
+from robomech_ros.rvs.serving.scripts import script_that_fills
 from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.typing import Array
@@ -108,7 +108,7 @@ class WorkspaceLayer(Layer):
         self._drawn.pop("plot", None)
         return super().controls(client)
 
-    def fill(self, folder: Folder, gui: Any) -> None:
+    def _fill(self, folder: Folder, gui: Any) -> None:
         """Add boundary, map and their switches to the folder."""
         hint = "Where the number of postures changes, as a section and as a surface"
         self._switches.add_to(folder, "boundary", hint)

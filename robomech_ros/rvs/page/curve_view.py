@@ -12,8 +12,8 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.robots.documents.numbers_in_text import number
 from robomech_ros.rvs.model.curve_drawing import COLOURS, Mark, draw_curves, place_script
 from robomech_ros.rvs.model.curve_problems import CurveProblem, Finding
-from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.rvs.page.tables import notice, small_text
+from robomech_ros.rvs.serving.scripts import script_that_fills
 from robomech_ros.typing import Array
 
 Request = Callable[[], None]

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from urllib.parse import quote
 
 from robomech_ros.robots import DHTable
-from robomech_ros.rvs.page.fact_table import SMALL
-from robomech_ros.rvs.page.fields import script_that_fills
+from robomech_ros.rvs.page.tables import SMALL
 from robomech_ros.rvs.page.units import Units
+from robomech_ros.rvs.serving.scripts import script_that_fills
 
 # Label of the text field that a change is written into.
 CHANGE = "Change DH"

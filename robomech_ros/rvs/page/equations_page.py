@@ -9,7 +9,7 @@ from robomech_ros.numerics.grid_crossings import Equations
 from robomech_ros.rvs.model.curve_drawing import ROOT
 from robomech_ros.rvs.model.curve_problems import Axis, CurveProblem, Finding, equations_problem
 from robomech_ros.rvs.page.curve_view import CurveView
-from robomech_ros.rvs.page.theme import set_theme
+from robomech_ros.rvs.page.surroundings import set_theme
 from robomech_ros.rvs.serving.server import guarded_server
 from robomech_ros.rvs.serving.worker import Worker
 

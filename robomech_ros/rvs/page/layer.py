@@ -173,11 +173,11 @@ class Layer:
             client.gui, self._place.units, self.label, self.order, expanded=self.expanded
         )
         with folder:
-            self.fill(folder, client.gui)
+            self._fill(folder, client.gui)
         self.show()
         return folder
 
-    def fill(self, folder: Folder, gui: Any) -> None:
+    def _fill(self, folder: Folder, gui: Any) -> None:
         """Add the controls to a folder of a browser (viser.GuiApi)."""
 
     def close(self) -> None:

@@ -19,7 +19,7 @@ from robomech_ros.rvs.page.clients import AllControls, Controls, PageClients
 from robomech_ros.rvs.page.layer import Layer, LayerContext, LayerMaker, Switch
 from robomech_ros.rvs.page.panel import AT_FIRST, Panel
 from robomech_ros.rvs.page.scene import BASE, PageScene
-from robomech_ros.rvs.page.theme import set_theme
+from robomech_ros.rvs.page.surroundings import set_theme
 from robomech_ros.rvs.page.units import Units
 from robomech_ros.rvs.serving.server import guarded_server
 from robomech_ros.rvs.serving.worker import Worker

@@ -11,8 +11,8 @@ import numpy as np
 from robomech_ros.rvs.model.draggable import DraggableRobot
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.robot_nodes import placed
+from robomech_ros.rvs.page.surroundings import set_theme
 from robomech_ros.rvs.page.tables import TAKE, short_name
-from robomech_ros.rvs.page.theme import set_theme
 from robomech_ros.rvs.page.units import STEP, Units
 from robomech_ros.spatial import pose_from_position_quaternion
 

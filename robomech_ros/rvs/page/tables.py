@@ -11,13 +11,15 @@ from robomech_ros.kinematics import Status
 from robomech_ros.rvs.model.draggable import DraggableRobot
 from robomech_ros.rvs.model.ghosts import Rgb
 from robomech_ros.rvs.model.postures import Posture
-from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.rvs.page.units import Units
+from robomech_ros.rvs.serving.scripts import script_that_fills
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 
 # Label of the text field with which a posture is taken; rows of the table write into it.
 TAKE = "Take posture"
 
+# Of texts in folders.
+SMALL = "font-size:0.8em;line-height:1.4;padding:0 0.85em 0.4em;font-variant-numeric:tabular-nums"
 STYLE = "font-size:0.8em;line-height:1.35;padding:0 0.85em 0.4em;font-variant-numeric:tabular-nums"
 WARN = "border-left:3px solid #d9480f;padding-left:0.6em;margin:0.3em 0"
 _CLICK = (
@@ -117,3 +119,25 @@ def _condition(value: float) -> str:
 def short_name(joint: str) -> str:
     """Leave out of the name of a joint what every joint's name has."""
     return joint.removesuffix("_joint").replace("_", " ")
+
+
+def fact_table(name: str, facts: Sequence[tuple[str, str]]) -> str:
+    """Write names and what is known of them as HTML; of an empty name only the fact is seen.
+
+    Parameters
+    ----------
+    name : str
+        Of the table, as the attribute ``data-name``.
+    facts : sequence of two str
+        Text, not HTML.
+    """
+    rows = []
+    for what, fact in facts:
+        cell = html.escape(fact)
+        if what:
+            left = f'<td style="padding:0.1em 0.7em 0.1em 0;opacity:0.7">{html.escape(what)}</td>'
+            rows.append(f'<tr style="vertical-align:top">{left}<td>{cell}</td></tr>')
+        else:
+            rows.append(f'<tr><td colspan="2" style="padding:0.2em 0">{cell}</td></tr>')
+    table = f'<table style="border-collapse:collapse">{"".join(rows)}</table>'
+    return f'<div style="{SMALL}" data-{name}>{table}</div>'

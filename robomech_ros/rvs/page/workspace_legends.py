@@ -7,8 +7,7 @@ import html
 from robomech_ros.kinetostatics import ReachMap
 from robomech_ros.rvs.model.reach_points import ReachPoints, scale_colours
 from robomech_ros.rvs.model.workspace_views import SectionView
-from robomech_ros.rvs.page.fact_table import SMALL
-from robomech_ros.rvs.page.tables import small_text
+from robomech_ros.rvs.page.tables import SMALL, small_text
 
 # Colours of the bar of a legend.
 STEPS = 9
