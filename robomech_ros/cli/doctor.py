@@ -6,7 +6,7 @@ import os
 import shutil
 import socket
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -63,39 +63,35 @@ def run(args: argparse.Namespace) -> int:
 
 def findings() -> Iterator[Finding]:
     """Look at everything the suite needs."""
-    checks: tuple[Callable[[], Finding], ...] = (
-        _python,
-        _compiler,
-        lambda: _module("rclpy", "ROS 2 client library", "ros-rclpy"),
-        _middleware,
-        lambda: _module("robomech_interfaces.srv", "our interfaces", "ros-robomech-interfaces"),
-        lambda: _module("numba", "numba", "numba"),
-        lambda: _module("ruckig", "ruckig", "ruckig"),
-        _kernels,
-        _robots,
-        _node_scripts,
-        _loopback,
-        _multicast,
-        _shared_memory,
-        _domain,
-        _sourced,
-        lambda: _optional("matplotlib", "plots of robomech demo"),
-        lambda: _optional("clarabel", "contact_forces of hands"),
-        lambda: _optional("viser", "robomech view, and the page of robomech demo"),
-        lambda: _optional(
-            "control_msgs",
-            "follow_joint_trajectory, controller_state, query_state, gripper_cmd of the simulated "
-            "robot; driving ros2_control; JointJog for the servo",
-        ),
-        lambda: _optional(
-            "moveit_msgs",
-            "compute_ik, compute_fk, compute_cartesian_path and more services of MoveIt; "
-            "switch_command_type and MoveIt's status of the servo",
-        ),
-        lambda: _optional("tf2_msgs", "/tf and /tf_static of the simulated robot"),
+    yield _python()
+    yield _compiler()
+    yield _module("rclpy", "ROS 2 client library", "ros-rclpy")
+    yield _middleware()
+    yield _module("robomech_interfaces.srv", "our interfaces", "ros-robomech-interfaces")
+    yield _module("numba", "numba", "numba")
+    yield _module("ruckig", "ruckig", "ruckig")
+    yield _kernels()
+    yield _robots()
+    yield _node_scripts()
+    yield _loopback()
+    yield _multicast()
+    yield _shared_memory()
+    yield _domain()
+    yield _sourced()
+    yield _optional("matplotlib", "plots of robomech demo")
+    yield _optional("clarabel", "contact_forces of hands")
+    yield _optional("viser", "robomech view, and the page of robomech demo")
+    yield _optional(
+        "control_msgs",
+        "follow_joint_trajectory, controller_state, query_state, gripper_cmd of the simulated "
+        "robot; driving ros2_control; JointJog for the servo",
     )
-    for check in checks:
-        yield check()
+    yield _optional(
+        "moveit_msgs",
+        "compute_ik, compute_fk, compute_cartesian_path and more services of MoveIt; "
+        "switch_command_type and MoveIt's status of the servo",
+    )
+    yield _optional("tf2_msgs", "/tf and /tf_static of the simulated robot")
 
 
 def _python() -> Finding:
@@ -179,7 +175,6 @@ def _node_scripts() -> Finding:
 
 
 def _loopback() -> Finding:
-    """Send a datagram to this machine itself."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as inbox:
         try:
             inbox.settimeout(1.0)

@@ -162,7 +162,6 @@ def _hash_options_faster() -> None:
 
 
 def _import(name: str) -> float:
-    """Import a kernel module; gives the seconds that it took."""
     before = time.perf_counter()
     import_module(f"{PACKAGE}.{name}")
     return time.perf_counter() - before

@@ -83,7 +83,6 @@ def plot_calibration(
 def _draw_progress(
     ax: Any, counts: Sequence[int], errors: Array, covariances: Array, what: str
 ) -> None:
-    """Draw error and stated deviation over the number of samples."""
     stated = np.sqrt(np.trace(covariances, axis1=1, axis2=2))
     ax.semilogy(counts, np.linalg.norm(errors, axis=1), "o-", color=_ERROR, label="error")
     ax.semilogy(counts, stated, "s--", color=_STATED, label="as stated (one deviation)")
@@ -95,7 +94,6 @@ def _draw_progress(
 
 
 def _draw_residuals(ax: Any, residuals: Array, inlier: BoolArray) -> None:
-    """Draw by how much each sample misses the result."""
     numbers = np.arange(len(residuals))
     for column, marker, label in ((1, "o", "position (m)"), (0, "^", "rotation (rad)")):
         ax.semilogy(numbers[inlier], residuals[inlier, column], marker, ms=5, label=label)

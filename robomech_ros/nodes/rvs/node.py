@@ -49,7 +49,6 @@ class RvsNode(Node):
         self._tell(model.chain.name, len(model.commanded.joint_names))
 
     def _serve_mobile_robot(self, mobile_robot: MobileRobot) -> None:
-        """Show a robot that moves over the ground."""
         robot, settings = RunningMobileRobot(self, mobile_robot, self._settings), self._settings
         where: dict[str, Any] = {"port": settings.port, "host": settings.host}
         self._page = mobile_page_of(mobile_robot.followed, robot, **where)

@@ -82,7 +82,6 @@ class AnalysisLayer(Layer):
             self._table.content = fact_table("understand", self._lines(judged, found))
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        """Add key figures, switches and a button to the folder."""
         self._table = folder.text()
         for name in LABELS:
             self._switches.add_to(folder, name)
@@ -101,7 +100,6 @@ class AnalysisLayer(Layer):
         self._kept["part"] = as_choice(PART, value, tuple(ROWS))
 
     def _find_facts(self) -> None:
-        """Have the facts found, once for the robot."""
         if not self._asked_for_facts:
             self._asked_for_facts = True
             self.find("facts", partial(arm_facts, self._place.chain), self._know_facts)
@@ -158,7 +156,6 @@ class AnalysisLayer(Layer):
     def _lines(
         self, judged: PostureFacts | None, found: dict[str, DrawnEllipsoid | None]
     ) -> list[tuple[str, str]]:
-        """Write what is known."""
         lines: list[tuple[str, str]] = []
         facts = self._facts
         if self._judges and facts is None:

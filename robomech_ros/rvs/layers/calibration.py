@@ -50,7 +50,6 @@ class CalibrationLayer(Layer):
         place_camera(place.server, self._points())
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        """Add the switch, and the facts, to the folder."""
         turn = partial(self._place.run, (self, "shown"))
         folder.checkbox("shown", self._shown, lambda shown: turn(partial(self._turn, shown)))
         folder.text().content = fact_table("calibration", calibration_facts(self._result))

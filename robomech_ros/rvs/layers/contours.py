@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,11 +21,11 @@ from robomech_ros.rvs.model.curve_problems import (
 from robomech_ros.rvs.model.ghosts import PALETTE
 from robomech_ros.rvs.page.clients import AllControls, Controls
 from robomech_ros.rvs.page.curve_view import CurveView
+from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext, Switch
 from robomech_ros.rvs.page.tables import small_text
 from robomech_ros.typing import Array
 
-ORDER = 30
 # The same pose (m, and entries of the rotation), and the same posture (rad).
 SAME_POSE, SAME_POSTURE = 1e-7, 1e-4
 
@@ -32,6 +33,7 @@ SAME_POSE, SAME_POSTURE = 1e-7, 1e-4
 class ContoursLayer(Layer):
     """The folder with the contours of the pose that the tip is to take."""
 
+    label, order = "Contours", 30
     root, roots = "a posture", "postures"
 
     def __init__(self, place: LayerContext) -> None:
@@ -62,26 +64,21 @@ class ContoursLayer(Layer):
 
     def controls(self, client: Any) -> Controls:
         """Return the folder: a switch, or a sentence for arms that have no contours."""
-        gui = client.gui
         self._view, self._on, self._target = None, False, None
-        folder = gui.add_folder("Contours", order=ORDER, expand_by_default=False)
-        with folder:
-            missing = what_is_missing(self._place.chain)
-            if missing:
-                gui.add_html(small_text([missing]))
-                return AllControls([folder])
-            hint = "Postures are where both curves cross and the other equations vanish, too"
-            switch = self._box = gui.add_checkbox("contours", False, hint=hint)
-            names = minor_names()
-            self._view = CurveView(gui, self, names, (0, len(names) - 1))
+        folder = super().controls(client)
+        return folder if self._view is None else AllControls([self._view, folder])
+
+    def _fill(self, folder: Folder, gui: Any) -> None:
+        missing = what_is_missing(self._place.chain)
+        if missing:
+            folder.text().content = small_text([missing])
+            return
+        hint = "Postures are where both curves cross and the other equations vanish, too"
+        switch = partial(self.ask, "contours", self._switch)
+        self._box = folder.checkbox("contours", False, switch, hint)
+        names = minor_names()
+        self._view = CurveView(gui, self, names, (0, len(names) - 1))
         self._view.show(False)
-
-        @switch.on_update
-        async def _(event: Any) -> None:
-            if event.client is not None:
-                self._place.ask("contours", lambda: self._switch(switch.value))
-
-        return AllControls([self._view, folder])
 
     def close(self) -> None:
         """End its thread."""
@@ -107,7 +104,7 @@ class ContoursLayer(Layer):
 
     def present(self, kind: Hashable, request: Callable[[], None]) -> None:
         """Do something on the thread of the page."""
-        self._place.ask(("contours", kind), request)
+        self.ask(kind, request)
 
     def problem(self, pair: tuple[int, int]) -> CurveProblem | None:
         """Return the contours of the pose; None where they have been switched off."""

@@ -38,7 +38,6 @@ class DHTableLayer(Layer):
             self._write()
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        """Add the table, and what changes it, to the folder."""
         self._table = folder.text()
         if self._place.chain.coupling is not None:
             self._table.content = NO_TABLE

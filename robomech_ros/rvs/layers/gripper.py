@@ -57,7 +57,6 @@ class GripperLayer(Layer):
         return AllControls([]) if self._gripper is None else super().controls(client)
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        """Add the slider to the folder."""
         gripper = self._gripper
         assert gripper is not None
         (low, high), unit = gripper.ends, gripper.unit

@@ -111,7 +111,6 @@ def _longest(hand: HandView, study: GraspStudy) -> float:
 
 
 def _forces(hand: HandView, study: GraspStudy) -> TwistArrows | None:
-    """Draw the forces of the fingers on the object, from their contacts."""
     if not len(study.forces):
         return None
     scale = LONGEST * hand.held.size / _longest(hand, study)

@@ -87,7 +87,6 @@ class HandLayer(Layer):
         return AllControls([grasp, self._contacts])
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        """Add object, contacts, load and switches to the folder."""
         hand, ask = self.hand, self.ask
         self._table = folder.text()
         shape = partial(ask, "shape", self._choose_shape)
@@ -127,7 +126,6 @@ class HandLayer(Layer):
         self.hand.touch()
 
     def _choose_contact(self, name: str, value: Any) -> None:
-        """Change the model of contacts, or a number of it."""
         hand = self.hand
         given = {"model": hand.model, "friction": hand.friction, "torsional": hand.torsional}
         contact = replace(hand.contact(0), **{**given, name: value})
@@ -142,7 +140,6 @@ class HandLayer(Layer):
         self.hand.load[LOADS[name][0]] = given
 
     def _choose_spot(self, finger: int, name: str, value: Any) -> None:
-        """Change whether and where a finger touches."""
         flag = name == "touches"
         new: Any = as_flag(name, value) if flag else _between(name, value, SPOT[name])
         self.hand.spots[finger] = replace(self.hand.spots[finger], **{name: new})
@@ -155,7 +152,6 @@ class HandLayer(Layer):
             self._quality = line
 
     def _legend(self) -> list[Line]:
-        """Say what the arrows are."""
         if not self.on["forces"]:
             return []
         if self._separates:
@@ -171,7 +167,6 @@ def _quality(grasp: Grasp) -> Line:
 
 
 def _between(what: str, value: Any, travel: tuple[float, float, str]) -> float:
-    """Check a number between two others, of a unit."""
     low, high, unit = travel
     given = finite_number(what, value, unit)
     if not low <= given <= high:

@@ -55,7 +55,6 @@ class MobileRobotLayer(Layer):
             self._table.content = fact_table(robot.kind, robot.facts())
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        """Add the command, and what becomes of it, to the folder."""
         robot, verb = self._robot, self._robot.verb
         for name, unit, k in AXES:
             most = float(robot.most[k])

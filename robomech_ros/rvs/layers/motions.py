@@ -88,16 +88,13 @@ class MotionLayer(Layer):
                 self.find("prepare", partial(_prepared, motion), self._show_prepared)
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        """Add planning, playing and looks to the folder."""
         self._status = folder.text()
         for label, which in ((START, "start"), (GOAL, "goal")):
             hint = f"The present posture is the {which} of a plan"
             folder.button(label, partial(self.ask, label, self.remember, which), hint)
-        way, profile = self._choose_way, self._choose_profile
-        folder.dropdown("Way", JOG_DIRECTIONS, self.way, partial(self.ask, "way", way))
-        folder.dropdown(
-            "Profile", tuple(PROFILES), self.profile, partial(self.ask, "profile", profile)
-        )
+        profiles = tuple(PROFILES)
+        folder.dropdown("Way", JOG_DIRECTIONS, self.way, partial(self._choose, "way"))
+        folder.dropdown("Profile", profiles, self.profile, partial(self._choose, "profile"))
         self._add_playing(folder, gui)
         draw = partial(self.ask, "curves", self.choose_curves)
         folder.dropdown("Curves", CURVES, self.curves, draw)
@@ -163,17 +160,15 @@ class MotionLayer(Layer):
 
     # What the controls ask for, each on the thread of the page.
 
+    def _choose(self, what: str, value: str) -> None:
+        chosen = {"way": self.way, "profile": self.profile, what: value}
+        self.ask(what, self.choose_plan, *chosen.values())
+
     def choose_plan(self, way: str, profile: str) -> None:
         """Plan in another way."""
         self.way = as_choice("way", way, JOG_DIRECTIONS)
         self.profile = as_choice("profile", profile, tuple(PROFILES))
         self.make_plan()
-
-    def _choose_way(self, value: str) -> None:
-        self.choose_plan(value, self.profile)
-
-    def _choose_profile(self, value: str) -> None:
-        self.choose_plan(self.way, value)
 
     def remember(self, which: str) -> None:
         """Take the present posture as start or goal, and plan if both are there."""

@@ -55,7 +55,6 @@ class PlatformLayer(Layer):
             self._table.content = fact_table("platform", self._lines())
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        """Add the choice of ghosts, and the switches, to the folder."""
         list_other = partial(self.ask, "ghosts", self._list_other)
         folder.dropdown("ghosts", LISTS, self._kind, list_other)
         for name in LABELS:
@@ -67,7 +66,6 @@ class PlatformLayer(Layer):
         self._list = None
 
     def _found(self, q: Any, kind: str, judged: bool) -> tuple[PlatformList, PlatformFacts | None]:
-        """Find what is shown of a posture."""
         robot = self._place.platform.robot
         before = () if self._list is None else self._list.postures
         try:
@@ -99,7 +97,6 @@ class PlatformLayer(Layer):
         )
 
     def _lines(self) -> list[tuple[str, str]]:
-        """Write what is known."""
         if not any(self._on.values()):
             return [("", "Singularities of this robot, live.")]
         if self._facts is None:

@@ -53,7 +53,6 @@ class PlatformWorkspaceLayer(Layer):
             self._table.content = self._written()
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        """Add the switches to the folder."""
         for label, hint in LABELS.items():
             self._switches.add_to(folder, label, hint)
         self._table = folder.text()
@@ -98,7 +97,6 @@ class PlatformWorkspaceLayer(Layer):
             part.nodes.append(node)
 
     def _written(self) -> str:
-        """Write what the colours are, as HTML."""
         lines = [line for part in self._parts.values() for line in part.lines()]
         if not lines:
             lines = ["How far the platform gets, or turns, from where it is, and what ends it."]

@@ -59,7 +59,6 @@ class RecordingLayer(Layer):
         return folder
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        """Add recording, files and the view to the folder."""
         client, ask = self._client, self.ask
         record = partial(ask, "record", self.record_or_end)
         label = END if self.recorder.running else RECORD

@@ -44,7 +44,6 @@ class WalkingLayer(Layer):
             self._table.content = fact_table("feet", robot.support_facts())
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        """Add the gaits, and the switch of the support polygon, to the folder."""
         hint = "In which it walks on as soon as it stands"
         choose = partial(self.ask, "gait", self._choose)
         gaits, chosen = self._robot.gaits, self._robot.chosen_gait

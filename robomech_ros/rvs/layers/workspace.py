@@ -11,6 +11,7 @@ import numpy as np
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinetostatics import ReachMap
 from robomech_ros.rvs.layers.camera import fit_view
+from robomech_ros.rvs.model.curve_problems import pair_of_numbers
 from robomech_ros.rvs.model.reach_points import (
     DENSITIES,
     MEASURES,
@@ -109,7 +110,6 @@ class WorkspaceLayer(Layer):
         return super().controls(client)
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        """Add boundary, map and their switches to the folder."""
         hint = "Where the number of postures changes, as a section and as a surface"
         self._switches.add_to(folder, "boundary", hint)
         self._plot, self._ring = folder.text(), folder.text()
@@ -292,13 +292,8 @@ class WorkspaceLayer(Layer):
 
 
 def _pair(text: Any) -> Array:
-    """Read two finite numbers."""
     expected = "two numbers in m, as 0.5, 0.2"
-    try:
-        first, second = (float(part) for part in str(text).replace(",", " ").split())
-    except ValueError:
-        raise BadValueError(POINT, text, expected) from None
-    pair = np.array([first, second])
+    pair = np.array(pair_of_numbers(POINT, text, expected))
     if not (np.abs(pair) <= 1e6).all():
         raise BadValueError(POINT, text, expected)
     return pair

@@ -9,10 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.oracles.posture_contours import MINORS, Crossing, PostureContours
 from robomech_ros.numerics import CurveCrossing, CurvePair
 from robomech_ros.numerics.grid_crossings import Equations
 from robomech_ros.robots import SerialChain
+from robomech_ros.robots.documents.numbers_in_text import number
 from robomech_ros.typing import Array
 
 # What a root leaves of the other equations, as part of their size; where curves touch, a crossing
@@ -171,3 +173,12 @@ def _finding(found: Crossing | CurveCrossing) -> Finding:
     if found.posture is None:
         return Finding(*known)
     return Finding(*known, found.posture.condition, found.posture.q)
+
+
+def pair_of_numbers(what: str, text: object, expected: str) -> list[float]:
+    """Read two numbers, apart by a comma or a space, or raise a BadValueError."""
+    try:
+        first, second = (number(part) for part in str(text).replace(",", " ").split())
+    except ValueError:
+        raise BadValueError(what, text, expected) from None
+    return [first, second]

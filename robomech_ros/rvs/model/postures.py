@@ -74,6 +74,8 @@ class PoseStudy:
         Where there is none: the posture inside the limits that misses the pose least.
     position_error, orientation_error : float
         By how much the nearest posture misses it (m, rad); 0 where there are postures.
+    text : str, optional
+        What the robot itself says of the pose, instead of how many postures there are.
     """
 
     target: Array
@@ -84,6 +86,7 @@ class PoseStudy:
     nearest: Array | None = None
     position_error: float = 0.0
     orientation_error: float = 0.0
+    text: str | None = None
 
     @property
     def nearest_posture(self) -> Posture | None:
@@ -93,6 +96,8 @@ class PoseStudy:
     @property
     def sentence(self) -> str:
         """How many postures there are, or why none, for people."""
+        if self.text is not None:
+            return self.text
         if not self.postures:
             return f"No posture: {self.reason or self.status.name}."
         count = len(self.postures)
@@ -105,22 +110,15 @@ class PoseStudy:
         return f"{text} {self.reason[0].upper()}{self.reason[1:]}." if self.reason else text
 
 
-@dataclass(frozen=True, eq=False)
-class PoseSummary(PoseStudy):
-    """Study of a pose as one sentence by the robot.
-
-    Parameters
-    ----------
-    text : str
-        What is known, or why there is no posture, for people.
-    """
-
-    text: str = ""
-
-    @property
-    def sentence(self) -> str:
-        """Sentence for people."""
-        return self.text
+def pose_summary(
+    target: Array,
+    text: str,
+    status: Status = Status.SUCCESS,
+    postures: tuple[Posture, ...] = (),
+    complete: bool = True,
+) -> PoseStudy:
+    """Return the study of a pose of which the robot itself says a sentence."""
+    return PoseStudy(target, postures, complete, status, "", text=text)
 
 
 def study_pose(chain: SerialChain, T: Array, present: Array) -> PoseStudy:
@@ -144,8 +142,8 @@ def study_pose(chain: SerialChain, T: Array, present: Array) -> PoseStudy:
     known = (result.complete, result.status, result.reason.rstrip("."))
     if len(result):
         return PoseStudy(result.target, _postures(result), *known)
-    nearest, *errors = _nearest(chain, result.target, present)
-    return PoseStudy(result.target, (), *known, nearest, *errors)
+    nearest, position, orientation = _nearest(chain, result.target, present)
+    return PoseStudy(result.target, (), *known, nearest, position, orientation)
 
 
 def _postures(result: InverseKinematicsResult) -> tuple[Posture, ...]:

@@ -177,7 +177,6 @@ def _bodies(visual: Visual, folder: Path | None) -> list[BodyVisual]:
 
 
 def _scaled(vertices: Array, visual: Visual) -> Array:
-    """Scale the vertices of a mesh (k, 3)."""
     with np.errstate(over="ignore"):
         scaled: Array = vertices * visual.measures
     if not np.abs(scaled).max() <= LARGEST_LENGTH:

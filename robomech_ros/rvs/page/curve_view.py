@@ -9,9 +9,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.robots.documents.numbers_in_text import number
 from robomech_ros.rvs.model.curve_drawing import COLOURS, Mark, draw_curves, place_script
-from robomech_ros.rvs.model.curve_problems import CurveProblem, Finding
+from robomech_ros.rvs.model.curve_problems import CurveProblem, Finding, pair_of_numbers
 from robomech_ros.rvs.page.tables import notice, small_text
 from robomech_ros.rvs.serving.scripts import script_that_fills
 from robomech_ros.typing import Array
@@ -161,7 +160,7 @@ class CurveView:
         if problem is None:
             return
         try:
-            found = problem.refine(_pair_of_numbers(text))
+            found = problem.refine(pair_of_numbers("estimate", text, "two numbers, as 0.5, -1.2"))
         except RobomechError as error:
             self._present(self._legend() + notice([f"Refused: {error}"]))
             return
@@ -244,11 +243,3 @@ class CurveView:
 
 def _same(one: Finding, other: Finding) -> bool:
     return bool(np.abs(one.point - other.point).max() < 1e-6)
-
-
-def _pair_of_numbers(text: str) -> list[float]:
-    try:
-        first, second = (number(part) for part in text.replace(",", " ").split())
-    except ValueError:
-        raise BadValueError("estimate", text, "two numbers, as 0.5, -1.2") from None
-    return [first, second]

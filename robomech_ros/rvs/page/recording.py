@@ -107,11 +107,11 @@ def _recorded(
     ghosts = GhostNodes(server.scene, BASE, maker, seen.reach)
     PathNode(server.scene, f"{robot.path(seen.tree.root)}/trail", TRAIL, seen.reach).show(way)
     others = [posture.q for choice in motion.choices for posture in choice.others]
-    at_first = dict(zip(chain.joint_names, q[0].tolist(), strict=True))
-    postures = [
-        dict(zip(chain.joint_names, one.tolist(), strict=True))
-        for one in (*q[::EVERY], q[-1], *others)
-    ]
+
+    def named(posture: Array) -> dict[str, float]:
+        return dict(zip(chain.joint_names, posture.tolist(), strict=True))
+
+    at_first, postures = named(q[0]), map(named, (*q[::EVERY], q[-1], *others))
     robot_points = visible_points(seen, postures)
     place_camera(server, np.vstack([robot_points, marker_points(seen, markers, at_first)]))
     MarkerNodes(server.scene, robot.path).show("markers", markers)
@@ -121,7 +121,7 @@ def _recorded(
     for k, (time, posture) in enumerate(zip(times.tolist(), q, strict=True)):
         while waiting and waiting[0].time <= time:
             ghosts.show(_ghosts(waiting.pop(0)))
-        robot.move(dict(zip(chain.joint_names, posture.tolist(), strict=True)))
+        robot.move(named(posture))
         if k + 1 < len(times):
             recording.insert_sleep(float(times[k + 1] - time))
     return str(recording.as_html())

@@ -90,7 +90,6 @@ class MobileRobotFeed(PollThread):
         return ""
 
     def _hear_feet(self) -> None:
-        """Take contacts and margin."""
         assert self._margins is not None and self._contacts is not None
         for margin in self._margins.take():
             self._margin = margin.data

@@ -74,7 +74,6 @@ class HandGhosts:
         return GhostPieces(*columns)
 
     def _split(self, postures: Sequence[Array]) -> list[list[Array]]:
-        """Return the postures of each finger."""
         parts = np.split(np.array(postures), self._ends, axis=1)
         return [list(part) for part in parts[: len(self._fingers)]]
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros.hands import Contact, Hand, grasp_postures, hand_postures, load_hand
-from robomech_ros.kinematics import InverseKinematicsResult, Status, forward_kinematics
+from robomech_ros.kinematics import InverseKinematicsResult, forward_kinematics
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.draggable import SliderRange
 from robomech_ros.rvs.model.hands.ghosts import HandGhosts
@@ -18,7 +18,7 @@ from robomech_ros.rvs.model.hands.grasp import Grasp
 from robomech_ros.rvs.model.hands.grasped_object import HeldObject
 from robomech_ros.rvs.model.hands.tree import OBJECT, OBJECT_JOINTS, finger_links, hand_tree
 from robomech_ros.rvs.model.kinds.tree_view import TreeView
-from robomech_ros.rvs.model.postures import MOST_POSTURES, PoseStudy, PoseSummary, Posture
+from robomech_ros.rvs.model.postures import MOST_POSTURES, PoseStudy, Posture, pose_summary
 from robomech_ros.rvs.model.visual_model import VisualModel
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 from robomech_ros.typing import Array
@@ -107,7 +107,7 @@ class HandView(TreeView):
         self.model, self.friction = "point", FRICTION
         self.load = np.array([0.0, 0.0, 0.0, 0.0, 0.0, -WEIGHT])
         self.reached: tuple[int, ...] = ()
-        self._study = PoseSummary(self.tip, (), True, Status.SUCCESS, "")
+        self._study = pose_summary(self.tip, "")
         apart = float(np.linalg.norm(tips - middle, axis=1).mean()) or far
         for part in SIZES:
             self.held = HeldObject("ball", float(f"{part * apart:.2g}"))
@@ -196,7 +196,7 @@ class HandView(TreeView):
         self.reached = ()
         if not wanted:
             text = "No finger is to touch the object."
-            self._study = PoseSummary(T, (), True, Status.SUCCESS, "", text=text)
+            self._study = pose_summary(T, text)
             return
         contacts = [self.contact(k) for k in wanted]
         found = dict(
@@ -246,12 +246,12 @@ class HandView(TreeView):
 
     def _studied(
         self, T: Array, postures: tuple[Posture, ...], found: Mapping[int, InverseKinematicsResult]
-    ) -> PoseSummary:
+    ) -> PoseStudy:
         missing = [k for k in found if k not in self.reached]
         if missing:
             names = self.hand.finger_names
             reasons = [f"{names[k]}: {found[k].reason.partition(MASKED)[0]}." for k in missing]
-            return PoseSummary(T, (), True, found[missing[0]].status, "", text=" ".join(reasons))
+            return pose_summary(T, " ".join(reasons), found[missing[0]].status)
         count = math.prod(len(one.q) for one in found.values())
         complete = all(one.complete for one in found.values())
         noun = "posture touches" if count == 1 else "postures touch"
@@ -261,7 +261,7 @@ class HandView(TreeView):
         if len(postures) < count:
             rest += f"; the nearest {len(postures)} are listed"
         text = f"{count} {noun} the object so; {rest}."
-        return PoseSummary(T, postures, complete, Status.SUCCESS, "", text=text)
+        return pose_summary(T, text, postures=postures, complete=complete)
 
 
 def load_hand_view(robot: str | os.PathLike[str]) -> HandView:

@@ -11,7 +11,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import Status
 from robomech_ros.robots import RobotDescription
 from robomech_ros.rvs.model.draggable import DraggableRobot, SliderRange
-from robomech_ros.rvs.model.postures import PoseStudy, PoseSummary
+from robomech_ros.rvs.model.postures import PoseStudy, pose_summary
 from robomech_ros.spatial import as_pose
 from robomech_ros.typing import Array
 
@@ -72,7 +72,7 @@ class TreeView(DraggableRobot):
     def study(self) -> PoseStudy:
         """Study of the pose."""
         status = Status.OUT_OF_REACH if self._refused else Status.SUCCESS
-        return PoseSummary(self.tip, (), True, status, "", text=self._text)
+        return pose_summary(self.tip, self._text, status)
 
     @property
     def faulty_links(self) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.rvs.model.draggable import OPEN_TURN, ROUNDING, DraggableRobot, SliderRange
 from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
 from robomech_ros.rvs.model.platforms.lists import PlatformList
-from robomech_ros.rvs.model.postures import PoseStudy, PoseSummary
+from robomech_ros.rvs.model.postures import PoseStudy, pose_summary
 from robomech_ros.rvs.model.visual_model import VisualModel
 from robomech_ros.spatial import as_pose, pose_error
 from robomech_ros.typing import Array
@@ -57,7 +57,7 @@ class PlatformView(DraggableRobot):
         twists = np.abs(self.mechanism.twist_matrix(self._q)).max(axis=1)
         self._motions = tuple(np.flatnonzero(twists > NOTHING * twists.max()).tolist())
         self._list: PlatformList | None = None
-        self._study: PoseStudy = self._at_rest()
+        self._study = self._at_rest()
         # The limb that ended the last drag, from 0; None where none did.
         self._faulty: int | None = None
 
@@ -140,7 +140,7 @@ class PlatformView(DraggableRobot):
             return
         self._faulty = int(np.argmax(found.excess)) if found.excess.any() else None
         text = f"Stopped: {found.reason}."
-        self._study = PoseSummary(target, (), True, Status.OUT_OF_REACH, "", text=text)
+        self._study = pose_summary(target, text, Status.OUT_OF_REACH)
 
     def release(self) -> None:
         """Let go of the gizmo: where the robot could not follow, it goes back to the platform."""
@@ -160,14 +160,12 @@ class PlatformView(DraggableRobot):
         self._q, self._faulty = q, None
         self._study = self._at_rest()
 
-    def _at_rest(self, target: Array | None = None) -> PoseSummary:
+    def _at_rest(self, target: Array | None = None) -> PoseStudy:
         at = self.tip if target is None else target
         if self._list is None:
-            return PoseSummary(
-                at, (), True, Status.SUCCESS, "", text="Looking for other postures ..."
-            )
+            return pose_summary(at, "Looking for other postures ...")
         known = self._list
-        return PoseSummary(at, known.postures, known.complete, Status.SUCCESS, "", text=known.text)
+        return pose_summary(at, known.text, postures=known.postures, complete=known.complete)
 
     def _possible(self, T: Array) -> Array:
         """Leave motions out that the platform does not have."""

@@ -100,7 +100,6 @@ class LiveControls:
             gui.add_html(jog_pad(self._pad.identifier, names))
 
     def _hold(self, beat: HoldHeartbeat, speed: float) -> None:
-        """Go on with a jog."""
         self._robot.hold(beat, as_choice("axes", self._frame.value, FRAMES), speed)
 
     def show_waiting(self, waiting: bool) -> None:

@@ -61,7 +61,6 @@ class MobileRobotControls:
             self._layer.refuse(error)
 
     def _hold(self, beat: HoldHeartbeat, speed: float) -> None:
-        """Go on with a jog."""
         direction, ways = beat.direction, self._followed.ways
         if (direction.kind, direction.index) not in [(way.kind, way.axis) for way in ways]:
             expected = ", ".join(f"'{way.kind} {way.axis}' ({way.name})" for way in ways)

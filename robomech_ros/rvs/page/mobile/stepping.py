@@ -65,7 +65,6 @@ class Stepping:
             self._place.ask((self, "step"), self._step, self._moved_joint())
 
     def _step(self) -> None:
-        """Move on to now."""
         now = time.monotonic()
         steps, most = int((now - self._stepped) / self._period), int(MOST / self._period)
         # What was missed for long is not made up for.
