@@ -123,7 +123,7 @@ def write_calibration(
     """
     seen = _checked(result, tracking)
     require_viser()
-    from robomech_ros.rvs.page.recording import record_motion
+    from robomech_ros.rvs.page.recording import motion_page
 
     arm = ArmView(chain)
     # Where the last sample was taken, if the arm gets there.
@@ -131,9 +131,10 @@ def write_calibration(
     markers = calibration_markers(result, seen, chain.base, chain.tip)
     notes = [f"{name}: {fact}" if name else fact for name, fact in calibration_facts(result)]
     still = Motion(chain, np.zeros(1), arm.q[None])
-    return record_motion(
-        Path(path), description, still, title or description.name, markers=markers, notes=notes
-    )
+    name = title or description.name
+    page = motion_page(description, still, name, markers=markers, notes=notes)
+    Path(path).write_text(page, encoding="utf-8")
+    return Path(path)
 
 
 def _checked(result: HandEyeResult, tracking: ArrayLike) -> Array:

@@ -19,8 +19,8 @@ from robomech_ros.rvs.serving.address import HOST, PORT
 
 if TYPE_CHECKING:
     from robomech_ros.rvs.model.draggable import DraggableRobot
+    from robomech_ros.rvs.model.kinds.observed_robot import ObservedRobot
     from robomech_ros.rvs.model.live_robot import LiveMobileRobot, LiveRobot
-    from robomech_ros.rvs.model.running.observed_robot import ObservedRobot
     from robomech_ros.rvs.page.layer import LayerMaker
     from robomech_ros.rvs.page.page import RobotPage
 
@@ -256,9 +256,14 @@ def write_motion(
         The file cannot be written.
     """
     require_viser()
-    from robomech_ros.rvs.page.recording import record_motion
+    from robomech_ros.rvs.page.recording import motion_page
 
-    return record_motion(Path(path), description, motion, title or description.name, trail=trail)
+    file, text = (
+        Path(path),
+        motion_page(description, motion, title or description.name, trail=trail),
+    )
+    file.write_text(text, encoding="utf-8")
+    return file
 
 
 def require_viser() -> None:

@@ -20,13 +20,7 @@ from robomech_ros.typing import Array
 
 
 class LiveLayer(LivePage):
-    """The robot on its page, and what the nodes tell it.
-
-    Parameters
-    ----------
-    place : LayerContext
-    robot : LiveRobot
-    """
+    """The robot on its page, and what the nodes tell it."""
 
     def __init__(self, place: LayerContext, robot: LiveRobot) -> None:
         lines = ("servo", "dropped", "gripper")

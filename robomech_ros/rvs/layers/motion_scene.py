@@ -59,12 +59,7 @@ def swept(motion: Motion) -> SweptPlan:
 
 
 class MotionScene:
-    """The nodes of a plan, which all browsers see.
-
-    Parameters
-    ----------
-    place : LayerContext
-    """
+    """The nodes of a plan, which all browsers see."""
 
     def __init__(self, place: LayerContext) -> None:
         self._scene, self._root = place.server.scene, f"{place.base}/plan"

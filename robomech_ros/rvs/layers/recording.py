@@ -110,13 +110,7 @@ class RecordingLayer(Layer):
         self._worker.submit("download", write)
 
     def restore(self, text: str, client: Any) -> None:
-        """Show what a text says, or refuse it as a whole.
-
-        Raises
-        ------
-        BadValueError
-            It is no view of this arm, or outside its limits.
-        """
+        """Show what a text says, or refuse it as a whole."""
         place = self._place
         # What is refused does not stay in the address.
         self.written = ""

@@ -71,13 +71,7 @@ class ArmView(DraggableRobot):
         return forward_kinematics(self.chain, self._q)
 
     def checked(self, q: ArrayLike) -> Array:
-        """Check a posture.
-
-        Raises
-        ------
-        BadValueError
-            It is not n finite numbers, or a joint is outside its limits.
-        """
+        """Check a posture."""
         values = np.array(q, dtype=np.float64)
         forward_kinematics(self.chain, values)
         for joint, value in enumerate(values.tolist()):

@@ -55,10 +55,6 @@ def position_half_axes(result: HandEyeResult) -> tuple[Array, Array]:
 
     Directions that are free are left out of it.
 
-    Parameters
-    ----------
-    result : HandEyeResult
-
     Returns
     -------
     half_axes : ndarray, shape (3,)
@@ -152,10 +148,6 @@ def calibration_markers(
 
 def calibration_facts(result: HandEyeResult) -> list[tuple[str, str]]:
     """Write what was found, and the residuals of every sample, for people.
-
-    Parameters
-    ----------
-    result : HandEyeResult
 
     Returns
     -------

@@ -64,10 +64,6 @@ def draw_curves(
         Steps of an iteration, the estimate first.
     on_press : str, optional
         JavaScript that runs when the drawing is pressed: it may be drawn anew before a click ends.
-
-    Returns
-    -------
-    str
     """
     lines = "".join(
         f'<path data-curve="{number}" d="{curve_line(axes, pieces)}" fill="none" '
@@ -99,10 +95,6 @@ def draw_plane(
         JavaScript that runs when the drawing is pressed.
     side : float, optional
         Width of the plane in the picture, here and in all other functions that have it.
-
-    Returns
-    -------
-    str
     """
     frame = f'x="{LEFT}" y="{BOTTOM - TOP}" width="{side:.2f}" height="{TOP}"'
     return (

@@ -48,11 +48,6 @@ def read_change(text: str, joints: int) -> DHChange:
     text : str
     joints : int
         How many there are.
-
-    Raises
-    ------
-    BadValueError
-        It is none.
     """
     words = text.split()
     error = BadValueError("change of the DH table", text.strip(), EXPECTED.format(n=joints))

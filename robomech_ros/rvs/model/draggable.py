@@ -130,13 +130,7 @@ class DraggableRobot(ABC):
         return self._travels[joint]
 
     def checked_slide(self, joint: int, value: float) -> float:
-        """Check a value of a slider (rad or m), and round it into its range.
-
-        Raises
-        ------
-        BadValueError
-            It is no finite number, or outside the range.
-        """
+        """Check a value of a slider (rad or m), and round it into its range."""
         what, unit = f"{self.slider_noun} '{self.joint_names[joint]}'", self.units[joint]
         given, (low, high) = finite_number(what, value, unit), self.travel(joint)
         if not low - ROUNDING <= given <= high + ROUNDING:
@@ -145,13 +139,7 @@ class DraggableRobot(ABC):
 
     @abstractmethod
     def set_joint(self, joint: int, value: float) -> None:
-        """Move one joint (rad or m).
-
-        Raises
-        ------
-        BadValueError
-            It is no finite number, outside the limits, or the robot cannot follow: it stays.
-        """
+        """Move one joint (rad or m); a BadValueError if the robot cannot follow, and it stays."""
 
     @abstractmethod
     def move_to(self, q: ArrayLike) -> None:
@@ -180,13 +168,7 @@ class DraggableRobot(ABC):
         return
 
     def take(self, number: int) -> None:
-        """Take one of the postures of the study, counted from 0; the nearest if there is none.
-
-        Raises
-        ------
-        BadValueError
-            There is none of this number, or a joint of it is outside its limits.
-        """
+        """Take one of the postures of the study, counted from 0; the nearest if there is none."""
         known = [posture.q for posture in self.study.postures]
         if not known and self.study.nearest is not None:
             known = [self.study.nearest]
@@ -200,13 +182,7 @@ class DraggableRobot(ABC):
         return None
 
     def slide(self, length: float) -> None:
-        """Move along the self-motion (rad or m from its beginning), as far as limits allow.
-
-        Raises
-        ------
-        BadValueError
-            It is no finite number, or the robot has no self-motion.
-        """
+        """Move along the self-motion (rad or m from its beginning), as far as limits allow."""
         raise BadValueError("self-motion", length, "an arm of more than six joints")
 
     def ghosts(self, seen: VisualModel) -> GhostMaker:

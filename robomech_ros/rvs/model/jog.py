@@ -80,15 +80,6 @@ def read_beat(text: str, joints: int) -> HoldHeartbeat:
         Direction, number of the press and its age (ms): ``"joint 2 + 1712 500"``.
     joints : int
         How many there are.
-
-    Returns
-    -------
-    HoldHeartbeat
-
-    Raises
-    ------
-    BadValueError
-        It is something else, or there is no such joint or axis.
     """
     found = _HOLD.fullmatch(text)
     if found is None:

@@ -62,15 +62,6 @@ def motion_curves(motion: Motion) -> MotionCurves:
 
     Rates that the motion does not bring are differences of what it brings; torques are those of
     the rigid bodies, without friction.
-
-    Parameters
-    ----------
-    motion : Motion
-
-    Raises
-    ------
-    BadValueError
-        It is one of a whole robot.
     """
     robot, times = motion.chain, motion.times - motion.times[0]
     if not isinstance(robot, SerialChain | Mechanism):

@@ -32,13 +32,7 @@ class PlanView:
 
 
 def check_same_joints(motion: Motion, joints: tuple[str, ...]) -> None:
-    """Check that a motion is one of these joints.
-
-    Raises
-    ------
-    BadValueError
-        It moves other joints.
-    """
+    """Check that a motion is one of these joints."""
     if not isinstance(motion, Motion):
         raise BadValueError("motion", motion, "a Motion")
     names = tuple(motion.chain.joint_names)

@@ -41,13 +41,7 @@ class Player:
         self.time = min(max(finite_number("time", time, "s"), 0.0), self.duration)
 
     def set_speed(self, speed: float) -> None:
-        """Play so many times as fast.
-
-        Raises
-        ------
-        BadValueError
-            It is no number from 0.1 to 10.
-        """
+        """Play so many times as fast."""
         value = finite_number("speed", speed, "times that of the motion")
         if not SLOWEST <= value <= FASTEST:
             raise BadValueError("speed", speed, f"{SLOWEST:g} to {FASTEST:g}")

@@ -132,11 +132,6 @@ def study_pose(chain: SerialChain, T: Array, present: Array) -> PoseStudy:
         ``T_base_tip`` (m).
     present : ndarray, shape (n,)
         Where the arm is (rad or m), inside its limits.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`~robomech_ros.kinematics.inverse_kinematics`.
     """
     result = inverse_kinematics(chain, T, seed=present)
     known = (result.complete, result.status, result.reason.rstrip("."))

@@ -86,11 +86,6 @@ def computed_map(
         With the present orientation.
     progress : callable
         As for :func:`reach_map`; what it raises ends the computation.
-
-    Raises
-    ------
-    BadValueError
-        No such choice.
     """
     as_choice("orientations", orientations, ORIENTATIONS)
     count = DENSITIES[as_choice("points", density, tuple(DENSITIES))]
@@ -114,11 +109,6 @@ def reach_points(found: ReachMap, measure: str, *, cut: bool) -> ReachPoints:
         One of ``MEASURES``.
     cut : bool
         Whether points in the open sector about z are left out.
-
-    Raises
-    ------
-    BadValueError
-        No such measure.
     """
     as_choice("coloured by", measure, MEASURES)
     reached = found.reached.ravel() > 0

@@ -41,13 +41,7 @@ class Recorder:
         return self.running
 
     def end(self, now: float, chain: SerialChain) -> Motion:
-        """End it, and give the motion.
-
-        Raises
-        ------
-        BadValueError
-            Nothing has moved.
-        """
+        """End it, and give the motion."""
         self.running = False
         if len(self._times) < 2:
             raise BadValueError("recording", "empty", "an arm that moves")

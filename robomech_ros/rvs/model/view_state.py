@@ -54,11 +54,6 @@ def state_from_text(text: str, joints: int, names: Sequence[str]) -> ViewState:
         Of the arm; their limits are not checked here.
     names : sequence of str
         Of all that can be switched.
-
-    Raises
-    ------
-    BadValueError
-        It is no such text, for another arm, or of values that cannot be.
     """
     if len(text) > LONGEST:
         raise BadValueError("view", f"{len(text)} characters", f"at most {LONGEST}")

@@ -124,10 +124,6 @@ class VisualModel:
 def load_visual_model(description: RobotDescription) -> VisualModel:
     """Collect what is to be seen of a robot, meshes where they are found.
 
-    Parameters
-    ----------
-    description : RobotDescription
-
     Raises
     ------
     RobotDescriptionError

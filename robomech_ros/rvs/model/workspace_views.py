@@ -167,13 +167,7 @@ class SectionView:
 
 
 def section_view(chain: SerialChain) -> SectionView:
-    """Find the boundary of an arm's workspace, and count the postures all over its section.
-
-    Raises
-    ------
-    BadValueError, MissingLimitsError
-        As :func:`workspace_boundary` does.
-    """
+    """Find the boundary of an arm's workspace, and count the postures all over its section."""
     space = workspace_boundary(chain)
     # Of a planar arm of three joints the boundary is that of the tip itself.
     in_tip = np.zeros(3) if space.tip is not None else positioning_part(chain).in_tip

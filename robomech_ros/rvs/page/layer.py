@@ -146,10 +146,6 @@ class LayerContext:
 class Layer:
     """A part of a page; all methods are called on its thread, ``show`` inside one update.
 
-    Parameters
-    ----------
-    place : LayerContext
-
     Attributes
     ----------
     label, order, expanded : str, float, bool

@@ -201,11 +201,6 @@ class RobotPage:
             Of the joints of this page's arm, or of all those of its parallel robot.
         name : str, optional
             What it is, for people.
-
-        Raises
-        ------
-        BadValueError
-            It is no motion, or one of other joints.
         """
         check_same_joints(motion, self._planned_joints())
         self._ask("plan", lambda: self._show_plan(motion, name))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -41,22 +40,6 @@ _SWATCH = (
     '<span style="display:inline-block;min-width:1.5em;margin-right:0.5em;border-radius:0.7em;'
     'color:#fff;text-align:center;background:rgb{colour}">{number}</span>'
 )
-
-
-def record_motion(
-    path: Path,
-    description: RobotDescription,
-    motion: Motion,
-    title: str,
-    *,
-    markers: Sequence[ViewMarker] = (),
-    notes: Sequence[str] = (),
-    trail: str = "",
-) -> Path:
-    """Write a motion as a page; parameters and errors are those of :func:`motion_page`."""
-    page = motion_page(description, motion, title, markers=markers, notes=notes, trail=trail)
-    path.write_text(page, encoding="utf-8")
-    return path
 
 
 def motion_page(

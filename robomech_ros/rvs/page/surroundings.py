@@ -38,7 +38,7 @@ def add_surroundings(server: Any, reach: float) -> Any:
     )
     square = next((width for width in SQUARES if reach / width <= MOST_SQUARES), SQUARES[-1])
     width = 2.0 * square * math.ceil(1.25 * reach / square)
-    ground = scene.add_grid(
+    return scene.add_grid(
         "/ground",
         width=width,
         height=width,
@@ -48,7 +48,6 @@ def add_surroundings(server: Any, reach: float) -> Any:
         section_color=(130, 130, 130),
         shadow_opacity=0.0,
     )
-    return ground
 
 
 def place_camera(server: Any, points: Array) -> None:

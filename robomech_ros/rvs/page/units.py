@@ -79,14 +79,7 @@ RADIANS = Units()
 
 
 class UnitText:
-    """HTML of a page, written in rad.
-
-    Parameters
-    ----------
-    units : Units
-    handle : viser.GuiHtmlHandle
-    content : str
-    """
+    """HTML of a page, written in rad."""
 
     def __init__(self, units: Units, handle: Any, content: str) -> None:
         self._units, self._handle, self._content = units, handle, content
@@ -101,15 +94,6 @@ class UnitText:
     def content(self, content: str) -> None:
         self._content = content
         self.write()
-
-    @property
-    def visible(self) -> bool:
-        """Whether it is seen."""
-        return bool(self._handle.visible)
-
-    @visible.setter
-    def visible(self, visible: bool) -> None:
-        self._handle.visible = visible
 
     def write(self) -> None:
         """Show the content in the unit of the page."""

@@ -58,10 +58,6 @@ class Spot:
 class HandView(TreeView):
     """A hand, the object between its fingers, and a load; not for several threads at a time.
 
-    Parameters
-    ----------
-    hand : Hand
-
     Attributes
     ----------
     held : HeldObject

@@ -27,12 +27,7 @@ ROOM = 4.0
 
 
 class BaseView(MobileRobotView):
-    """A rolling robot with its present place; not for several threads at a time.
-
-    Parameters
-    ----------
-    robot : RollingRobot
-    """
+    """A rolling robot with its present place; not for several threads at a time."""
 
     kind, verb, period = "rolling", "drive", PERIOD
 

@@ -108,11 +108,5 @@ class TreeView(DraggableRobot):
         self.place(self.dragged(as_pose(T)))
 
     def dragged(self, T: Array) -> Mapping[str, float]:
-        """Return the joints that change as the link is brought to a pose.
-
-        Raises
-        ------
-        BadValueError
-            The link is not moved so.
-        """
+        """Return the joints that change as the link is brought to a pose."""
         raise BadValueError("pose", T.tolist(), f"none: '{self.end}' is not dragged")

@@ -49,10 +49,6 @@ def platform_list(
         One of :data:`LISTS`.
     before : sequence of Posture, optional
         What was found a moment ago: each keeps its number.
-
-    Returns
-    -------
-    PlatformList
     """
     mechanism = robot.mechanism
     if kind == LISTS[0]:

@@ -105,13 +105,7 @@ class PlatformView(DraggableRobot):
         self._go(found.q)
 
     def move_to(self, q: ArrayLike) -> None:
-        """Take a posture (n,) whose loops are closed.
-
-        Raises
-        ------
-        BadValueError
-            A joint is outside its limits.
-        """
+        """Take a posture (n,) whose loops are closed."""
         given = np.array(q, dtype=np.float64)
         self._check_inside(given)
         self._go(given)
@@ -122,11 +116,6 @@ class PlatformView(DraggableRobot):
         Motions that the platform does not have are left out; one whose motions depend on each other
         goes to about the nearest pose.  Where a limb does not reach, the robot stays, and the study
         names it.
-
-        Raises
-        ------
-        BadValueError
-            It is no pose; or the nearest one is outside the limits.
         """
         target = self._possible(as_pose(T))
         found = self.mechanism.postures(target, seed=self._q)

@@ -72,11 +72,6 @@ def platform_reach(
         All joints (rad or m), loops closed.
     turns : bool, optional
         Whether the platform is turned at its place, instead of moved with its orientation.
-
-    Raises
-    ------
-    BadValueError
-        The platform does not move or turn so, or is outside its limits or singular where it is.
     """
     T, planar = robot.mechanism.pose(q), isinstance(robot, Planar3RPR | Planar3RRR)
     if turns and planar:

@@ -33,10 +33,6 @@ ROOM, GIZMO = 4.0, 2.0
 class WalkerView(MobileRobotView):
     """A walking machine with its present posture and place; not for several threads at a time.
 
-    Parameters
-    ----------
-    robot : LeggedRobot
-
     Attributes
     ----------
     height : float
@@ -112,13 +108,7 @@ class WalkerView(MobileRobotView):
         return {"scale": GIZMO * scale}
 
     def set_joint(self, joint: int, value: float) -> None:
-        """Move the trunk over the feet that stand, in one of its directions (m or rad).
-
-        Raises
-        ------
-        BadValueError
-            It is no finite number, or outside the travel, or not all legs can follow: they stay.
-        """
+        """Move the trunk over the feet that stand, in one of its directions (m or rad)."""
         given = self.checked_slide(joint, value)
         self.moved_joint = joint
         wanted = self.values
@@ -151,13 +141,7 @@ class WalkerView(MobileRobotView):
         self._show(self._walker.update())
 
     def choose_gait(self, gait: str) -> None:
-        """Walk in a gait, as soon as it stands.
-
-        Raises
-        ------
-        BadValueError
-            No gait for this robot and its pose.
-        """
+        """Walk in a gait, as soon as it stands."""
         self._walker.command_gait(gait)
         self._chosen, self._on_its_way = gait, True
 
