@@ -258,12 +258,9 @@ def write_motion(
     require_viser()
     from robomech_ros.rvs.page.recording import motion_page
 
-    file, text = (
-        Path(path),
-        motion_page(description, motion, title or description.name, trail=trail),
-    )
-    file.write_text(text, encoding="utf-8")
-    return file
+    page = motion_page(description, motion, title or description.name, trail=trail)
+    Path(path).write_text(page, encoding="utf-8")
+    return Path(path)
 
 
 def require_viser() -> None:
