@@ -35,11 +35,6 @@ class Requests:
         self._lock = threading.Lock()
         self._waiting: list[_Request] = []
 
-    @property
-    def waiting(self) -> int:
-        """How many requests wait for their answers."""
-        return len(self._waiting)
-
     def name(self, client: Client) -> str:
         """Return the full name of a service, quoted."""
         return f"'{self._node.resolve_service_name(client.srv_name)}'"

@@ -10,14 +10,14 @@ from robomech_ros.rvs.model.curve_drawing import ROOT
 from robomech_ros.rvs.model.curve_problems import Axis, CurveProblem, Finding, equations_problem
 from robomech_ros.rvs.page.curve_view import CurveView
 from robomech_ros.rvs.page.surroundings import set_theme
-from robomech_ros.rvs.serving.server import guarded_server
+from robomech_ros.rvs.serving.server import ServedPage, guarded_server
 from robomech_ros.rvs.serving.worker import Worker
 
 # Width of the panel (pixels): all that a browser has, since there is no scene beside it.
 WIDTH = 4000
 
 
-class EquationsPage:
+class EquationsPage(ServedPage):
     """A page of equations, served until it is closed.
 
     Parameters
@@ -64,22 +64,6 @@ class EquationsPage:
             set_theme(gui, dark.value)
 
         self._view.draw()
-
-    @property
-    def url(self) -> str:
-        """The address of the page, with the token that it asks for."""
-        return self._server.url
-
-    def close(self) -> None:
-        """Stop serving."""
-        self._worker.close()
-        self._server.close()
-
-    def __enter__(self) -> EquationsPage:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     # What the view of the curves calls.
 

@@ -21,14 +21,14 @@ from robomech_ros.rvs.page.panel import AT_FIRST, Panel
 from robomech_ros.rvs.page.scene import BASE, PageScene
 from robomech_ros.rvs.page.surroundings import set_theme
 from robomech_ros.rvs.page.units import Units
-from robomech_ros.rvs.serving.server import guarded_server
+from robomech_ros.rvs.serving.server import ServedPage, guarded_server
 from robomech_ros.rvs.serving.worker import Worker
 
 # What is where the arm was brought last.
 WITH_THE_ARM = ("ghosts", "gizmo")
 
 
-class RobotPage:
+class RobotPage(ServedPage):
     """A page of one robot, served until it is closed.
 
     Parameters
@@ -72,11 +72,6 @@ class RobotPage:
         self._server.viser.on_client_disconnect(self._left)
 
     @property
-    def url(self) -> str:
-        """The address of the page, with the token that it asks for."""
-        return self._server.url
-
-    @property
     def name(self) -> str:
         """Name of the robot."""
         return self._arm.name
@@ -87,17 +82,11 @@ class RobotPage:
         return len(self._server.viser.get_clients())
 
     def close(self) -> None:
-        """Stop serving."""
+        """Stop serving, and what the layers do."""
         self._worker.close()
         for layer in self._layers:
             layer.close()
-        self._server.close()
-
-    def __enter__(self) -> RobotPage:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
+        super().close()
 
     def _set_up(
         self, description: RobotDescription, seen: VisualModel, arm: DraggableRobot

@@ -14,7 +14,7 @@ import threading
 import time
 import warnings
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, TypeVar
 
 import viser
 import websockets.asyncio.server
@@ -24,6 +24,7 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.rvs.serving.access_control import AccessControl
 from robomech_ros.rvs.serving.address import GREATEST_PORT
 from robomech_ros.rvs.serving.messages import LONGEST_MESSAGE, is_acceptable
+from robomech_ros.rvs.serving.worker import Worker
 
 # Messages a second that one page may send; the next ones wait on their way here.  A page sends some
 # 20 while something is dragged.
@@ -104,6 +105,32 @@ class GuardedServer:
         """Stop serving; pages that are open lose their connection."""
         with _silenced():
             self.viser.stop()
+
+
+Page = TypeVar("Page", bound="ServedPage")
+
+
+class ServedPage:
+    """A page that is served until it is closed."""
+
+    _server: GuardedServer
+    _worker: Worker
+
+    @property
+    def url(self) -> str:
+        """The address of the page, with the token that it asks for."""
+        return self._server.url
+
+    def close(self) -> None:
+        """Stop serving."""
+        self._worker.close()
+        self._server.close()
+
+    def __enter__(self: Page) -> Page:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
 
 def guarded_server(host: str, port: int, label: str) -> GuardedServer:

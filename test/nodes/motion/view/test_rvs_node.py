@@ -234,7 +234,7 @@ def test_stop_is_said_to_have_stopped_when_all_have_answered(graph, shown, arm):
     finally:
         free.set()
     wait_until(lambda: "Stopped." in shown.said())
-    wait_until(lambda: motions._requests.waiting <= 1)
+    wait_until(lambda: len(motions._requests._waiting) <= 1)
 
 
 def test_what_the_publisher_sends_when_it_cancels_moves_nothing_after_stop(graph, shown, arm):
