@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import threading
+import time
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -10,12 +13,13 @@ from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.rvs.model.kinds.mobile_robot import AXES, MobileRobotView
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
-from robomech_ros.rvs.page.mobile.stepping import Stepping
 from robomech_ros.rvs.page.path_nodes import PathNode
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.tables import fact_table
 from robomech_ros.spatial.arrays import as_flag
 
+# How often it is drawn while it moves (s), and what is made up for at most (s).
+TICK, MOST = 0.05, 0.4
 TRAIL, AHEAD = (31, 119, 180), (230, 120, 20)
 
 
@@ -94,3 +98,64 @@ class MobileRobotLayer(Layer):
             self._follows = False
         self._robot.drive(steps, brake=not self._follows)
         return self._follows or not self._robot.stands
+
+
+class Stepping:
+    """Asks for steps from a thread of its own.
+
+    Parameters
+    ----------
+    place : LayerContext
+    period : float
+        Of the robot (s).
+    go_on : callable
+        Makes so many periods, and says whether the robot still moves; called in requests.
+    moved_joint : callable
+        Gives the number of the slider that is not set back meanwhile, or None.
+    """
+
+    def __init__(
+        self,
+        place: LayerContext,
+        period: float,
+        go_on: Callable[[int], bool],
+        moved_joint: Callable[[], int | None],
+    ) -> None:
+        self._place, self._period = place, period
+        self._go_on, self._moved_joint = go_on, moved_joint
+        self._moves, self._closing = threading.Event(), threading.Event()
+        self._stepped = 0.0
+        self._thread = threading.Thread(target=self._run, name="steps", daemon=True)
+        self._thread.start()
+
+    @property
+    def moves(self) -> bool:
+        """Whether steps are asked for."""
+        return self._moves.is_set()
+
+    def begin(self) -> None:
+        """Go on from now, unless it does already; in requests alone."""
+        if not self.moves:
+            self._stepped = time.monotonic()
+            self._moves.set()
+
+    def close(self) -> None:
+        """End the thread."""
+        self._closing.set()
+        self._moves.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        while True:
+            self._moves.wait()
+            if self._closing.wait(TICK):
+                return
+            self._place.ask((self, "step"), self._step, self._moved_joint())
+
+    def _step(self) -> None:
+        now = time.monotonic()
+        steps, most = int((now - self._stepped) / self._period), int(MOST / self._period)
+        # What was missed for long is not made up for.
+        self._stepped = now if steps > most else self._stepped + steps * self._period
+        if not self._go_on(min(steps, most)):
+            self._moves.clear()

@@ -8,7 +8,7 @@ from typing import Any
 from robomech_ros.rvs.model.walking.walker_view import WalkerView
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
-from robomech_ros.rvs.page.mobile.support_nodes import SupportNodes
+from robomech_ros.rvs.page.support_nodes import SupportNodes
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.tables import fact_table
 from robomech_ros.spatial.arrays import as_choice

@@ -1,1 +1,0 @@
-"""Page parts for robots that move over the ground."""
