@@ -19,8 +19,8 @@ from robomech_ros.rvs.serving.address import HOST, PORT
 
 if TYPE_CHECKING:
     from robomech_ros.rvs.model.draggable import DraggableRobot
-    from robomech_ros.rvs.model.kinds.observed_robot import ObservedRobot
     from robomech_ros.rvs.model.live_robot import LiveMobileRobot, LiveRobot
+    from robomech_ros.rvs.model.observed_robot import ObservedRobot
     from robomech_ros.rvs.page.layer import LayerMaker
     from robomech_ros.rvs.page.page import RobotPage
 

@@ -7,8 +7,8 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from robomech_ros.rvs.model.kinds.observed_robot import ObservedRobot
 from robomech_ros.rvs.model.live_robot import LiveMobileRobot, Stance
+from robomech_ros.rvs.model.observed_robot import ObservedRobot
 from robomech_ros.rvs.page.layer import LayerContext
 from robomech_ros.rvs.page.live.live_page import LivePage
 from robomech_ros.rvs.page.live.mobile_robot_controls import MobileRobotControls

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -46,13 +45,21 @@ class MobileRobotLayer(Layer):
         self._switches = Switches(place, {"trail": "trail"}, {"trail": True})
         # Whether it is to follow the command; if not, it stops.
         self._follows = False
-        self.stepping = Stepping(place, robot.period, self._go_on, lambda: robot.moved_joint)
+        self._moves, self._closing = threading.Event(), threading.Event()
+        self._stepped = 0.0
+        self._thread = threading.Thread(target=self._run, name="steps", daemon=True)
+        self._thread.start()
+
+    @property
+    def moves(self) -> bool:
+        """Whether the robot goes on in periods, on the thread of the page."""
+        return self._moves.is_set()
 
     def show(self) -> None:
         """Follow the robot."""
         robot = self._robot
         if not robot.stands:
-            self.stepping.begin()
+            self._begin()
         self._trail.show(robot.trail if self._switches["trail"] else robot.trail[:0])
         self._ahead.show(robot.path_ahead())
         if self.is_open:
@@ -74,7 +81,9 @@ class MobileRobotLayer(Layer):
 
     def close(self) -> None:
         """Stop."""
-        self.stepping.close()
+        self._closing.set()
+        self._moves.set()
+        self._thread.join()
 
     def _command(self, name: str, axis: int, value: Any) -> None:
         self.ask(name, self._set, name, axis, value)
@@ -90,72 +99,29 @@ class MobileRobotLayer(Layer):
     def _follow(self, value: Any) -> None:
         self._follows = as_flag(self._robot.verb, value)
         if self._follows:
-            self.stepping.begin()
+            self._begin()
 
-    def _go_on(self, steps: int) -> bool:
-        """Move on; where nobody looks any more, stop."""
-        if not self._place.server.get_clients():
-            self._follows = False
-        self._robot.drive(steps, brake=not self._follows)
-        return self._follows or not self._robot.stands
-
-
-class Stepping:
-    """Asks for steps from a thread of its own.
-
-    Parameters
-    ----------
-    place : LayerContext
-    period : float
-        Of the robot (s).
-    go_on : callable
-        Makes so many periods, and says whether the robot still moves; called in requests.
-    moved_joint : callable
-        Gives the number of the slider that is not set back meanwhile, or None.
-    """
-
-    def __init__(
-        self,
-        place: LayerContext,
-        period: float,
-        go_on: Callable[[int], bool],
-        moved_joint: Callable[[], int | None],
-    ) -> None:
-        self._place, self._period = place, period
-        self._go_on, self._moved_joint = go_on, moved_joint
-        self._moves, self._closing = threading.Event(), threading.Event()
-        self._stepped = 0.0
-        self._thread = threading.Thread(target=self._run, name="steps", daemon=True)
-        self._thread.start()
-
-    @property
-    def moves(self) -> bool:
-        """Whether steps are asked for."""
-        return self._moves.is_set()
-
-    def begin(self) -> None:
+    def _begin(self) -> None:
         """Go on from now, unless it does already; in requests alone."""
         if not self.moves:
             self._stepped = time.monotonic()
             self._moves.set()
-
-    def close(self) -> None:
-        """End the thread."""
-        self._closing.set()
-        self._moves.set()
-        self._thread.join()
 
     def _run(self) -> None:
         while True:
             self._moves.wait()
             if self._closing.wait(TICK):
                 return
-            self._place.ask((self, "step"), self._step, self._moved_joint())
+            self._place.ask((self, "step"), self._step, self._robot.moved_joint)
 
     def _step(self) -> None:
-        now = time.monotonic()
-        steps, most = int((now - self._stepped) / self._period), int(MOST / self._period)
+        """Move on to now; where nobody looks any more, stop."""
+        robot, now = self._robot, time.monotonic()
+        steps, most = int((now - self._stepped) / robot.period), int(MOST / robot.period)
         # What was missed for long is not made up for.
-        self._stepped = now if steps > most else self._stepped + steps * self._period
-        if not self._go_on(min(steps, most)):
+        self._stepped = now if steps > most else self._stepped + steps * robot.period
+        if not self._place.server.get_clients():
+            self._follows = False
+        robot.drive(min(steps, most), brake=not self._follows)
+        if not self._follows and robot.stands:
             self._moves.clear()

@@ -29,7 +29,7 @@ def test_a_hexapod_walks_on_the_page_with_its_feet_and_margin(shown):
     tab.wait_for("document.querySelector('[data-sentence]').innerText.startsWith('Walks on ')")
     tab.wait_for("__viserMutable.nodeRefFromName['/base/trail']")
     press(tab, field("walk"))
-    wait_until(lambda: walker.stands and not page._layers[0].stepping.moves)
+    wait_until(lambda: walker.stands and not page._layers[0].moves)
     tab.wait_for("document.querySelector('[data-sentence]').innerText.startsWith('Stands on 6')")
     press(tab, button("Clear trail"))
     tab.wait_for("!__viserMutable.nodeRefFromName['/base/trail']")

@@ -128,7 +128,7 @@ def test_a_browser_drives_the_base_and_lets_it_brake(driven):
     wait_until(lambda: base.motion.twist[1] == pytest.approx(0.5) and len(base.trail) > 10)
     send_value(connection, found["drive"]._impl.uuid, False)
     wait_until(lambda: base.stands)
-    wait_until(lambda: not page._layers[0].stepping.moves)
+    wait_until(lambda: not page._layers[0].moves)
     assert base.pose[0] > 0.0 and abs(base.pose[1]) < 1e-9
 
 
@@ -154,4 +154,4 @@ def test_nobody_who_looks_is_nobody_who_drives(driven):
     send_value(connection, found["drive"]._impl.uuid, True)
     wait_until(lambda: base.pose[0] > 0.05)
     connection.close()
-    wait_until(lambda: base.stands and not page._layers[0].stepping.moves)
+    wait_until(lambda: base.stands and not page._layers[0].moves)

@@ -7,7 +7,7 @@ import pytest
 
 from robomech_ros.errors import BadValueError, RobomechError, RobotDescriptionError
 from robomech_ros.robots import load_description
-from robomech_ros.rvs.model.kinds.observed_robot import observed_walker
+from robomech_ros.rvs.model.observed_robot import observed_walker
 from robomech_ros.rvs.model.walking.placed_tree import BODY_JOINTS, placed_tree, placing
 from robomech_ros.rvs.model.walking.support import Support
 from robomech_ros.rvs.model.walking.walker_view import WalkerView, load_walker_view
@@ -211,7 +211,7 @@ def test_a_browser_has_it_walk_and_stop(walked):
     send_value(connection, found["walk"]._impl.uuid, True)
     wait_until(lambda: walker.positions["base_x"] > 0.03 and len(walker.trail) > 2)
     send_value(connection, found["walk"]._impl.uuid, False)
-    wait_until(lambda: walker.stands and not page._layers[0].stepping.moves)
+    wait_until(lambda: walker.stands and not page._layers[0].moves)
     assert walker.support.contacts.all()
 
 
@@ -222,7 +222,7 @@ def test_a_browser_poses_the_trunk_and_hears_why_not(walked):
     walker = page._arm
     send_value(connection, slider(page, BODY_JOINTS.index("body_z")), 0.02)
     wait_until(lambda: walker.positions["body_z"] == pytest.approx(0.02))
-    wait_until(lambda: not page._layers[0].stepping.moves)
+    wait_until(lambda: not page._layers[0].moves)
     roll = BODY_JOINTS.index("body_roll")
     send_value(connection, slider(page, roll), 0.5)
     wait_until(lambda: "tibia" in page._stage._summary.content)
@@ -253,7 +253,7 @@ def test_the_gait_of_a_browser_is_taken_up_and_the_polygon_hidden(walked):
     page, connection = walked
     found = controls_of(page._layers[1])
     send_value(connection, found["gait"]._impl.uuid, "ripple")
-    wait_until(lambda: page._arm.gait == "ripple" and not page._layers[0].stepping.moves)
+    wait_until(lambda: page._arm.gait == "ripple" and not page._layers[0].moves)
     send_value(connection, found["support polygon"]._impl.uuid, False)
     wait_until(lambda: page._layers[1]._nodes._feet is None)
     send_value(connection, found["support polygon"]._impl.uuid, True)
@@ -269,7 +269,7 @@ def test_nobody_who_looks_is_nobody_who_walks(walked):
     send_value(connection, found["walk"]._impl.uuid, True)
     wait_until(lambda: walker.positions["base_heading"] > 0.02)
     connection.close()
-    wait_until(lambda: walker.stands and not page._layers[0].stepping.moves)
+    wait_until(lambda: walker.stands and not page._layers[0].moves)
 
 
 def test_a_machine_that_runs_has_the_sliders_of_its_trunk():

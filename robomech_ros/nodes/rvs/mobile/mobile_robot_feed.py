@@ -19,8 +19,8 @@ from robomech_ros.nodes.common.status_report import TOPIC
 from robomech_ros.nodes.rvs.mobile.mobile_robots import MobileRobot
 from robomech_ros.nodes.rvs.poll_thread import PollThread, polled
 from robomech_ros.nodes.rvs.settings import RvsSettings
-from robomech_ros.rvs.model.kinds.observed_robot import on_plane
 from robomech_ros.rvs.model.live_robot import Stance
+from robomech_ros.rvs.model.observed_robot import on_plane
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.typing import Array
 

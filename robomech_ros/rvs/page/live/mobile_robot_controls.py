@@ -9,8 +9,8 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.rvs.model.draggable import ROUNDING
 from robomech_ros.rvs.model.jog import HoldHeartbeat
-from robomech_ros.rvs.model.kinds.observed_robot import ObservedRobot, Shift
 from robomech_ros.rvs.model.live_robot import LiveMobileRobot
+from robomech_ros.rvs.model.observed_robot import ObservedRobot, Shift
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.live.hold_field import HoldField
 from robomech_ros.rvs.page.live.jog_pad import hold_pad
