@@ -37,6 +37,7 @@ class LiveLayer(LivePage):
         # How often Stop was clicked; what was asked before a click is not done after it.
         self._stops, self._stopping = 0, threading.Lock()
         self._waiting, self._wants_markers = False, False
+        self._controls: LiveControls | None = None
         robot.begin(self)
 
     # Of the page, on its thread.
@@ -48,6 +49,7 @@ class LiveLayer(LivePage):
 
     def controls(self, client: Any) -> LiveControls:
         """Give the browser that commands its controls."""
+        self._commander = client.client_id
         controls = self._controls = LiveControls(
             client,
             self._place.units,

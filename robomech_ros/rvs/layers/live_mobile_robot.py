@@ -3,18 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from numpy.typing import NDArray
 
+from robomech_ros.errors import BadValueError
+from robomech_ros.numerics.arrays import finite_number
+from robomech_ros.rvs.model.draggable import ROUNDING
+from robomech_ros.rvs.model.jog import HoldHeartbeat
 from robomech_ros.rvs.model.live_robot import LiveMobileRobot, Stance
-from robomech_ros.rvs.model.observed_robot import ObservedRobot
+from robomech_ros.rvs.model.observed_robot import ObservedRobot, Shift
+from robomech_ros.rvs.page.clients import AllControls, Controls
+from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import LayerContext
+from robomech_ros.rvs.page.live.hold_field import HoldField
+from robomech_ros.rvs.page.live.jog_pad import hold_pad
 from robomech_ros.rvs.page.live.live_page import LivePage
-from robomech_ros.rvs.page.live.mobile_robot_controls import MobileRobotControls
 from robomech_ros.rvs.page.path_nodes import PathNode
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.tables import fact_table
+from robomech_ros.spatial.arrays import as_choice
 
 TRAIL = (31, 119, 180)
 
@@ -22,17 +31,20 @@ TRAIL = (31, 119, 180)
 class LiveMobileRobotLayer(LivePage):
     """Page of a running mobile robot."""
 
+    order, expanded = 3.5, True
+
     def __init__(self, place: LayerContext, robot: LiveMobileRobot) -> None:
         if not isinstance(place.moved, ObservedRobot):
             raise TypeError("the page shows no robot that runs over the ground")
         hint = "Commands the robot to stand; every browser may"
         super().__init__(place, robot, (), hint)
         self._robot, self._followed = robot, place.moved
+        self.label = place.moved.verb.capitalize()
         # It is moved by no gizmo.
         place.switch("gizmo", False)
         scene, gui = place.server.scene, place.server.gui
         self._trail = PathNode(scene, f"{place.base}/trail", TRAIL, place.seen.reach)
-        self.switches = Switches(place, {"trail": "trail"}, {"trail": True})
+        self._switches = Switches(place, {"trail": "trail"}, {"trail": True})
         self._stance: Stance | None = None
         self._support: Any = None
         self._table = place.units.html(gui, order=0.5)
@@ -43,7 +55,7 @@ class LiveMobileRobotLayer(LivePage):
     def show(self) -> None:
         """Show trail and feet."""
         points = self._followed.trail.points
-        self._trail.show(points if self.switches["trail"] else points[:0])
+        self._trail.show(points if self._switches["trail"] else points[:0])
         if self._stance is not None:
             self._show_feet(self._stance)
 
@@ -58,32 +70,86 @@ class LiveMobileRobotLayer(LivePage):
         gait = [("gait", stance.gait)] if stance.gait else []
         self._table.content = fact_table("feet", [*gait, *stance.support.facts(text)])
 
-    def controls(self, client: Any) -> MobileRobotControls:
+    def controls(self, client: Any) -> Controls:
         """Give the browser that commands its controls."""
-        controls = MobileRobotControls(client, self._place.units, self._followed, self._robot, self)
-        self._controls = controls
-        return controls
+        self._commander = client.client_id
+        return AllControls([super().controls(client), self._pad])
 
-    # Of the controls.
+    def _fill(self, folder: Folder, gui: Any) -> None:
+        followed = self._followed
+        self._pad = HoldField(gui, 0, self._hold, self._robot.let_go, self.refuse)
+        folder.text().content = hold_pad(self._pad.identifier, [followed.ways])
+        if followed.gaits:
+            hint = "Choose one, in which it walks on as soon as it stands"
+            folder.dropdown("gait", ("", *followed.gaits), "", self._choose_gait, hint)
+        if followed.shifts:
+            self._add_trunk(folder)
+        self._switches.add_to(folder, "trail")
+        folder.button("Clear trail", partial(self.ask, "clear", followed.trail.clear))
 
-    def clear_trail(self) -> None:
-        """Begin a new trail."""
-        self._place.ask((self, "clear"), self._followed.trail.clear)
+    def _add_trunk(self, folder: Folder) -> None:
+        """Add sliders and buttons for the pose that the trunk is to take."""
+        self._sliders = []
+        for shift in self._followed.shifts:
+            ends, hint = (-shift.most, shift.most), f"Beside the level pose, {shift.unit}"
+            slider = folder.slider(shift.name, shift.unit, ends, 0.0, lambda _: None, hint)
+            self._sliders.append(slider)
+        hint = "Over feet that stay; what would tip the robot or overstretch a leg is refused"
+        folder.button("Move trunk", self._move_trunk, hint)
+        folder.button("Level trunk", self._level_trunk)
+
+    # Of the controls, on threads of the server.
+
+    def _choose_gait(self, value: Any) -> None:
+        if value == "":
+            return
+        try:
+            self._robot.choose_gait(as_choice("gait", value, self._followed.gaits))
+        except BadValueError as error:
+            self.refuse(error)
+
+    def _hold(self, beat: HoldHeartbeat, speed: float) -> None:
+        direction, ways = beat.direction, self._followed.ways
+        if (direction.kind, direction.index) not in [(way.kind, way.axis) for way in ways]:
+            expected = ", ".join(f"'{way.kind} {way.axis}' ({way.name})" for way in ways)
+            raise BadValueError("jog", f"{direction.kind} {direction.index}", expected)
+        self._robot.hold(beat, speed)
+
+    def _move_trunk(self) -> None:
+        try:
+            pairs = zip(self._followed.shifts, self._sliders, strict=True)
+            self._robot.move_trunk([_checked(shift, slider.value) for shift, slider in pairs])
+        except BadValueError as error:
+            self.refuse(error)
+
+    def _level_trunk(self) -> None:
+        for slider in self._sliders:
+            slider.value = 0.0
+        self._robot.move_trunk([0.0] * len(self._sliders))
+
+    # Of the robot, on any thread.
 
     def show_pose(self, positions: Mapping[str, float], place: NDArray[Any]) -> None:
         """Draw the robot with its joints there (rad or m), at x, y (m) and heading (rad)."""
-        self._place.ask((self, "place"), lambda: self._followed.hear(positions, place))
+        self.ask("place", self._followed.hear, positions, place)
 
     def show_stance(self, stance: Stance) -> None:
         """Draw on which feet it stands, and say how safely."""
+        self.ask("stance", self._stand, stance)
 
-        def stands() -> None:
-            self._stance = stance
-
-        self._place.ask((self, "stance"), stands)
+    def _stand(self, stance: Stance) -> None:
+        self._stance = stance
 
     def show_condition(self, text: str, links: Sequence[str], *, warns: bool) -> None:
         """Say how it is, or warn of what limits it, and mark links."""
         self._place.ask(
             (self, "condition"), lambda: self._followed.tell(text, links, refused=warns)
         )
+
+
+def _checked(shift: Shift, value: object) -> float:
+    given = finite_number(shift.name, value, shift.unit)
+    if abs(given) > shift.most + ROUNDING:
+        expected = f"{-shift.most:.6g} to {shift.most:.6g} {shift.unit}"
+        raise BadValueError(shift.name, given, expected)
+    return given

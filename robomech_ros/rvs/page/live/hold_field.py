@@ -81,7 +81,7 @@ class HoldField:
                 self._let_go()
                 self._refuse(error)
 
-    def end(self) -> None:
+    def remove(self) -> None:
         """End what is held; the browser commands no more."""
         with self._holding:
             self.gone = True

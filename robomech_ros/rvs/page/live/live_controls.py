@@ -51,7 +51,6 @@ class LiveControls:
         markers: bool,
     ) -> None:
         self._robot, self._layer = robot, layer
-        self.client_id = client.client_id
         self._handles: list[Any] = []
         # Whether the browser commands no more.
         self.gone = False
@@ -111,7 +110,7 @@ class LiveControls:
         """Take the controls from the browser, and end its jog."""
         self.gone = True
         if self._pad is not None:
-            self._pad.end()
+            self._pad.remove()
         else:
             self._robot.let_go()
         for handle in reversed(self._handles):

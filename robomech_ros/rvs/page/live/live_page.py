@@ -60,8 +60,8 @@ class LivePage(Layer):
     ) -> None:
         super().__init__(place)
         self._running = robot
-        # The controls of the browser that commands.
-        self._controls: Any = None
+        # The browser that commands, or did last.
+        self._commander: int | None = None
         self._somebody, self._clients = threading.Event(), set[int]()
         gui = place.server.gui
         self._news = StatusLines(gui, place.units, ("state", *lines, "jog", "result"))
@@ -93,7 +93,7 @@ class LivePage(Layer):
         self._clients.discard(client.client_id)
         if not self._clients:
             self._somebody.clear()
-        if self._controls is not None and self._controls.client_id == client.client_id:
+        if self._commander == client.client_id:
             self._running.let_go()
 
     # Of the robot, on any thread.

@@ -31,7 +31,7 @@ def page_of(graph, browse, robot):
         RvsNode, robot_description=robot, port=0, jog_timeout=1.0, jog_linear_speed=0.2
     )
     browser = browse(node)
-    wait_until(lambda: browser.layer._controls is not None)
+    wait_until(lambda: browser.page._panel is not None)
     wait_until(lambda: len(browser.page._arm.trail.points) and not browser.said("state"))
     wait_until(node._robot._jogger._twists.get_subscription_count)
     return browser
@@ -45,14 +45,14 @@ def place(browser):
 
 def control(browser, label):
     """A control of the browser that commands, by its label."""
-    handles = browser.layer._controls.folder._handles
+    handles = browser.layer._folder._handles
     (found,) = (one for one in handles if getattr(one, "label", "") == label)
     return found
 
 
 def until_still(graph, browser, topic):
     """Let the button go, and wait until the robot stands, and is drawn where it stands."""
-    browser.set(browser.layer._controls._pad.handle, "")
+    browser.set(browser.layer._pad.handle, "")
     wait_until(lambda: not browser.node._robot.jogs)
     last = []
 
@@ -206,7 +206,7 @@ def test_what_limits_a_base_is_said_and_its_wheels_are_marked(graph, browse):
 def test_without_the_node_of_the_robot_the_page_says_so(graph, browse):
     node = graph.start(RvsNode, robot_description="mecanum", port=0)
     browser = browse(node)
-    wait_until(lambda: browser.layer._controls is not None)
+    wait_until(lambda: browser.page._panel is not None)
     wait_until(lambda: "Nothing yet on '/mobile_base/odometry'" in browser.said("state"))
     browser.press()
     browser.hold("linear 0 +")
@@ -236,6 +236,6 @@ WILD = ["joint 0 + 1 1", "linear 2 + 1 1", "angular 0 - 1 1", "linear 0 + 1", "n
 def test_wild_jogs_are_refused(graph, browse, text):
     graph.start(MobileBaseNode, robot_description="omni")
     browser = page_of(graph, browse, "omni")
-    browser.set(browser.layer._controls._pad.handle, text)
+    browser.set(browser.layer._pad.handle, text)
     wait_until(lambda: "Refused" in browser.said())
     assert not browser.node._robot.jogs and not place(browser).any()

@@ -401,7 +401,7 @@ def test_markers_are_drawn_where_they_are_wanted(graph, shown):
     box = next(
         handle
         for handle in shown.node._page._server.viser.get_clients()[
-            shown.layer._controls.client_id
+            shown.layer._commander
         ].gui._gui_input_handle_from_uuid.values()
         if getattr(handle, "label", "") == "markers"
     )
