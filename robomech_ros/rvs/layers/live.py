@@ -9,18 +9,33 @@ from typing import Any
 
 import numpy as np
 
+from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.following_goal import FollowingGoal
+from robomech_ros.rvs.model.jog import HoldHeartbeat
 from robomech_ros.rvs.model.live_robot import LiveRobot, ServoNews, ViewMarker
 from robomech_ros.rvs.motion import Motion
+from robomech_ros.rvs.page.clients import AllControls, Controls
+from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import LayerContext
-from robomech_ros.rvs.page.live.live_controls import LiveControls
+from robomech_ros.rvs.page.live.hold_field import HoldField
+from robomech_ros.rvs.page.live.jog_pad import jog_pad
 from robomech_ros.rvs.page.live.live_page import LivePage
 from robomech_ros.rvs.page.marker_nodes import MarkerNodes
+from robomech_ros.rvs.page.tables import short_name
+from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.typing import Array
+
+# Label of the buttons about the goal, and what they do.
+GOAL = "Goal"
+PLAN, EXECUTE, TO_ROBOT = "Plan", "Execute", "To robot"
+# Whose axes the tip is jogged along and about.
+FRAMES = ("base", "tip")
 
 
 class LiveLayer(LivePage):
     """The robot on its page, and what the nodes tell it."""
+
+    label, order = "ROS", 50
 
     def __init__(self, place: LayerContext, robot: LiveRobot) -> None:
         lines = ("servo", "dropped", "gripper")
@@ -37,7 +52,8 @@ class LiveLayer(LivePage):
         # How often Stop was clicked; what was asked before a click is not done after it.
         self._stops, self._stopping = 0, threading.Lock()
         self._waiting, self._wants_markers = False, False
-        self._controls: LiveControls | None = None
+        self._pads: list[HoldField] = []
+        self._wait_box: Any = None
         robot.begin(self)
 
     # Of the page, on its thread.
@@ -47,19 +63,53 @@ class LiveLayer(LivePage):
         self._goal.put(self._place.moved.q)
         self._goal_nodes.show(self._goal.is_apart)
 
-    def controls(self, client: Any) -> LiveControls:
-        """Give the browser that commands its controls."""
-        self._commander = client.client_id
-        controls = self._controls = LiveControls(
-            client,
-            self._place.units,
-            self._place.jogged,
-            self._robot,
-            self,
-            waiting=self._waiting,
-            markers=self._wants_markers,
+    def controls(self, client: Any) -> Controls:
+        """Give the browser that commands buttons about the goal, and the folders Jog and ROS."""
+        self._commander, self._wait_box = client.client_id, None
+        parts = [self._add_goal(client.gui)]
+        if self._place.jogged is not None:
+            parts.append(self._add_jog(client.gui, self._place.jogged))
+        return AllControls([*parts, super().controls(client), *self._pads])
+
+    def _add_goal(self, gui: Any) -> Controls:
+        hint = (
+            "Plan a motion from the robot to the goal, the orange robot; plan and execute it; put "
+            "the goal where the robot is"
         )
-        return controls
+        self._goal_buttons = gui.add_button_group(
+            GOAL, (PLAN, EXECUTE, TO_ROBOT), hint=hint, order=-0.1
+        )
+        ways = {PLAN: self.plan, EXECUTE: self.execute, TO_ROBOT: self.bring_goal}
+
+        @self._goal_buttons.on_click
+        async def _(event: Any) -> None:
+            way = ways.get(event.target.value)
+            if way is not None:
+                way()
+
+        buttons: Controls = self._goal_buttons
+        return buttons
+
+    def _add_jog(self, gui: Any, chain: SerialChain) -> Controls:
+        folder = Folder(gui, self._place.units, "Jog", 3.5)
+        with folder:
+            pad = HoldField(gui, chain.n, self._hold, self._robot.let_go, self.refuse)
+            hint = "Axes along and about which the tip is jogged"
+            self._frame = gui.add_dropdown("axes of", FRAMES, hint=hint)
+            names = [short_name(name) for name in chain.joint_names]
+            gui.add_html(jog_pad(pad.identifier, names))
+        self._pads = [pad]
+        return folder
+
+    def _fill(self, folder: Folder, gui: Any) -> None:
+        hint = "Off: the trajectory publisher executes every plan as soon as it is made"
+        wait = self._robot.let_plans_wait
+        self._wait_box = folder.checkbox("plans wait", self._waiting, wait, hint)
+        hint = "What the nodes publish as markers"
+        folder.checkbox("markers", self._wants_markers, self._want_markers, hint)
+
+    def _hold(self, beat: HoldHeartbeat, speed: float) -> None:
+        self._robot.hold(beat, as_choice("axes", self._frame.value, FRAMES), speed)
 
     def _stop(self) -> None:
         with self._stopping:
@@ -81,20 +131,20 @@ class LiveLayer(LivePage):
 
         Not if Stop is clicked before, or the browser has lost command by then.
         """
-        stops, controls = self._stops, self._controls
-        self._news.say("dropped", "")
+        stops, folder = self._stops, self._folder
+        self.say("dropped", "")
 
         def go() -> None:
             dropped = ""
             with self._stopping:
                 if stops != self._stops:
                     dropped = "Stop was clicked after it"
-                elif controls is None or controls.gone:
+                elif folder is None or folder.removed:
                     dropped = "another browser has taken command"
                 else:
                     way(self._place.moved.values.copy())
             if dropped:
-                self._news.say("dropped", f"{refusal}: {dropped}.")
+                self.say("dropped", f"{refusal}: {dropped}.")
 
         self._place.ask(kind, go)
 
@@ -103,8 +153,7 @@ class LiveLayer(LivePage):
         self._goal.follow()
         self._place.ask("goal", self._follow)
 
-    def want_markers(self, wanted: bool) -> None:
-        """Show markers, or not."""
+    def _want_markers(self, wanted: bool) -> None:
         self._wants_markers = wanted
         self._robot.want_markers(wanted)
 
@@ -148,11 +197,11 @@ class LiveLayer(LivePage):
         text = "" if news is None else news.text
         if news is not None and text and news.scale < 1.0:
             text = f"at {100.0 * news.scale:.0f} % of the speed: {text}"
-        self._news.say("servo", f"Servo: {text}" if text else "")
+        self.say("servo", f"Servo: {text}" if text else "")
 
     def show_gripper(self, text: str, *, failed: bool = False) -> None:
         """Say what the gripper does, or why it does not."""
-        self._news.say("gripper", text, failed)
+        self.say("gripper", text, failed)
         # Its slider goes to where it is.
         self._place.ask("gripper", lambda: None)
 
@@ -169,8 +218,9 @@ class LiveLayer(LivePage):
     def show_waiting(self, waiting: bool) -> None:
         """Say whether plans wait to be executed on request."""
         self._waiting = waiting
-        if self._controls is not None:
-            self._controls.show_waiting(waiting)
+        box = self._wait_box
+        if self.is_open and box is not None and box.value != waiting:
+            box.value = waiting
 
     def _leave_behind(self, behind: bool) -> None:
         """Hide ghosts and gizmo while the robot moves away from them."""

@@ -108,7 +108,7 @@ class Folder:
 
     def remove(self) -> None:
         """Take it from the browser, with what is in it."""
+        self.removed = True
         for handle in reversed(self._handles):
             handle.remove()
         self._folder.remove()
-        self.removed = True

@@ -32,7 +32,7 @@ class Browser:
 
     def click(self, what):
         """Click one of the buttons about the goal."""
-        self.set(self.layer._controls._handles[0], what)
+        self.set(self.layer._goal_buttons, what)
 
     def stop(self):
         """Click Stop."""
@@ -53,11 +53,11 @@ class Browser:
         """Say that a button is held."""
         age = round(1000 * (time.monotonic() - self._pressed_at))
         text = f"{direction} {self._presses} {age}"
-        self.set(self.layer._controls._pad.handle, text)
+        self.set(self.layer._pads[0].handle, text)
 
     def said(self, line="result"):
         """Return the text of a line of the page."""
-        return html.unescape(self.layer._news._lines[line])
+        return html.unescape(self.layer._lines[line])
 
     def close(self):
         self._socket.close()

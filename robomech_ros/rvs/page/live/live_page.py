@@ -10,36 +10,6 @@ from typing import Any
 from robomech_ros.errors import BadValueError
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.tables import STYLE, WARN
-from robomech_ros.rvs.page.units import Units
-
-
-class StatusLines:
-    """Messages on top of the panel, which every browser sees; for any thread.
-
-    Parameters
-    ----------
-    gui : viser.GuiApi
-        Of all browsers.
-    units : Units
-    lines : sequence of str
-        Their names, from above; also attributes, as ``data-state``.
-    """
-
-    def __init__(self, gui: Any, units: Units, lines: Sequence[str]) -> None:
-        self._html = units.html(gui, order=-0.2)
-        self._speaking = threading.Lock()
-        self._lines = dict.fromkeys(lines, "")
-
-    def say(self, line: str, text: str, failed: bool = True) -> None:
-        """Write a line; an empty text takes it away."""
-        with self._speaking:
-            row = f'<div style="{WARN if failed else ""}" data-{line}>{html.escape(text)}</div>'
-            row = row if text else ""
-            if self._lines[line] == row:
-                return
-            self._lines[line] = row
-            rows = "".join(self._lines.values())
-            self._html.content = f'<div style="{STYLE}" data-live>{rows}</div>' if rows else ""
 
 
 class LivePage(Layer):
@@ -64,7 +34,10 @@ class LivePage(Layer):
         self._commander: int | None = None
         self._somebody, self._clients = threading.Event(), set[int]()
         gui = place.server.gui
-        self._news = StatusLines(gui, place.units, ("state", *lines, "jog", "result"))
+        # Messages on top of the panel, which every browser sees.
+        self._messages = place.units.html(gui, order=-0.2)
+        self._speaking = threading.Lock()
+        self._lines = dict.fromkeys(("state", *lines, "jog", "result"), "")
         stop = gui.add_button("Stop", color="red", hint=stop_hint, order=-0.15)
 
         @stop.on_click
@@ -98,18 +71,29 @@ class LivePage(Layer):
 
     # Of the robot, on any thread.
 
+    def say(self, line: str, text: str, failed: bool = True) -> None:
+        """Write a message, whose line is also an attribute; an empty text takes it away."""
+        with self._speaking:
+            row = f'<div style="{WARN if failed else ""}" data-{line}>{html.escape(text)}</div>'
+            row = row if text else ""
+            if self._lines[line] == row:
+                return
+            self._lines[line] = row
+            rows = "".join(self._lines.values())
+            self._messages.content = f'<div style="{STYLE}" data-live>{rows}</div>' if rows else ""
+
     def wait_for_viewer(self, seconds: float) -> bool:
         """Wait until somebody looks, but no longer; return whether somebody does."""
         return self._somebody.wait(seconds)
 
     def show_state(self, text: str) -> None:
         """Say what is wrong with the state of the robot; empty for nothing."""
-        self._news.say("state", text)
+        self.say("state", text)
 
     def show_result(self, text: str, *, failed: bool = False) -> None:
         """Say what came of a request."""
-        self._news.say("result", text, failed)
+        self.say("result", text, failed)
 
     def show_jog(self, text: str) -> None:
         """Say why a jog has ended, or does not begin; empty for nothing."""
-        self._news.say("jog", text)
+        self.say("jog", text)

@@ -57,7 +57,7 @@ def test_a_button_moves_the_tip_while_it_is_held(jogged):
     # What belongs to a robot at rest has come to it, and is not seen while it moves on.
     wait_until(lambda: browser.layer._goal._brought is not None and gizmo.visible)
     hold_until(browser, "linear 2 +", lambda: left_behind() and tip()[2] > start[2] + 0.03)
-    browser.set(browser.layer._controls._pad.handle, "")
+    browser.set(browser.layer._pads[0].handle, "")
     until_still(robot)
     wait_until(lambda: not browser.node._robot.jogs)
     moved = tip() - start
@@ -69,11 +69,11 @@ def test_a_button_moves_the_tip_while_it_is_held(jogged):
 
 def test_a_joint_is_jogged_to_its_limit_and_no_further(jogged):
     browser, robot = jogged
-    browser.set(browser.layer._controls._pad._speed, 1.0)
+    browser.set(browser.layer._pads[0]._speed, 1.0)
     upper = robot.chain.upper[4]
     hold_until(browser, "joint 4 +", lambda: robot.position[4] > upper - 0.05)
     hold_until(browser, "joint 4 +", lambda: robot.names[4] in browser.said("servo"))
-    browser.set(browser.layer._controls._pad.handle, "")
+    browser.set(browser.layer._pads[0].handle, "")
     until_still(robot)
     for state in robot.states:
         assert state.position[4] <= upper + 1e-9
@@ -87,14 +87,14 @@ def test_a_page_that_goes_stops_the_robot(jogged, browse, how):
     if how == "close":
         browser.close()
     elif how == "take over":
-        lost = browser.layer._controls
+        lost = browser.layer._pads[0]
         other = Browser(browser.node)
         wait_until(lambda: browser.page._audience._watching)
         ((number, (_, button)),) = browser.page._audience._watching.items()
         other.set(button, True)
         wait_until(lambda: browser.page._audience.commander == number)
         # What it said last may come after.
-        lost._pad._take("joint 1 + 99 0")
+        lost._take("joint 1 + 99 0")
         assert not browser.node._robot.jogs
         other.close()
     until_still(robot)
@@ -116,14 +116,14 @@ WILD = [
 def test_wild_jogs_are_refused(jogged, text):
     browser, robot = jogged
     start = robot.position
-    browser.set(browser.layer._controls._pad.handle, text)
+    browser.set(browser.layer._pads[0].handle, text)
     wait_until(lambda: "Refused" in browser.said())
-    controls = browser.layer._controls
+    layer = browser.layer
     # A slider takes what can be read as a number.
     for field, value, right, word in (
-        (controls._pad._speed, 1e300, 0.5, "speed is 1e+300"),
-        (controls._pad._speed, "nan", 0.5, "speed is nan"),
-        (controls._frame, "sideways", "base", "axes is 'sideways'"),
+        (layer._pads[0]._speed, 1e300, 0.5, "speed is 1e+300"),
+        (layer._pads[0]._speed, "nan", 0.5, "speed is nan"),
+        (layer._frame, "sideways", "base", "axes is 'sideways'"),
     ):
         browser.set(field, value)
         browser.press()
