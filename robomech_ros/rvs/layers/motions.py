@@ -92,9 +92,10 @@ class MotionLayer(Layer):
         for label, which in ((START, "start"), (GOAL, "goal")):
             hint = f"The present posture is the {which} of a plan"
             folder.button(label, partial(self.ask, label, self.remember, which), hint)
-        profiles = tuple(PROFILES)
-        folder.dropdown("Way", JOG_DIRECTIONS, self.way, partial(self._choose, "way"))
-        folder.dropdown("Profile", profiles, self.profile, partial(self._choose, "profile"))
+        way = partial(self.ask, "way", self._choose, "way")
+        folder.dropdown("Way", JOG_DIRECTIONS, self.way, way)
+        profile = partial(self.ask, "profile", self._choose, "profile")
+        folder.dropdown("Profile", tuple(PROFILES), self.profile, profile)
         self._add_playing(folder, gui)
         draw = partial(self.ask, "curves", self.choose_curves)
         folder.dropdown("Curves", CURVES, self.curves, draw)
@@ -162,7 +163,7 @@ class MotionLayer(Layer):
 
     def _choose(self, what: str, value: str) -> None:
         chosen = {"way": self.way, "profile": self.profile, what: value}
-        self.ask(what, self.choose_plan, *chosen.values())
+        self.choose_plan(chosen["way"], chosen["profile"])
 
     def choose_plan(self, way: str, profile: str) -> None:
         """Plan in another way."""
