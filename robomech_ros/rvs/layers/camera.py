@@ -24,7 +24,7 @@ class CameraLayer(Layer):
 
     def __init__(self, place: LayerContext) -> None:
         super().__init__(place)
-        place_camera(place.server, _shown_points(place))
+        place_camera(place.server, shown_points(place))
 
     def controls(self, client: Any) -> Controls:
         """Return the button."""
@@ -41,10 +41,10 @@ class CameraLayer(Layer):
 def fit_view(place: LayerContext, client: Any) -> None:
     """Let robot, ghosts, plan and what layers show fill a browser (viser.ClientHandle)."""
     extents = [extent() for extent in place.extents.values()]
-    fit_camera(client, np.vstack([_shown_points(place), *extents]))
+    fit_camera(client, np.vstack([shown_points(place), *extents]))
 
 
-def _shown_points(place: LayerContext) -> Array:
+def shown_points(place: LayerContext) -> Array:
     """Return points (k, 3) (m) in the root around the robot, its ghosts, a plan and the gizmo."""
     arm, seen = place.moved, place.seen
     postures = [arm.q, *(posture.q for posture in arm.study.postures)]

@@ -7,6 +7,7 @@ from controls import button, press
 from raw_client import wait_until
 
 from robomech_ros.rvs import view
+from robomech_ros.rvs.layers.camera import shown_points
 from robomech_ros.rvs.model.camera import visible_points
 
 pytestmark = IN_CHROMIUM
@@ -59,12 +60,12 @@ def test_the_robot_fills_the_picture_at_first_and_by_the_button():
         camera = next(one for one in page._layers if type(one).__name__ == "CameraLayer")
         with browser(page.url) as tab:
             tab.wait_for(TIP)
-            wait_until(lambda: fills(tab, camera._points()))
+            wait_until(lambda: fills(tab, shown_points(camera._place)))
             q = page._arm.q + [1.5, -0.8, 0.6, 0.0, 0.5, 0.0]
             page._ask("posture", lambda: page._arm.move_to(q))
             wait_until(lambda: np.array_equal(page._arm.q, q))
             client = next(iter(page._server.viser.get_clients().values()))
             client.camera.position = 4.0 * client.camera.position
-            wait_until(lambda: not fills(tab, camera._points()))
+            wait_until(lambda: not fills(tab, shown_points(camera._place)))
             press(tab, button("Fit view"))
-            wait_until(lambda: fills(tab, camera._points()))
+            wait_until(lambda: fills(tab, shown_points(camera._place)))
