@@ -104,7 +104,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def run_demonstration(command: str, kind: str, demonstration: Callable[[], None]) -> int:
-    """Run the demonstration of a command, for a kind of robot; returns 0 if all succeeded, else 1."""
+    """Run the demonstration of a kind of robot; returns 0 if every step of it succeeded, else 1."""
     # Contexts are left in order on SIGTERM, too: no node outlives the demonstration.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     warm(demonstration_modules(kind), silent_if_quick=True)
