@@ -72,11 +72,14 @@ def test_robots_are_listed():
     assert "puma560" in out
 
 
-@pytest.mark.parametrize("arguments", [["call", "kinematics/solve_ik"], ["plot-trajectory"]])
-def test_commands_that_need_ros_say_so_in_one_line(arguments):
+@pytest.mark.parametrize(
+    ("arguments", "missing"),
+    [(["call", "kinematics/solve_ik"], "rclpy"), (["plot-trajectory"], "trajectory_msgs")],
+)
+def test_commands_that_need_ros_say_so_in_one_line(arguments, missing):
     code, out, err = robomech(*arguments)
     assert (code, out) == (1, "")
     assert err == (
         f"robomech {arguments[0]}: ROS 2 is needed and cannot be imported "
-        "(No module named 'rclpy'); see `robomech doctor`\n"
+        f"(No module named '{missing}'); see `robomech doctor`\n"
     )
