@@ -52,7 +52,6 @@ class LiveLayer(LivePage):
         # How often Stop was clicked; what was asked before a click is not done after it.
         self._stops, self._stopping = 0, threading.Lock()
         self._waiting, self._wants_markers = False, False
-        self._pads: list[HoldField] = []
         self._wait_box: Any = None
         robot.begin(self)
 

@@ -73,12 +73,13 @@ class LiveMobileRobotLayer(LivePage):
     def controls(self, client: Any) -> Controls:
         """Give the browser that commands its controls."""
         self._commander = client.client_id
-        return AllControls([super().controls(client), self._pad])
+        return AllControls([super().controls(client), *self._pads])
 
     def _fill(self, folder: Folder, gui: Any) -> None:
         followed = self._followed
-        self._pad = HoldField(gui, 0, self._hold, self._robot.let_go, self.refuse)
-        folder.text().content = hold_pad(self._pad.identifier, [followed.ways])
+        pad = HoldField(gui, 0, self._hold, self._robot.let_go, self.refuse)
+        folder.text().content = hold_pad(pad.identifier, [followed.ways])
+        self._pads = [pad]
         if followed.gaits:
             hint = "Choose one, in which it walks on as soon as it stands"
             folder.dropdown("gait", ("", *followed.gaits), "", self._choose_gait, hint)

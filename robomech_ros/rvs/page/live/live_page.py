@@ -9,6 +9,7 @@ from typing import Any
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.rvs.page.layer import Layer, LayerContext
+from robomech_ros.rvs.page.live.hold_field import HoldField
 from robomech_ros.rvs.page.tables import STYLE, WARN
 
 
@@ -32,6 +33,8 @@ class LivePage(Layer):
         self._running = robot
         # The browser that commands, or did last.
         self._commander: int | None = None
+        # Buttons that jog, of the browser that commands; none of a robot that cannot be jogged.
+        self._pads: list[HoldField] = []
         self._somebody, self._clients = threading.Event(), set[int]()
         gui = place.server.gui
         # Messages on top of the panel, which every browser sees.

@@ -52,7 +52,7 @@ def control(browser, label):
 
 def until_still(graph, browser, topic):
     """Let the button go, and wait until the robot stands, and is drawn where it stands."""
-    browser.set(browser.layer._pad.handle, "")
+    browser.set(browser.layer._pads[0].handle, "")
     wait_until(lambda: not browser.node._robot.jogs)
     last = []
 
@@ -236,6 +236,6 @@ WILD = ["joint 0 + 1 1", "linear 2 + 1 1", "angular 0 - 1 1", "linear 0 + 1", "n
 def test_wild_jogs_are_refused(graph, browse, text):
     graph.start(MobileBaseNode, robot_description="omni")
     browser = page_of(graph, browse, "omni")
-    browser.set(browser.layer._pad.handle, text)
+    browser.set(browser.layer._pads[0].handle, text)
     wait_until(lambda: "Refused" in browser.said())
     assert not browser.node._robot.jogs and not place(browser).any()
