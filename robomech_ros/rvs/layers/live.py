@@ -105,7 +105,7 @@ class LiveLayer(LivePage):
         wait = self._robot.let_plans_wait
         self._wait_box = folder.checkbox("plans wait", self._waiting, wait, hint)
         hint = "What the nodes publish as markers"
-        folder.checkbox("markers", self._wants_markers, self._want_markers, hint)
+        folder.checkbox("markers", self._wants_markers, self.want_markers, hint)
 
     def _hold(self, beat: HoldHeartbeat, speed: float) -> None:
         self._robot.hold(beat, as_choice("axes", self._frame.value, FRAMES), speed)
@@ -152,7 +152,8 @@ class LiveLayer(LivePage):
         self._goal.follow()
         self._place.ask("goal", self._follow)
 
-    def _want_markers(self, wanted: bool) -> None:
+    def want_markers(self, wanted: bool) -> None:
+        """Show markers, or not."""
         self._wants_markers = wanted
         self._robot.want_markers(wanted)
 
