@@ -70,7 +70,7 @@ def translation_only(T: ArrayLike) -> Array:
     """Return the position (3,) of a pose without rotation, or a position as it is."""
     if real_array("pose", T).shape == (3,):
         return _within_reach(as_finite("position", T, (3,)))
-    pose = _single(T)
+    pose = single_pose(T)
     off = float(np.abs(pose[:3, :3] - np.eye(3)).max())
     if off > _OFF:
         why = "0 rad: the platform only translates"
@@ -82,7 +82,7 @@ def planar_pose(T: ArrayLike) -> Array:
     """Return x, y (m) and the angle (rad) of a pose in the plane z = 0, or the three as is."""
     if real_array("pose", T).shape == (3,):
         return _within_reach(as_finite("pose", T, (3,)))
-    pose = _single(T)
+    pose = single_pose(T)
     off = max(float(np.abs(pose[2, :2]).max()), abs(float(pose[2, 3])))
     if off > _OFF:
         why = "0: the platform moves in that plane and turns about z"
@@ -94,7 +94,7 @@ def rotation_only(T: ArrayLike) -> Array:
     """Return the rotation (3, 3) of a pose without translation, or a rotation as it is."""
     if real_array("pose", T).shape == (3, 3):
         return as_rotation(T)
-    pose = _single(T)
+    pose = single_pose(T)
     off = float(np.abs(pose[:3, 3]).max())
     if off > _OFF:
         raise BadValueError("distance of the pose", off, "0 m: the platform only turns")
@@ -115,10 +115,11 @@ def _within_reach(position: Array) -> Array:
     return np.ascontiguousarray(position)
 
 
-def _single(T: ArrayLike) -> Array:
-    pose = platform_poses(T)
+def single_pose(T: ArrayLike, what: str = "pose") -> Array:
+    """Check one pose (4, 4), and that it is of a robot's size."""
+    pose = platform_poses(T, what)
     if pose.shape != (4, 4):
-        raise WrongSizeError("pose", pose.shape, (4, 4))
+        raise WrongSizeError(what, pose.shape, (4, 4))
     return pose
 
 

@@ -12,7 +12,7 @@ from robomech_ros._kernels.parallel import following, newton
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel.argument_checks import platform_poses
+from robomech_ros.parallel.argument_checks import platform_poses, single_pose
 from robomech_ros.parallel.assembly_modes import CONTINUUM, assembly_modes
 from robomech_ros.parallel.joint_cones import checked_cones
 from robomech_ros.parallel.mechanism.home_poses import platform_home
@@ -204,7 +204,7 @@ class StewartGough:
             are named.
         """
         given = self._checked_lengths(lengths)
-        near = None if seed is None else _one_pose("seed", seed)
+        near = None if seed is None else single_pose(seed, "seed")
         if self.always_singular:
             empty = np.empty((0, 4, 4)), np.empty(0, np.int64)
             reason = f"architecturally singular: in every pose {CONTINUUM}, or they do not fit"
@@ -233,7 +233,7 @@ class StewartGough:
         """
         given = self._checked_lengths(lengths)
         scaled = self._scaled
-        pose, report = scaled.scaled_pose(_one_pose("pose", T)), np.empty(2)
+        pose, report = scaled.scaled_pose(single_pose(T)), np.empty(2)
         steps = following.follow(scaled.a, scaled.b, scaled.scale * given, pose, report)
         reached = scaled.poses(pose[None])[0]
         if steps > 0:
@@ -288,10 +288,3 @@ class StewartGough:
             why = f"{low:g} to {high:g} m, the stroke: {abs(outside[leg]):.3g} m outside"
             raise BadValueError(f"length of leg {leg + 1}", float(given[leg]), why)
         return np.ascontiguousarray(given)
-
-
-def _one_pose(what: str, T: ArrayLike) -> Array:
-    pose = platform_poses(T, what)
-    if pose.shape != (4, 4):
-        raise WrongSizeError(what, pose.shape, (4, 4))
-    return pose

@@ -15,9 +15,10 @@ from robomech_ros.dynamics.drive_control import CompiledServo, ServoLaw
 from robomech_ros.dynamics.friction import friction_model, friction_of_rates
 from robomech_ros.dynamics.model import GRAVITY, surroundings
 from robomech_ros.dynamics.systems import CompiledForward, LostPostureError
-from robomech_ros.errors import BadValueError, RobomechError, WrongSizeError
+from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinematics.posture_samples import spread_values
 from robomech_ros.outcomes import Code
+from robomech_ros.parallel.argument_checks import actuated
 from robomech_ros.parallel.dynamics.complement import (
     JointReactions,
     bodies_in_motion,
@@ -36,7 +37,6 @@ from robomech_ros.parallel.dynamics.model import (
 )
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combine_bodies
-from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.typing import Array, IntArray
 
 # Number of spread postures: each costs as much as closing the loops.
@@ -153,9 +153,7 @@ class ParallelDynamics:
         BadValueError, WrongSizeError
             Not n finite numbers, or they do not close the loops.
         """
-        given = as_finite(what, q, (self.mechanism.n,))
-        if given.ndim != 1:
-            raise WrongSizeError(what, given.shape, (self.mechanism.n,))
+        given = actuated(what, q, self.mechanism.n)
         units = np.array([self.mechanism.size, 1.0])
         with np.errstate(over="ignore", invalid="ignore"):
             errors = self.mechanism.loop_errors(given)

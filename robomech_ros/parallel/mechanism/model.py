@@ -10,8 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.parallel.argument_checks import actuated as checked_drives, platform_poses
+from robomech_ros.errors import BadValueError
+from robomech_ros.parallel.argument_checks import (
+    actuated as checked_drives,
+    platform_poses,
+    single_pose,
+)
 from robomech_ros.parallel.mechanism.limb import (
     Limb,
     checked_limbs,
@@ -194,9 +198,7 @@ class Mechanism(LoopMotion):
         BadValueError
             Not a pose, or one that no such platform can have.
         """
-        pose = platform_poses(T)
-        if pose.shape != (4, 4):
-            raise WrongSizeError("pose", pose.shape, (4, 4))
+        pose = single_pose(T)
         near = None if seed is None else checked_drives("seed", seed, self.n)
         return limb_postures(self.limbs, pose, near, ignore_limits)
 
