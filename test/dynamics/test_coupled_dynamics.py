@@ -82,6 +82,16 @@ def test_inverse_dynamics_and_mass_matrix_are_pinocchios(chain):
         np.testing.assert_allclose(coriolis_matrix(chain, q, qd) @ qd, bias - gravity, atol=1e-11)
 
 
+def test_a_rotor_turns_with_its_drive_whatever_follows_it():
+    text = (DATA / "coupled_finger.urdf").read_text(encoding="utf-8")
+    chain = with_bodies(load_description(text.replace('multiplier="0.8"', 'multiplier="3"')).chain())
+    rotors = 0.1 * np.arange(1.0, chain.n + 1.0)
+    driven = replace(chain, drives=tuple(Drive(rotor_inertia=one) for one in rotors))
+    q = np.random.default_rng(8).uniform(0.0, 0.3, chain.n)
+    added = mass_matrix(driven, q) - mass_matrix(chain, q)
+    np.testing.assert_allclose(added, np.diag(rotors), atol=1e-12)
+
+
 def test_derivatives_by_differences(chain):
     q, qd, qdd = np.random.default_rng(4).uniform(-1.0, 1.0, (3, chain.n))
     found, h = inverse_dynamics_derivatives(chain, q, qd, qdd), 1e-6 * np.eye(chain.n)

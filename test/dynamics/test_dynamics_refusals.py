@@ -15,6 +15,7 @@ from robomech_ros.dynamics import (
     with_payload,
 )
 from robomech_ros.errors import BadValueError, MissingInertiaError, NonFiniteError, WrongSizeError
+from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import Body, Drive, chain_from_dh, load_robot
 
 Z6 = np.zeros(6)
@@ -103,6 +104,14 @@ def test_payloads():
     weight = {"gravity": [0, 0, 0], "tip_wrench": [0, 0, 0, 0, 0, -2.0 * 9.81]}
     # At q = 0 the tip's z axis is vertical, so that the load hangs on a line through the tip.
     np.testing.assert_allclose(difference, gravity_torque(chain, Z6, **weight), atol=1e-12)
+    # An arm whose tip is turned away from its last joint, with a load beside the axis.
+    arm, q = load_robot("ur5e").with_tip("tool0"), np.linspace(0.2, 1.2, 6)
+    beside = with_payload(arm, Body(2.0, [0.2, 0.1, 0.1], 0.01 * np.eye(3)))
+    force, T = np.array([0.0, 0.0, -2.0 * 9.81]), forward_kinematics(arm, q)
+    moment = np.cross(T[:3, :3] @ [0.2, 0.1, 0.1], force)
+    weight = {"gravity": [0, 0, 0], "tip_wrench": [*moment, *force]}
+    difference = gravity_torque(beside, q) - gravity_torque(arm, q)
+    np.testing.assert_allclose(difference, gravity_torque(arm, q, **weight), atol=1e-12)
     with pytest.raises(BadValueError, match="payload .*its mass is -1 kg"):
         with_payload(chain, Body(-1.0, [0, 0, 0], np.eye(3)))
     with pytest.raises(BadValueError, match="payload"):

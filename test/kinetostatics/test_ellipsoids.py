@@ -31,6 +31,14 @@ def test_rates_of_norm_one_reach_the_surface_and_not_beyond(robot, rows):
     assert np.isinf(force[~solid]).all()
 
 
+@pytest.mark.parametrize("joints", range(1, 8))
+def test_axes_are_right_handed_and_give_the_rows_back(joints):
+    B = np.random.default_rng(joints).normal(size=(3, joints))
+    axes, velocity, _ = manipulability_ellipsoid(B)
+    assert np.linalg.det(axes) > 0.0
+    np.testing.assert_allclose(axes * velocity**2 @ axes.T, B @ B.T, atol=1e-12)
+
+
 def test_one_joint_moves_along_one_line():
     axes, velocity, force = manipulability_ellipsoid([[0.0], [2.0], [0.0]])
     np.testing.assert_allclose(np.abs(axes[:, 0]), [0.0, 1.0, 0.0])

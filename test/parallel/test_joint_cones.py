@@ -44,6 +44,8 @@ def test_angles_of_legs_leave_their_cones_by_what_is_said():
 
 
 def test_without_cones_joints_bend_freely():
+    whole = {"axes": [0, 0, 1], "angles": np.pi}
+    assert not StewartGough(*POINTS, base_cones=whole).cone_excess(pose()).any()
     assert not StewartGough(*POINTS).cone_excess(pose()).any()
 
 
@@ -55,6 +57,7 @@ def test_without_cones_joints_bend_freely():
         ({"axes": [0, 0, 0], "angles": 0.5}, "directions, none of them zero"),
         ({"axes": [[0, 0, 1]] * 5, "angles": 0.5}, "axes has shape"),
         ({"axes": [0, 0, 1], "angles": 0.0}, "more than 0 rad, up to pi"),
+        ({"axes": [0, 0, 1], "angles": 3.2}, "more than 0 rad, up to pi"),
         ({"axes": [0, 0, 1], "angles": [0.5] * 5}, "angles has shape"),
         ({"axes": [0, 0, np.nan], "angles": 0.5}, "nan"),
     ],

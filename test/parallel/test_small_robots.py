@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from robomech_ros.errors import BadValueError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Delta, Planar3RPR, Planar3RRR, Spherical3RRR, load_parallel
 
@@ -137,6 +138,12 @@ def test_a_planar_platform_that_can_move_is_told():
     found = Planar3RPR(triangle, triangle).direct([0.5, 0.5, 0.5])
     assert not found.complete and found.status == Code.SINGULAR_CONTINUUM
     assert "can move" in found.reason
+
+
+def test_a_leg_without_length_is_refused():
+    robot = Planar3RPR([[0, 0], [1, 0], [0.3, 0.8]], [[0, 0], [0.4, 0], [0.2, 0.3]])
+    with pytest.raises(BadValueError, match="length of leg 2 is 0.0, expected more than 0 m"):
+        robot.direct([0.5, 0.0, 0.5])
 
 
 def test_delta_in_special_places():

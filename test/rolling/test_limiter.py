@@ -119,6 +119,17 @@ def test_a_command_that_is_allowed_once_moves_the_base_as_one_in_every_period(na
             assert other.saturated == one.saturated
 
 
+def test_limits_that_are_not_given_are_those_they_follow():
+    forward, slowing, backward = [3.0, 2.0, 1.0], [6.0, 5.0, 4.0], [9.0, 8.0, 7.0]
+    limits = MotionLimits(acceleration=forward)
+    for name in ("deceleration", "backward_acceleration", "backward_deceleration"):
+        assert getattr(limits, name).tolist() == forward
+    limits = MotionLimits(velocity=backward, acceleration=forward, deceleration=slowing)
+    assert limits.backward_velocity.tolist() == backward
+    assert limits.backward_acceleration.tolist() == forward
+    assert limits.backward_deceleration.tolist() == slowing
+
+
 @pytest.mark.parametrize("base", [differential_drive(0.1, 0.4), mecanum(0.1, 0.6, 0.4)])
 def test_uneven_limits_hold_where_a_velocity_changes_its_sign(base):
     limiter = CommandLimiter(base, UNEVEN, PERIOD)

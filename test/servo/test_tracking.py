@@ -51,6 +51,16 @@ def test_the_joint_that_is_off_most_is_named_with_the_amount(told, joint, off, a
     assert found.text.endswith("rad off its command, the tolerance is 0.05 rad")
 
 
+def test_places_between_the_last_two_before_the_delay_are_kept():
+    tracking = Tracking(load_robot("puma560"), 1e-9, DELAY)
+    for k in range(101):
+        tracking.tell(PERIOD * k, np.full(6, SPEED * PERIOD * k))
+    late = DELAY + 0.5 * PERIOD
+    assert tracking.deviation(1.0, np.full(6, SPEED * (1.0 - late))) is None
+    late = DELAY + 2.5 * PERIOD
+    assert tracking.deviation(1.0, np.full(6, SPEED * (1.0 - late))) is not None
+
+
 def test_joints_without_limits_may_be_off_by_turns():
     chain = load_robot("scara")
     continuous = np.flatnonzero(chain.continuous)

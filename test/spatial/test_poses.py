@@ -31,6 +31,16 @@ def test_inverse_and_composition():
     assert spatial.compose_poses().tolist() == np.eye(4).tolist()
 
 
+def test_a_pose_that_is_mended_stays_as_it_was_given():
+    T = random_poses(1)[0]
+    T[:3, :3] += 1e-9
+    T[3] += 1e-9
+    given = T.copy()
+    spatial.inverse_pose(T)
+    spatial.compose_poses(T, T)
+    np.testing.assert_array_equal(T, given)
+
+
 def test_pose_error_takes_the_actual_pose_to_the_target():
     target, actual = random_poses(200, 4), random_poses(200, 5)
     error = spatial.pose_error(target, actual)

@@ -375,6 +375,15 @@ def test_bad_options_are_refused(ur5e, target, options, error, text):
         inverse_kinematics(ur5e, target, **options)
 
 
+def test_a_seed_may_be_a_micrometre_or_microradian_outside(ur5e, target):
+    seed = ur5e.midrange()
+    seed[1] = ur5e.upper[1] + 0.9e-6
+    assert len(inverse_kinematics(ur5e, target, seed=seed)) == 8
+    seed[1] = ur5e.upper[1] + 1.1e-6
+    with pytest.raises(SeedOutsideLimitsError, match="'shoulder_lift_joint'"):
+        inverse_kinematics(ur5e, target, seed=seed)
+
+
 def test_a_seed_outside_the_limits_serves_where_they_do_not_hold(ur5e, target):
     seed = POSTURE.copy()
     seed[5] = 9.0
