@@ -53,6 +53,10 @@ def test_limits_are_drawn_where_they_are_finite(tmp_path):
     plain = plot_motion(tmp_path / "plain.svg", "ab", TIMES, (Q, V, A, A)).read_text()
     limited = plot_motion(tmp_path / "limits.svg", "ab", TIMES, (Q, V, A, A), limits=bounds)
     assert limited.read_text().count("stroke-dasharray") == plain.count("stroke-dasharray") + 8
+    # Each curve has its own.
+    bounds[1] = (np.full(2, -np.inf), np.full(2, np.inf))
+    fewer = plot_motion(tmp_path / "fewer.svg", "ab", TIMES, (Q, V, A, A), limits=bounds)
+    assert fewer.read_text().count("stroke-dasharray") == plain.count("stroke-dasharray") + 6
     with pytest.raises(WrongSizeError, match="limits has size 1, expected 2"):
         plot_motion(tmp_path / "no.svg", "ab", TIMES, (Q, V), limits=bounds[:1])
     with pytest.raises(WrongSizeError, match=r"position limits has shape \(1,\)"):

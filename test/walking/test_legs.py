@@ -83,6 +83,21 @@ def test_duty_factors_are_exact(name):
         gait.phases(5)
 
 
+@pytest.mark.parametrize(
+    ("name", "order"),
+    [
+        # From rear to front on one side, then on the other; legs are counted from the front left.
+        ("wave", (2, 1, 0, 5, 4, 3)),
+        ("ripple", (2, 4, 0, 5, 1, 3)),
+        ("crawl", (2, 0, 3, 1)),
+    ],
+)
+def test_legs_lift_off_in_the_order_of_the_gait(name, order):
+    gait = GAITS[name]
+    lifts = [(gait.duty - offset) % 1 for offset in gait.phases(len(order))]
+    assert tuple(np.argsort(lifts)) == order
+
+
 def test_robots_are_listed_and_their_dimensions_are_those_published():
     assert set(ROBOTS) <= set(list_legged())
     go1, phantomx = load_legged("go1"), load_legged("phantomx")

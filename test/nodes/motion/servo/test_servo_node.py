@@ -16,6 +16,7 @@ from servo_operator import START, Operator
 from tf2_msgs.msg import TFMessage
 
 from robomech_interfaces.msg import ServoStatus
+from robomech_ros.kinetostatics import jacobian
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.servo.node import ServoNode
 
@@ -140,6 +141,20 @@ def test_unitless_commands_are_parts_of_the_scales(operator):
     hand.repeat(hand.twist(linear=(1.5, 0, 0)), lambda: hand.has_code(ServoStatus.INVALID, text))
 
 
+def test_unitless_twists_are_parts_of_the_scale_of_their_kind(operator):
+    hand = operator(command_in_type="unitless", linear_scale=0.1, rotational_scale=0.4)
+    hand.repeat(hand.twist(linear=(0, 0.5, 0)), lambda: len(hand.streamed) > 40)
+    points = [point for _, message in hand.streamed for point in message.points]
+    rows = [jacobian(hand.arm.chain, p.positions)[3:] @ p.velocities for p in points]
+    fastest = np.linalg.norm(rows, axis=1).max()
+    assert 0.025 < fastest < 0.051
+
+
+def ago(seconds):
+    whole, rest = divmod(time.time_ns() - round(1e9 * seconds), 10**9)
+    return Time(sec=whole, nanosec=rest)
+
+
 BAD = {
     "frame": (
         lambda hand: hand.twist((0.1, 0, 0), frame="no_such"),
@@ -163,6 +178,10 @@ BAD = {
     "twice": (
         lambda hand: hand.speeds(["elbow", "elbow"], [0.1, 0.1]),
         "joint names has size 2, expected each once; 'elbow' is repeated",
+    ),
+    "late": (
+        lambda hand: lambda: hand.twist((0.1, 0, 0), stamp=ago(0.3))(),
+        "s ago', expected a command from the last 0.1 s, the parameter command_timeout",
     ),
     "joint nan": (
         lambda hand: hand.speeds(["elbow"], [np.nan]),
