@@ -84,7 +84,8 @@ def test_inverse_dynamics_and_mass_matrix_are_pinocchios(chain):
 
 def test_a_rotor_turns_with_its_drive_whatever_follows_it():
     text = (DATA / "coupled_finger.urdf").read_text(encoding="utf-8")
-    chain = with_bodies(load_description(text.replace('multiplier="0.8"', 'multiplier="3"')).chain())
+    text = text.replace('multiplier="0.8"', 'multiplier="3"')
+    chain = with_bodies(load_description(text).chain())
     rotors = 0.1 * np.arange(1.0, chain.n + 1.0)
     driven = replace(chain, drives=tuple(Drive(rotor_inertia=one) for one in rotors))
     q = np.random.default_rng(8).uniform(0.0, 0.3, chain.n)

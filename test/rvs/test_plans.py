@@ -76,6 +76,7 @@ def test_the_curves_are_those_that_the_motion_brings_and_the_torques_of_its_bodi
     motion = plan_between(ARM, HOME, THERE, JOINTS, "double_s").motion
     known = {one.name: one for one in motion_curves(motion).quantities}
     assert tuple(known) == QUANTITIES
+    assert [one.unit for one in known.values()] == ["rad", "rad/s", "rad/s²", "rad/s³", "N m"]
     np.testing.assert_array_equal(known["jerk"].values, motion.qddd)
     tau = inverse_dynamics(ARM, motion.q, motion.qd, motion.qdd)
     np.testing.assert_allclose(known["torque"].values, tau)
@@ -97,9 +98,12 @@ def test_rates_that_are_not_known_are_differences():
 def test_joints_that_slide_are_drawn_apart_and_missing_torques_are_named():
     chain = load_robot("scara")
     q = chain.home() + np.linspace(0.0, 0.05, 11)[:, None]
-    curves = motion_curves(Motion(chain, np.linspace(0.0, 1.0, 11), q))
+    times = np.linspace(0.0, 1.0, 11)
+    curves = motion_curves(Motion(chain, times, q))
     assert [one.unit for one in curves.quantities[:4]] == ["rad", "m", "rad/s", "m/s"]
     assert curves.missing == ("No torques: the robot's description has no masses.",)
+    driven = motion_curves(Motion(chain, times, q, tau=np.zeros_like(q))).quantities
+    assert [one.unit for one in driven if one.name == "torque"] == ["N m", "N"]
     assert curves.missing[0].replace("'", "&#x27;") in curves_picture(
         chain.joint_names, curves, ALL
     )
