@@ -5,6 +5,7 @@ import pytest
 
 from robomech_ros.errors import BadValueError, SeedOutsideLimitsError, WrongSizeError
 from robomech_ros.kinematics import branch_path, forward_kinematics
+from robomech_ros.kinematics.branch_selection import fewest_jumps
 from robomech_ros.robots import chain_from_dh, load_robot
 
 HALF = np.pi / 2
@@ -133,6 +134,14 @@ def test_where_the_path_leaves_the_workspace_it_ends():
     assert result.reason.startswith(f"pose {len(result.q)}: ")
     nowhere = branch_path(chain, poses[-2:])
     assert nowhere.q.shape == (0, 6) and nowhere.jumps == () and "pose 0" in nowhere.reason
+
+
+def test_each_joint_has_the_threshold_of_its_kind():
+    chain = chain_from_dh([0.0, 1.0], [0.0, 0.0], [0.0, 0.0], types="PR")
+    slides, turns = [0.3, 0.0], [0.0, 0.4]
+    lists = [np.zeros((1, 2)), np.array([slides, turns])]
+    path = fewest_jumps(chain, lists, None, np.array([0.1, 0.5]))
+    np.testing.assert_array_equal(path, [[0.0, 0.0], turns])
 
 
 def test_a_start_elsewhere_is_a_jump():
