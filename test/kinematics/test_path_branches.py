@@ -141,7 +141,7 @@ def test_each_joint_has_the_threshold_of_its_kind():
     slides, turns = [0.3, 0.0], [0.0, 0.4]
     lists = [np.zeros((1, 2)), np.array([slides, turns])]
     path = fewest_jumps(chain, lists, None, np.array([0.1, 0.5]))
-    np.testing.assert_array_equal(path, [[0.0, 0.0], turns])
+    np.testing.assert_allclose(path, [[0.0, 0.0], turns], atol=1e-12)
 
 
 def test_a_start_elsewhere_is_a_jump():
