@@ -102,3 +102,20 @@ def test_limits_and_windings_hold():
     assert len(endless) >= len(result)
     capped = inverse_kinematics(chain, T, task_mask=POINTING, seed=q, max_solutions=1)
     assert len(capped) == 1
+
+
+@pytest.mark.parametrize(
+    ("elbow", "mark"),
+    [
+        (0.9, ""),
+        (0.0, "at-boundary"),
+        # The tip is on the first axis.
+        (np.arccos(-1.25 * np.cos(1.2)) - 1.2, "self-motion"),
+    ],
+)
+def test_positions_are_marked_where_the_arm_is_singular(elbow, mark):
+    arm = chain_from_dh([0.0, 0.5, 0.4], [0.3, 0.0, 0.0], [np.pi / 2, 0.0, 0.0])
+    T = forward_kinematics(arm, [0.3, 1.2, elbow])
+    found = inverse_kinematics(arm, T, task_mask=POSITION)
+    marks = {name.partition(" ")[2] for name in found.branches}
+    assert marks == {mark} and found.continuum == (mark == "self-motion")
