@@ -105,7 +105,7 @@ def test_payloads():
     # At q = 0 the tip's z axis is vertical, so that the load hangs on a line through the tip.
     np.testing.assert_allclose(difference, gravity_torque(chain, Z6, **weight), atol=1e-12)
     # An arm whose tip is turned away from its last joint, with a load beside the axis.
-    arm, q = load_robot("ur5e").with_tip("tool0"), np.linspace(0.2, 1.2, 6)
+    arm, q = load_robot("crx10ia"), np.linspace(0.2, 1.2, 6)
     beside = with_payload(arm, Body(2.0, [0.2, 0.1, 0.1], 0.01 * np.eye(3)))
     force, T = np.array([0.0, 0.0, -2.0 * 9.81]), forward_kinematics(arm, q)
     moment = np.cross(T[:3, :3] @ [0.2, 0.1, 0.1], force)
