@@ -141,6 +141,12 @@ def test_axes_of_the_tip_turn_with_it():
     assert way[2] > 0.02 and np.abs(way[:2]).max() < 0.01 * way[2]
 
 
+def test_slow_joints_move_as_fast_as_commanded():
+    drive, rates = Drive("puma560", REGULAR), [0.2, -0.1, 0.05, 0.0, 0.0, 0.0]
+    drive.joints(rates, 1.0)
+    np.testing.assert_allclose(drive.servo.motion.velocity, rates, atol=1e-9)
+
+
 @pytest.mark.parametrize("robot", ["puma560", "panda"])
 def test_a_stale_command_ends_in_rest(robot):
     q = REGULAR if robot == "puma560" else None
