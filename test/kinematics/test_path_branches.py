@@ -139,9 +139,10 @@ def test_where_the_path_leaves_the_workspace_it_ends():
 def test_each_joint_has_the_threshold_of_its_kind():
     chain = chain_from_dh([0.0, 1.0], [0.0, 0.0], [0.0, 0.0], types="PR")
     slides, turns = [0.3, 0.0], [0.0, 0.4]
-    lists = [np.zeros((1, 2)), np.array([slides, turns])]
+    still = np.zeros((1, 2))
+    lists = [still, np.array([slides, turns]), still]
     path = fewest_jumps(chain, lists, None, np.array([0.1, 0.5]))
-    np.testing.assert_allclose(path, [[0.0, 0.0], turns], atol=1e-12)
+    np.testing.assert_allclose(path, [still[0], turns, still[0]], atol=1e-12)
 
 
 def test_a_start_elsewhere_is_a_jump():

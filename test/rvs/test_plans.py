@@ -131,6 +131,9 @@ def test_a_player_goes_on_stops_at_the_end_and_begins_again():
     player.advance(100.0)
     assert player.time == 2.0 and not player.playing
     player.play()
+    player.advance(4.0)
+    assert player.time == 2.0 and not player.playing
+    player.play()
     assert player.time == 0.0
     player.loop = True
     player.advance(5.0)
