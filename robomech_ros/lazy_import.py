@@ -1,7 +1,7 @@
 """Packages whose parts are loaded on first use."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -11,10 +11,8 @@ _IMPORT = re.compile(r"^    from (\S+) import (\([^)]*\)|.*)$", re.MULTILINE)
 _NAME = re.compile(r"\b(\w+) as \1\b")
 
 
-def lazy_exports(
-    package: str, names: dict[str, Any], modules: Mapping[str, str] | None = None
-) -> tuple[Callable[[str], Any], list[str]]:
-    """Make the ``__getattr__`` and the ``__all__`` of a package.
+def lazy_exports(package: str, names: dict[str, Any]) -> tuple[Callable[[str], Any], list[str]]:
+    """Make the ``__getattr__`` and the ``__all__`` of a package from its imports for type checkers.
 
     Parameters
     ----------
@@ -22,17 +20,9 @@ def lazy_exports(
         Its ``__name__``.
     names : dict
         Its ``globals()``, where a name is kept after its first use.
-    modules : mapping, optional
-        For each module below it the names that it exports, separated by spaces; by default those
-        that the package imports under ``TYPE_CHECKING``.
     """
-    if modules is None:
-        text = Path(names["__file__"]).read_text(encoding="utf-8")
-        found = _IMPORT.findall(text)
-        homes = {name: module for module, listed in found for name in _NAME.findall(listed)}
-    else:
-        pairs = modules.items()
-        homes = {name: f"{package}.{one}" for one, listed in pairs for name in listed.split()}
+    found = _IMPORT.findall(Path(names["__file__"]).read_text(encoding="utf-8"))
+    homes = {name: module for module, listed in found for name in _NAME.findall(listed)}
 
     def load(name: str) -> Any:
         if name not in homes:

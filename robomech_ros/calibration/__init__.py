@@ -27,14 +27,4 @@ if TYPE_CHECKING:
         HandEyeResult as HandEyeResult,
     )
 
-__getattr__, __all__ = lazy_exports(
-    __name__,
-    globals(),
-    {
-        "estimation": "MOUNTS hand_eye robot_world",
-        "next_pose": "NextPose next_best_pose",
-        "redundant_sensing": "MotionAgreement motion_agreement",
-        "relative": "relative_hand_eye",
-        "result": "HandEyeNoise HandEyeResult",
-    },
-)
+__getattr__, __all__ = lazy_exports(__name__, globals())

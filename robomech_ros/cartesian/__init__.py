@@ -32,16 +32,4 @@ if TYPE_CHECKING:
     from robomech_ros.cartesian.sampling import Sampling as Sampling
     from robomech_ros.cartesian.waypoint_paths import waypoint_path as waypoint_path
 
-__getattr__, __all__ = lazy_exports(
-    __name__,
-    globals(),
-    {
-        "arms": "serial_arm",
-        "following": "PathFollowingResult StopReason follow_path waypoint_fraction",
-        "link_speeds": "link_speed_limit",
-        "path_checks": "PathCheck PathStopLimits relative_jump stop_on_condition",
-        "planning": "CartesianPlan plan_along plan_followed",
-        "sampling": "Sampling",
-        "waypoint_paths": "waypoint_path",
-    },
-)
+__getattr__, __all__ = lazy_exports(__name__, globals())

@@ -49,21 +49,4 @@ if TYPE_CHECKING:
         grasp_quality as grasp_quality,
     )
 
-__getattr__, __all__ = lazy_exports(
-    __name__,
-    globals(),
-    {
-        "closure": "is_force_closed is_form_closed",
-        "conic_solver": "ConicSolverUnavailableError",
-        "contacts": "Contact",
-        "forces": "ContactForces ForceStatus contact_forces",
-        "grasp_map": "grasp_matrix internal_forces",
-        "hand": "Hand list_hands load_hand",
-        "hand_motion": (
-            "GraspMobility finger_accelerations finger_rates finger_torques grasp_mobility "
-            "hand_jacobian object_twist"
-        ),
-        "postures": "grasp_postures hand_postures tip_postures",
-        "quality": "GraspQuality grasp_quality",
-    },
-)
+__getattr__, __all__ = lazy_exports(__name__, globals())

@@ -78,39 +78,4 @@ if TYPE_CHECKING:
         load_tree_description as load_tree_description,
     )
 
-__getattr__, __all__ = lazy_exports(
-    __name__,
-    globals(),
-    {
-        "delta": "Delta",
-        "dynamics.complement": "JointReactions",
-        "dynamics.parallel_dynamics": "ParallelDynamics",
-        "files": "list_parallel",
-        "kinetostatics.conditioning": "dexterity platform_length singularity_distances",
-        "kinetostatics.pose_limits": "PoseLimits pose_limits",
-        "kinetostatics.singularities": "LoopSingularity loop_singularity",
-        "kinetostatics.statics": "drive_forces platform_wrench",
-        "kinetostatics.velocity_maps": (
-            "VelocityMatrices drive_accelerations drive_rates platform_acceleration platform_twist "
-            "velocity_matrices velocity_matrix_rates"
-        ),
-        "kinetostatics.workspace": (
-            "PlatformWorkspace platform_orientation_workspace platform_position_workspace"
-        ),
-        "library": "ParallelRobot load_parallel",
-        "mechanism.limb": "Limb",
-        "mechanism.model": "Mechanism",
-        "mechanism.parts": "LinkBodies",
-        "motion.drive_paths": "DrivePath follow_drives",
-        "motion.path_model": "MechanismPathModel",
-        "motion.planning": "DrivePlan plan_drives plan_platform",
-        "planar": "Planar3RPR Planar3RRR",
-        "result": (
-            "AssemblyModes DirectKinematicsResult FollowedPose LimbPostures LoopClosure "
-            "MechanismPostures"
-        ),
-        "spherical": "Spherical3RRR",
-        "stewart_gough": "StewartGough",
-        "tree_description": "DescribedRobot load_tree_description",
-    },
-)
+__getattr__, __all__ = lazy_exports(__name__, globals())

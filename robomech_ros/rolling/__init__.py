@@ -47,22 +47,4 @@ if TYPE_CHECKING:
     )
     from robomech_ros.rolling.wheels import Wheel as Wheel
 
-__getattr__, __all__ = lazy_exports(
-    __name__,
-    globals(),
-    {
-        "base": "RollingBase",
-        "bodies": "PlatformBody WheelBody",
-        "conditioning": "Isotropy isotropy",
-        "constraints": "Mobility",
-        "dynamics": "RollingDynamics",
-        "library": "RollingRobot list_rolling load_rolling rolling_robot",
-        "limiter": "BaseMotion CommandLimiter",
-        "limits": "MotionLimits",
-        "odometry": "Odometry OdometryNoise advance_odometry",
-        "simulation": "RollingSimulation simulate_rolling",
-        "standard_bases": "ackermann differential_drive mecanum omnidirectional swerve tricycle",
-        "tree": "WheelJoints rolling_description",
-        "wheels": "Wheel",
-    },
-)
+__getattr__, __all__ = lazy_exports(__name__, globals())

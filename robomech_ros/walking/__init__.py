@@ -20,17 +20,4 @@ if TYPE_CHECKING:
     )
     from robomech_ros.walking.walker import Walker as Walker, WalkUpdate as WalkUpdate
 
-__getattr__, __all__ = lazy_exports(
-    __name__,
-    globals(),
-    {
-        "gaits": "GAITS Gait",
-        "library": "list_legged load_legged",
-        "odometry": "leg_odometry",
-        "pantograph": "PantographLeg",
-        "robot": "LeggedRobot",
-        "stride": "TrunkPoseCheck",
-        "support": "stability_margin support_polygon",
-        "walker": "WalkUpdate Walker",
-    },
-)
+__getattr__, __all__ = lazy_exports(__name__, globals())
