@@ -32,6 +32,8 @@ TOPIC = "robot_description"
 # The one group of joints where none are given, beside the name of the robot.
 WHOLE_CHAIN = "manipulator"
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+# Of /tf_static, as tf2_ros has it.
+STATIC_FRAMES = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 @dataclass(frozen=True)

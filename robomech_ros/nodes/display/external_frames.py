@@ -8,9 +8,9 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.message_fields import NANO
+from robomech_ros.nodes.common.robot_description import STATIC_FRAMES
 from robomech_ros.nodes.display.frame_publisher import FramePublisher
 from robomech_ros.nodes.display.other_publishers import OtherPublishers
-from robomech_ros.nodes.frames.listener import STATIC
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
@@ -118,7 +118,12 @@ class FixedFrames:
         self._heard.clear()
         kind, topic = self._publisher.kind, self._publisher.fixed_topic
         self._subscription = self._node.create_subscription(
-            kind, topic, self._take, STATIC, callback_group=ReentrantCallbackGroup(), raw=True
+            kind,
+            topic,
+            self._take,
+            STATIC_FRAMES,
+            callback_group=ReentrantCallbackGroup(),
+            raw=True,
         )
         return None
 

@@ -12,9 +12,9 @@ from typing import Any
 from rclpy.clock import JumpThreshold, TimeJump
 from rclpy.duration import Duration
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from robomech_ros.nodes.common.message_fields import NANO
+from robomech_ros.nodes.common.robot_description import STATIC_FRAMES
 from robomech_ros.nodes.frames.history import Sample
 from robomech_ros.nodes.frames.tree import FrameTree
 from robomech_ros.nodes.middleware.polled_subscription import (
@@ -26,8 +26,6 @@ from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, u
 
 # Between two looks, the latest so many are kept: some seconds of robot_state_publisher.
 _DEPTH = 500
-# As tf2_ros has it.
-STATIC = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # Bytes of a message at most, enough for a thousand frames, and of all that one look takes in, which
 # is some 0.1 s of work; of more the latest count.
 _LARGEST_MESSAGE, _LARGEST_LOOK = 200_000, 1_000_000
@@ -82,7 +80,7 @@ class FrameListener:
             raw=True,
         )
         self._static = node.create_subscription(
-            TFMessage, "/tf_static", partial(self._take, static=True), STATIC, raw=True
+            TFMessage, "/tf_static", partial(self._take, static=True), STATIC_FRAMES, raw=True
         )
         back = JumpThreshold(
             min_forward=None, min_backward=Duration(nanoseconds=-1), on_clock_change=True
