@@ -22,6 +22,6 @@ def browser(address, width=1280, height=760):
     tab = Tab(f"{address}{'&' if '?' in address else '?'}fixedDpr=1", width, height)
     try:
         yield tab
-        assert tab.errors == []
+        assert tab.errors == [], tab.errors
     finally:
         tab.close()

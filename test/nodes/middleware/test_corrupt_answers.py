@@ -49,7 +49,7 @@ def test_a_client_passes_them_over_and_hears_the_next_answer(graph, asked, what)
     assert not first.done()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_command_call_ends_with_bounded_memory(graph, asked):
     """It took all memory of the machine, and did not end."""
     command = [sys.executable, "-m", "robomech_ros.cli.main", "call", SERVICE, "--timeout", "20"]

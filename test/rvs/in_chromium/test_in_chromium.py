@@ -69,9 +69,12 @@ def test_a_row_takes_its_posture(at_home):
 
 def test_a_number_typed_into_a_slider_moves_the_joint(at_home):
     page, tab = at_home
-    field = FIELD.format(label="elbow")
-    tab.value(f"{field}.querySelector('input:not([type=hidden])').select()")
-    tab.value(f"{field}.querySelector('input:not([type=hidden])').focus()")
+    field = FIELD.format(label="elbow") + ".querySelector('input:not([type=hidden])')"
+    # The field may still be about to show where the arm came from.
+    tab.wait_for(f"Math.abs({field}.value - {page._arm.q[2]}) < 1e-3")
+    tab.value(f"{field}.focus()")
+    tab.wait_for(f"document.activeElement === {field}")
+    tab.value(f"{field}.select()")
     tab.send("Input.insertText", text="1.25")
     wait_until(lambda: page._arm.q[2] == 1.25)
     # A field that is left later, with another value behind it, says its own again.
