@@ -43,6 +43,8 @@ ANSWERING := $(PARALLEL) $(AGAIN) --ignore=test/nodes/motion test/nodes test/rvs
 # is named and run again, and the others go on; not so with --dist loadgroup, which then hangs.
 MOVING := -n 2 $(LONGEST) $(AGAIN) test/nodes/motion
 INSTALLED := $(PARALLEL) $(AGAIN) test/installed
+# What takes long without computing: robots that move, browsers, processes.
+QUICK := --ignore=test/nodes/motion --ignore=test/rvs/in_chromium --ignore=test/installed
 LEFT := $(if $(shell command -v chrt),chrt --idle 0,nice -n 19)
 # Each prints when it has ended.
 AT_ONCE := $(MAKE) --no-print-directory -j2 -Otarget
@@ -90,8 +92,8 @@ test: setup ## everything: lint, all tests, colcon, the other distribution
 	@echo "test: robots move and nodes answer while lint, the other distribution and what computes take the rest"
 	@$(AT_ONCE) installed beside
 
-test-fast: setup ## what a developer runs again and again: no long and no installed tests
-	@$(AT_ONCE) CHOSEN='-q -m "not slow and not long"' answering computing
+test-fast: setup ## what a developer runs again and again: one case of each test that is quick
+	$(PYTEST) -q -m "not slow and not long" --cases 1 $(PARALLEL) $(QUICK) test
 
 # Two rows: one after the other what has the processor first, and what takes the rest.
 moving:

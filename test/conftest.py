@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import sys
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,24 @@ from robomech_ros.robots.chain_layout import pack_chain
 sys.path.insert(0, str(Path(__file__).parent))
 
 GOLDEN = Path(__file__).parent / "data" / "golden"
+
+
+def pytest_addoption(parser):
+    """Declare the option by which `make test-fast` runs a part of the cases."""
+    parser.addoption("--cases", type=int, help="run so many cases of each test at most, the first")
+
+
+def pytest_collection_modifyitems(config, items):
+    """Leave out the other cases of each test."""
+    most, counts = config.getoption("cases"), Counter()
+    if most:
+        cases = list(items)
+        items.clear()
+        for item in cases:
+            test = item.nodeid.partition("[")[0]
+            counts[test] += 1
+            if counts[test] <= most:
+                items.append(item)
 
 
 def pytest_configure():
