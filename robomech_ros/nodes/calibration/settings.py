@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass
 
-from robomech_ros.nodes.common.parameters import ParameterError, parameter
+from robomech_ros.nodes.common.parameters import ParameterError, changeable, parameter
 from robomech_ros.nodes.common.robot_description import RobotSettings
 
 # Types of calibrations as easy_handeye2 calls them, and the library's names for them.
@@ -17,12 +17,11 @@ _PLAIN = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}")
 class CalibrationSettings(RobotSettings):
     """Parameters of the node; type, frames and name are those of easy_handeye2."""
 
-    calibration_type: str = parameter(
+    calibration_type: str = changeable(
         "eye_in_hand",
         "Sensor mount: eye_in_hand = the sensor moves with the hand and the target is fixed; "
         "eye_on_base = the sensor is fixed and the target moves with the hand",
         choices=tuple(MOUNT_OF_TYPE),
-        read_only=False,
     )
     robot_base_frame: str = parameter(
         "", "Frame in which poses of the hand are measured. Empty = base of the chain"
@@ -44,25 +43,22 @@ class CalibrationSettings(RobotSettings):
         "Topic of geometry_msgs/PoseStamped with the target in tracking_base_frame. Empty = from "
         "tf",
     )
-    sample_timeout: float = parameter(
+    sample_timeout: float = changeable(
         3.0,
         "Longest wait of take_sample for a stationary robot and a new detection; other requests "
         "are served meanwhile",
         (0.0, LONGEST_WAIT, "s"),
-        read_only=False,
     )
-    still_time: float = parameter(
-        0.3, "Time that the robot must be at rest before a sample", (0.0, 5.0, "s"), read_only=False
+    still_time: float = changeable(
+        0.3, "Time that the robot must be at rest before a sample", (0.0, 5.0, "s")
     )
-    still_distance: float = parameter(
-        5e-4, "Largest translation of the hand in that time", (0.0, 1.0, "m"), read_only=False
+    still_distance: float = changeable(
+        5e-4, "Largest translation of the hand in that time", (0.0, 1.0, "m")
     )
-    still_angle: float = parameter(
-        2e-3, "Largest rotation of the hand in that time", (0.0, 3.2, "rad"), read_only=False
+    still_angle: float = changeable(
+        2e-3, "Largest rotation of the hand in that time", (0.0, 3.2, "rad")
     )
-    max_samples: int = parameter(
-        500, "Largest number of samples", (3, 2000, "samples"), read_only=False
-    )
+    max_samples: int = changeable(500, "Largest number of samples", (3, 2000, "samples"))
     name: str = parameter("calibration", "File name of save, for requests without one")
     folder: str = parameter(
         "~/.ros/robomech_ros/calibrations",

@@ -10,7 +10,7 @@ from robomech_ros.errors import WrongSizeError
 from robomech_ros.nodes.common.closed_loop_positions import ClosedLoopPositions
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.parameters import parameter
+from robomech_ros.nodes.common.parameters import changeable
 from robomech_ros.nodes.common.robot_description import FrameSettings, RobotModel
 from robomech_ros.robots import SerialChain
 from robomech_ros.typing import Array
@@ -26,12 +26,11 @@ Way: TypeAlias = "SerialChain | Mechanism"
 class StateSettings(FrameSettings):
     """Parameters of a node whose requests may leave the state to the present one."""
 
-    state_timeout: float = parameter(
+    state_timeout: float = changeable(
         1.0,
         "Longest wait of a request for the first joint state or for a frame, if it needs one; "
         "other requests are served meanwhile. 0 = no wait",
         (0.0, 60.0, "s"),
-        read_only=False,
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from robomech_ros.errors import BadValueError, UnknownLinkError
-from robomech_ros.nodes.common.parameters import ParameterError, parameter
+from robomech_ros.nodes.common.parameters import ParameterError, changeable, parameter
 from robomech_ros.robots import (
     Group,
     RobotDescription,
@@ -77,11 +77,8 @@ class RobotSettings:
 class FrameSettings(RobotSettings):
     """Parameters of a node whose requests may name frames that tf knows."""
 
-    max_transform_age: float = parameter(
-        10.0,
-        "Largest age of a /tf transform for requests without a time stamp",
-        (0.01, 1e9, "s"),
-        read_only=False,
+    max_transform_age: float = changeable(
+        10.0, "Largest age of a /tf transform for requests without a time stamp", (0.01, 1e9, "s")
     )
 
 

@@ -3,34 +3,31 @@
 from dataclasses import dataclass
 
 from robomech_ros.nodes.common.joint_positions import StateSettings
-from robomech_ros.nodes.common.parameters import ParameterError, parameter
+from robomech_ros.nodes.common.parameters import ParameterError, changeable
 
 
 @dataclass(frozen=True)
 class DynamicsSettings(StateSettings):
     """Parameters of the node."""
 
-    gravity: tuple[float, ...] = parameter(
+    gravity: tuple[float, ...] = changeable(
         (0.0, 0.0, -9.81),
         "Gravity vector (down) in the base link of the chain, for requests without one",
         (-1000.0, 1000.0, "m/s^2"),
-        read_only=False,
     )
-    max_batch_size: int = parameter(
+    max_batch_size: int = changeable(
         10_000,
         "Largest number of points in one InverseDynamics or SummarizeTorques request",
         (1, 1_000_000, "points"),
-        read_only=False,
     )
-    summary_period: float = parameter(
+    summary_period: float = changeable(
         0.002,
         "Largest time step of SummarizeTorques; increased if there would be more than 100,000 "
         "steps",
         (1e-4, 1.0, "s"),
-        read_only=False,
     )
-    max_duration: float = parameter(
-        3600.0, "Longest trajectory for SummarizeTorques", (0.001, 1e6, "s"), read_only=False
+    max_duration: float = changeable(
+        3600.0, "Longest trajectory for SummarizeTorques", (0.001, 1e6, "s")
     )
 
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from robomech_ros.nodes.common.parameters import parameter
+from robomech_ros.nodes.common.parameters import changeable, parameter
 from robomech_ros.nodes.common.robot_description import check_frame_prefix
 
 
@@ -16,18 +16,16 @@ class GraspingSettings:
         "contacts are analysed",
     )
     frame_prefix: str = parameter("", "Prefix of the hand's frames in headers, such as left/")
-    max_wrenches: int = parameter(
+    max_wrenches: int = changeable(
         2000,
         "Largest number of wrenches used for the quality bounds; then these are returned as they "
         "are",
         (10, 5000),
-        read_only=False,
     )
-    max_queue_time: float = parameter(
+    max_queue_time: float = changeable(
         30.0,
         "Longest wait of analyze_grasp for earlier requests; then it fails with code 205",
         (1e-9, 1e6, "s"),
-        read_only=False,
     )
 
 
