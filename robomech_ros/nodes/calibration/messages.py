@@ -12,7 +12,7 @@ from robomech_ros.calibration.estimation import LARGEST_COORDINATE
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.nodes.calibration.files import POSITION_FIRST
 from robomech_ros.nodes.calibration.samples import Samples, Solution
-from robomech_ros.nodes.common.error_codes import FrameUnavailableError
+from robomech_ros.nodes.common.error_codes import FrameUnavailableError, shortened
 from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, pose_from_matrix, stamped_pose
 from robomech_ros.spatial import rotation_vector_from_matrix
@@ -142,9 +142,7 @@ def _in_words(solution: Solution) -> str:
     if len(found.inlier) == _EITHER_MOUNT:
         lines.append("three samples fit either mount: the mount is not verified")
     if found.outliers:
-        named = ", ".join(map(str, found.outliers[:_MOST_NAMED]))
-        more = len(found.outliers) - _MOST_NAMED
-        named += f" and {more} more" if more > 0 else ""
+        named = shortened([str(k) for k in found.outliers], _MOST_NAMED)
         lines.append(f"left out, since they contradict the others: samples {named}")
     free = len(found.free_directions)
     for axis in found.weak_directions[:free]:

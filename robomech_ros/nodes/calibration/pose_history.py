@@ -5,6 +5,7 @@ from __future__ import annotations
 from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
+from robomech_ros.nodes.common.error_codes import shortened
 from robomech_ros.nodes.common.message_fields import NANO
 from robomech_ros.nodes.frames.history import Sample
 from robomech_ros.nodes.frames.listener import FrameListener
@@ -65,12 +66,10 @@ class TfTrack:
         listener = self._listener
         if listener.missing:
             return ""
-        frames = listener.tree.frames
-        more = f" and {len(frames) - _MOST_LISTED} more" if len(frames) > _MOST_LISTED else ""
         fault = f"; heard, but of no use: {listener.fault}" if listener.fault else ""
         topics = " and ".join(f"'{topic}'" for topic in listener.topics)
-        known = ", ".join(frames[:_MOST_LISTED]) or "none"
-        return f", on {topics}{fault}; known frames: {known}{more}"
+        known = shortened(listener.tree.frames, _MOST_LISTED) or "none"
+        return f", on {topics}{fault}; known frames: {known}"
 
 
 class TopicTrack:

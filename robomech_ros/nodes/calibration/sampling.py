@@ -8,47 +8,18 @@ from collections.abc import Callable
 import numpy as np
 from rclpy.node import Node
 
-from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.calibration.pose_history import PoseTrack
 from robomech_ros.nodes.calibration.settings import CalibrationSettings
 from robomech_ros.nodes.common.cooperative_wait import pause
-from robomech_ros.nodes.common.error_codes import FrameUnavailableError, NoStateError
+from robomech_ros.nodes.common.error_codes import OutcomeError
 from robomech_ros.nodes.common.message_fields import NANO
 from robomech_ros.nodes.frames.tree import NoTransformError
+from robomech_ros.outcomes import Code
 from robomech_ros.spatial import pose_error
 from robomech_ros.typing import Array
 
 # So many places of the hand are compared over the time in which it has to stand.
 _PLACES = 11
-
-
-class NoPoseError(FrameUnavailableError):
-    """There is no pose of the hand or of the target, or only an old one."""
-
-    def __init__(self, what: str, why: str) -> None:
-        self.what, self.why = what, why
-        RobomechError.__init__(self, f"{what}: {why}")
-
-
-class HandMovesError(NoStateError):
-    """The hand moves while a sample is to be taken.
-
-    Parameters
-    ----------
-    distance, angle : float
-        How far it moved (m) and turned (rad).
-    settings : CalibrationSettings
-        What counts as rest.
-    """
-
-    def __init__(self, distance: float, angle: float, settings: CalibrationSettings) -> None:
-        self.distance, self.angle = distance, angle
-        RobomechError.__init__(
-            self,
-            f"the robot moves: its hand moved {distance:.3g} m and turned {angle:.3g} rad within "
-            f"{settings.still_time:g} s, at rest is up to {settings.still_distance:g} m and "
-            f"{settings.still_angle:g} rad (still_distance, still_angle); ask again when it stands",
-        )
 
 
 class Sampler:
@@ -84,10 +55,8 @@ class Sampler:
 
         Raises
         ------
-        NoPoseError
-            A pose is missing, or older than the call.
-        HandMovesError
-            The robot moved all that time.
+        OutcomeError
+            A pose is missing, or older than the call; or the robot moved all that time.
         """
         asked, deadline = self._now(), time.monotonic() + patience
         instant: int | None = None
@@ -100,8 +69,8 @@ class Sampler:
                 instant = self._seen_after(asked) if instant is None else instant
                 if self._known_until(self._robot) >= instant:
                     return self._sample(instant)
-                refusal: RobomechError = self._too_old(self._robot, instant)
-            except (HandMovesError, NoPoseError) as error:
+                refusal = self._too_old(self._robot, instant)
+            except OutcomeError as error:
                 instant, refusal = None, error
             if time.monotonic() >= deadline:
                 raise refusal
@@ -115,7 +84,7 @@ class Sampler:
         try:
             last = track.last()
         except NoTransformError as error:
-            raise NoPoseError(track.what, f"{error}{track.context()}") from None
+            raise _no_pose(track, f"{error}{track.context()}") from None
         return self._now() if last is None else last
 
     def _seen_after(self, asked: int) -> int:
@@ -125,12 +94,12 @@ class Sampler:
             raise self._too_old(self._tracking, asked)
         return instant
 
-    def _too_old(self, track: PoseTrack, wanted: int) -> NoPoseError:
+    def _too_old(self, track: PoseTrack, wanted: int) -> OutcomeError:
         age = (wanted - self._known_until(track)) / NANO
         hint = "of the request; does the sensor see the target?"
         if track is self._robot:
             hint = "of the target's; do two clocks differ?"
-        return NoPoseError(track.what, f"the last is from {age:.3g} s before the time {hint}")
+        return _no_pose(track, f"the last is from {age:.3g} s before the time {hint}")
 
     def _sample(self, instant: int) -> tuple[Array, Array]:
         """Return both poses at an instant, unless the hand moved just before."""
@@ -140,14 +109,24 @@ class Sampler:
             places = np.array([self._robot.at(instant - round(back)) for back in before.tolist()])
         except NoTransformError as error:
             why = f"{error}: it has to stand for {settings.still_time:g} s"
-            raise NoPoseError(self._robot.what, why) from None
+            raise _no_pose(self._robot, why) from None
         moved = pose_error(places[-1], places)
         angle, distance = (
             float(np.linalg.norm(part, axis=1).max()) for part in (moved[:, :3], moved[:, 3:])
         )
         if distance > settings.still_distance or angle > settings.still_angle:
-            raise HandMovesError(distance, angle, settings)
+            text = (
+                f"the robot moves: its hand moved {distance:.3g} m and turned {angle:.3g} rad "
+                f"within {settings.still_time:g} s, at rest is up to {settings.still_distance:g} m and "
+                f"{settings.still_angle:g} rad (still_distance, still_angle); ask again when it "
+                "stands"
+            )
+            raise OutcomeError(Code.NO_STATE, text)
         try:
             return places[-1], self._tracking.at(instant)
         except NoTransformError as error:
-            raise NoPoseError(self._tracking.what, str(error)) from None
+            raise _no_pose(self._tracking, str(error)) from None
+
+
+def _no_pose(track: PoseTrack, why: str) -> OutcomeError:
+    return OutcomeError(Code.FRAME_UNAVAILABLE, f"{track.what}: {why}")

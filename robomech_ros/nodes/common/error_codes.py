@@ -2,7 +2,7 @@
 
 import functools
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
 from robomech_ros import errors
@@ -13,29 +13,26 @@ from robomech_ros.outcomes import Code
 
 _Callback = TypeVar("_Callback", bound=Callable[..., Any])
 
-_MOST_LISTED = 30
+
+def shortened(names: Sequence[str], most: int) -> str:
+    """List the first names, and say how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
 
 
 class FrameUnavailableError(RobomechError):
     """A frame that cannot be related to the base of the chain."""
 
     def __init__(self, frame: str, known: Iterable[str], why: str) -> None:
-        self.frame = frame
-        self.known = tuple(known)
-        listed = ", ".join(self.known[:_MOST_LISTED])
-        more = len(self.known) - _MOST_LISTED
-        listed += f" and {more} more" if more > 0 else ""
-        super().__init__(f"frame {frame[:200]!r}: {why}; known frames: {listed}")
+        names = shortened(list(known), 30)
+        super().__init__(f"frame {frame[:200]!r}: {why}; known frames: {names}")
 
 
 class NoStateError(RobomechError):
     """The present state of the joints is needed and not known."""
 
     def __init__(self, joints: Iterable[str], topic: str, why: str = "nothing received") -> None:
-        self.joints = tuple(joints)
-        self.topic = topic
-        self.why = why
-        listed = ", ".join(self.joints)
+        listed = ", ".join(joints)
         super().__init__(f"no present state of joint(s) {listed}: {why} on '{topic}'")
 
 
@@ -52,9 +49,6 @@ class RobotMovesError(NoStateError):
     """
 
     def __init__(self, joint: str, speed: float, tolerance: float, unit: str = "") -> None:
-        self.joint = joint
-        self.speed = speed
-        self.tolerance = tolerance
         per = f" {unit}/s" if unit else " per s"
         RobomechError.__init__(
             self,
@@ -69,7 +63,7 @@ class OutcomeError(RobomechError):
     Parameters
     ----------
     code : Code
-        Above 200.
+        That of the answer.
     text : str
         Why.
     """
@@ -83,7 +77,6 @@ class ShutdownError(RobomechError):
     """A node ends before it has answered."""
 
     def __init__(self, node: str) -> None:
-        self.node = node
         super().__init__(f"the node {node} shuts down")
 
 

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
 
 from robomech_ros.errors import MissingLimitsError, RobomechError, RobotDescriptionError
@@ -210,7 +211,7 @@ def _limited(joint: Joint, entry: object, place: str) -> Joint:
     changes: dict[str, Any] = {
         "lower": max(joint.lower, values.get("min_position", -math.inf)),
         "upper": min(joint.upper, values.get("max_position", math.inf)),
-        "velocity": _least(joint.velocity, values.get("max_velocity")),
+        "velocity": float(np.fmin(joint.velocity, values.get("max_velocity", math.nan))),
         # One limit serves both ways; what has no acceleration limit keeps none.
         "acceleration": min(acceleration, values.get("max_deceleration", math.inf)),
         "jerk": values.get("max_jerk", joint.jerk),
@@ -222,13 +223,6 @@ def _limited(joint: Joint, entry: object, place: str) -> Joint:
         )
         raise RobotDescriptionError(place, why)
     return dataclasses.replace(joint, **changes)
-
-
-def _least(own: float, given: float | None) -> float:
-    """Take the lower of two limits, the first of which is NaN where there is none."""
-    if given is None:
-        return own
-    return given if math.isnan(own) else min(own, given)
 
 
 def _values(entry: Mapping[str, Any], place: str) -> dict[str, float]:

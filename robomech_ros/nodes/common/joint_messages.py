@@ -9,12 +9,14 @@ from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_ros.errors import NonFiniteError, UnknownJointError, WrongSizeError, format_value
-from robomech_ros.nodes.common.message_fields import NANO, duration_from_seconds, floats
+from robomech_ros.execution.received_trajectory import ReceivedTrajectory
+from robomech_ros.nodes.common.message_fields import NANO, floats
 from robomech_ros.servo.motion import Samples
 from robomech_ros.typing import Array
 
 # Point messages that are kept from one trajectory to the next, 1 kB each.
 _POINTS_KEPT = 2000
+_FIELDS = ("positions", "velocities", "accelerations")
 
 
 def positions_by_name(
@@ -102,6 +104,13 @@ def joint_state(joint_names: Sequence[str], positions: Array) -> JointState:
     return JointState(name=list(joint_names), position=floats(positions))
 
 
+def received_trajectory(message: JointTrajectory) -> ReceivedTrajectory:
+    """Hand over a message that nothing is known about; its points are not copied."""
+    spans = [point.time_from_start for point in message.points]
+    times = [span.sec + span.nanosec * 1e-9 for span in spans]
+    return ReceivedTrajectory(message.joint_names, times, message.points)
+
+
 class TrajectoryPoints:
     """Trajectory points that are used again for one trajectory after the other.
 
@@ -112,21 +121,22 @@ class TrajectoryPoints:
     def __init__(self) -> None:
         self._points: list[JointTrajectoryPoint] = []
 
-    def filled(
-        self, times: Array, positions: Array, velocities: Array, accelerations: Array
-    ) -> list[JointTrajectoryPoint]:
-        """Return m points; times (m,) in s, the others (m, n) in rad or m, per s and s^2."""
+    def filled(self, times: Array, positions: Array, *rates: Array) -> list[JointTrajectoryPoint]:
+        """Return m points at times (m,) (s), always with the same number of rates.
+
+        Positions, and velocities and accelerations if given, are of shape (m, n) (rad or m).
+        """
         new = [JointTrajectoryPoint() for _ in range(len(times) - len(self._points))]
         points = self._points[: len(times)] + new
         self._points += new[: max(0, _POINTS_KEPT - len(self._points))]
         # A part of Python's array is copied faster than a row of numpy's.
-        q, v, a = floats(positions), floats(velocities), floats(accelerations)
+        fields = dict(zip(_FIELDS, map(floats, (positions, *rates)), strict=False))
         whole, nano = np.divmod(np.rint(times * NANO).astype(np.int64), NANO)
         end, n = 0, positions.shape[1]
         for point, sec, nanosec in zip(points, whole.tolist(), nano.tolist(), strict=True):
             begin, end = end, end + n
-            point.positions, point.velocities = q[begin:end], v[begin:end]
-            point.accelerations = a[begin:end]
+            for name, numbers in fields.items():
+                setattr(point, name, numbers[begin:end])
             time = point.time_from_start
             time.sec, time.nanosec = sec, nanosec
         return points
@@ -178,14 +188,8 @@ def stream_message(
     stamp : Time
         When the message was made, in ROS time.
     """
-    q, v, end, n = floats(samples.positions), floats(samples.velocities), 0, len(names)
-    points = []
-    for time in samples.times.tolist():
-        begin, end = end, end + n
-        point = JointTrajectoryPoint(time_from_start=duration_from_seconds(ahead + time))
-        # A part of Python's array is taken without conversion.
-        point.positions, point.velocities = q[begin:end], v[begin:end]
-        points.append(point)
+    times = ahead + samples.times
+    points = TrajectoryPoints().filled(times, samples.positions, samples.velocities)
     message = JointTrajectory(joint_names=list(names), points=points)
     message.header.stamp = stamp
     return message

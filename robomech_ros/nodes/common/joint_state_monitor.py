@@ -16,11 +16,7 @@ from sensor_msgs.msg import JointState
 from robomech_ros.errors import format_value
 from robomech_ros.nodes.common.cooperative_wait import pause
 from robomech_ros.nodes.common.error_codes import NoStateError, RobotMovesError
-from robomech_ros.nodes.middleware.polled_subscription import (
-    ManualSubscription,
-    latest,
-    take_waiting,
-)
+from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 from robomech_ros.typing import Array
 
@@ -54,14 +50,7 @@ class JointStateMonitor:
         self._looks = 0
         self._heard_in: dict[str, int] = {}
         self._fault = ""
-        self._subscription = node.create_subscription(
-            JointState,
-            TOPIC,
-            self._store,
-            latest(_DEPTH),
-            callback_group=ManualSubscription(),
-            raw=True,
-        )
+        self._inbox = Inbox(node, JointState, TOPIC, _DEPTH)
 
     def positions(self, joint_names: Sequence[str]) -> Array | None:
         """Return the present positions (rad or m), shape (n,); None while one is not known."""
@@ -95,7 +84,7 @@ class JointStateMonitor:
 
     def forget(self) -> None:
         """Know no joint until it is heard of anew: whoever published them may be gone."""
-        list(take_waiting(self._subscription, JointState, _DEPTH))
+        self._inbox.take_packed()
         self._states.clear()
 
     def require(self, joint_names: Sequence[str]) -> Array:
@@ -109,7 +98,7 @@ class JointStateMonitor:
         positions = self.positions(joint_names)
         if positions is None:
             missing = [name for name in joint_names if name not in self._states]
-            raise NoStateError(missing, self._subscription.topic_name, self._what_came())
+            raise NoStateError(missing, self._inbox.topic, self._what_came())
         return positions
 
     def _what_came(self) -> str:
@@ -187,22 +176,15 @@ class JointStateMonitor:
         wanted = {*joint_names, *self._states}
         seen: dict[str, _JointSample] = {}
         newest_fault = ""
-        for data in reversed(list(take_waiting(self._subscription, JointState, _DEPTH))):
+        for data in reversed(self._inbox.take_packed()):
             states, fault = _read(data)
             newest_fault = newest_fault or fault
             for name, state in states.items():
                 seen.setdefault(name, state)
             if seen.keys() >= wanted:
                 break
-        self._keep(seen, newest_fault)
-
-    def _store(self, data: bytes) -> None:
-        """Keep one message; serves executors that do not honour callback groups."""
-        self._keep(*_read(data))
-
-    def _keep(self, seen: dict[str, _JointSample], fault: str) -> None:
         self._looks += 1
-        self._fault = fault or self._fault
+        self._fault = newest_fault or self._fault
         for name, state in seen.items():
             if name in self._states or len(self._states) < _MOST_JOINTS:
                 self._states[name], self._heard_in[name] = state, self._looks

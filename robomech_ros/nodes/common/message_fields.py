@@ -8,7 +8,7 @@ from builtin_interfaces.msg import Duration
 from numpy.typing import NDArray
 from std_msgs.msg import Header
 
-from robomech_ros.errors import BadValueError, NonFiniteError
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.typing import Array
 
 # Nanoseconds of a second.
@@ -39,6 +39,12 @@ def not_negative(what: str, value: float, expected: str) -> float:
     if finite_number(what, value) < 0.0:
         raise BadValueError(what, value, expected)
     return float(value)
+
+
+def check_waypoints(what: str, count: int, most: int) -> None:
+    """Refuse more points to go through than can be planned in some seconds."""
+    if count > most:
+        raise WrongSizeError(what, count, f"at most {most}, the parameter max_waypoints")
 
 
 def seconds_from_duration(duration: Duration, what: str) -> float:

@@ -128,37 +128,32 @@ class ParameterRow:
         ParameterError
             It is of another type or out of range.
         """
-        if self.kind not in _TYPE_NAMES:
-            return self._checked_list(value)
         if self.kind is float and type(value) is int:
             value = float(value)
-        if type(value) is not self.kind or (self.choices and value not in self.choices):
+        single = self.kind in _TYPE_NAMES
+        if single:
+            fits = type(value) is self.kind and self._allows(value)
+        else:
+            # An empty list comes as a list of bytes or as not set: it carries no type.
+            listed = isinstance(value, Iterable | None) and not isinstance(value, str)
+            fits = listed and all(map(self._allows, value or ()))
+        if not fits:
             raise ParameterError(self.name, value, self.allowed)
-        if self.kind in (int, float) and not self._in_range(value):
-            raise ParameterError(self.name, value, self.allowed)
-        return value
+        return value if single else tuple(map(get_args(self.kind)[0], value or ()))
 
-    def _checked_list(self, value: Any) -> tuple[Any, ...]:
-        # An empty list comes as a list of bytes or as not set: it carries no type.
-        if isinstance(value, str) or not isinstance(value, Iterable | None):
-            raise ParameterError(self.name, value, self.allowed)
-        entries = tuple(value or ())
-        if self.kind == _TEXTS:
-            if not all(isinstance(entry, str) for entry in entries):
-                raise ParameterError(self.name, value, self.allowed)
-            return entries
-        if any(
-            isinstance(entry, bool | str | bytes) or not self._in_range(entry) for entry in entries
-        ):
-            raise ParameterError(self.name, value, self.allowed)
-        return tuple(float(entry) for entry in entries)
-
-    def _in_range(self, value: float) -> bool:
-        low = -math.inf if self.low is None else self.low
-        high = math.inf if self.high is None else self.high
+    def _allows(self, value: Any) -> bool:
+        """Whether this may be the value, or an entry of the list."""
+        if self.kind in (str, _TEXTS):
+            return isinstance(value, str) and (not self.choices or value in self.choices)
+        if self.kind is bool:
+            return True
+        if isinstance(value, bool | str | bytes):
+            return False
         if math.isnan(value):
             # Where nothing is given: not a number switches off.
             return isinstance(self.default, float) and math.isnan(self.default)
+        low = -math.inf if self.low is None else self.low
+        high = math.inf if self.high is None else self.high
         return math.isfinite(value) and low <= value <= high
 
     def descriptor(self) -> ParameterDescriptor:

@@ -14,6 +14,7 @@ from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, TwistStamped
 from robomech_ros._kernels.spatial.tolerances import UNIT_NORM
 from robomech_ros.errors import BadQuaternionError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.plain_poses import plain_pose
+from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.quaternions import matrix_from_quaternion
 from robomech_ros.typing import Array
 
@@ -118,11 +119,7 @@ def matrices_from_pose_rows(rows: Sequence[float], what: str = "poses") -> Array
     table = np.array(rows, dtype=np.float64).reshape(-1, _POSE_NUMBERS)
     if not np.isfinite(table).all():
         raise NonFiniteError(what, table)
-    T = np.zeros((len(table), 4, 4))
-    T[:, :3, 3] = table[:, :3]
-    T[:, :3, :3] = matrix_from_quaternion(table[:, 3:])
-    T[:, 3, 3] = 1.0
-    return T
+    return assembled(matrix_from_quaternion(table[:, 3:]), table[:, :3])
 
 
 def point_vector(point: Point, what: str) -> Array:

@@ -5,6 +5,7 @@ from collections.abc import Collection
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
+from robomech_ros.nodes.common.error_codes import shortened
 from robomech_ros.nodes.display.external_frames import FixedFrames, MovingFrames
 from robomech_ros.nodes.display.frame_publisher import FramePublisher
 from robomech_ros.nodes.display.other_publishers import PERIOD
@@ -59,16 +60,13 @@ class UnclaimedFrames:
         topic, robot = self._publisher.topic, self._robot
         if not left:
             return f"{topic}: nobody else publishes frames of {robot}: this node does, all {count}"
-        who = others[0] if len(others) == 1 else f"one or more of {_listed(others)}"
+        who = others[0] if len(others) == 1 else f"one or more of {shortened(others, _MOST_NAMES)}"
         hint = ""
         if any(name.endswith(f"/{self._node.get_name()}") for name in others):
             hint = ". If that is another robot, set frame_prefix (bringup --namespace does)"
         if len(left) == count:
             return f"{topic}: all {count} frames of {robot} come from {who}, not from here{hint}"
         some = f"{len(left)} of {count} frames of {robot} come from {who}"
-        return f"{topic}: {some}: {_listed(sorted(left))}; the others from here{hint}"
-
-
-def _listed(names: list[str]) -> str:
-    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
-    return ", ".join(names[:_MOST_NAMES]) + more
+        return (
+            f"{topic}: {some}: {shortened(sorted(left), _MOST_NAMES)}; the others from here{hint}"
+        )

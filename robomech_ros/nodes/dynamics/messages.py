@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import Inertia, Vector3, WrenchStamped
 from sensor_msgs.msg import JointState
 
-from robomech_ros.dynamics import TorqueSummary
+from robomech_ros.dynamics import DynamicSystem, TorqueSummary
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.execution.received_trajectory import joint_order
 from robomech_ros.nodes.common.joint_messages import positions_by_name
@@ -23,6 +24,8 @@ from robomech_ros.typing import Array
 
 # Largest number in a vector, in SI units: products with masses stay far from overflow.
 _LARGEST = 1e12
+# At which a torque summary looks besides the points; each takes some 200 bytes for a joint.
+_MOST_INSTANTS = 100_000
 # Fields of a SummarizeTorques response with the names of those of the summary.
 _SUMMARISED = (
     *("peak_effort", "rms_effort", "peak_power", "energy_out", "energy_back"),
@@ -57,6 +60,32 @@ class Motions:
         result = np.zeros((*rows.shape[:-1], self.width))
         result[..., self.order] = rows
         return result
+
+    def torques(self, system: DynamicSystem, gravity: Array, wrench: Array) -> dict[str, Array]:
+        """Compute the torques, and what of them gravity, rates and accelerations take.
+
+        Parameters
+        ----------
+        system : DynamicSystem
+            The robot with all that it carries.
+        gravity : ndarray, shape (3,)
+            In the base (m/s^2).
+        wrench : ndarray, shape (k, 6)
+            What the surroundings exert on the tip, moment first, in the base (N m and N).
+
+        Returns
+        -------
+        dict of str to ndarray, shape (k, m)
+            By the name of the field of the response (N m or N).
+        """
+        q, qd, qdd = self.q, self.qd, self.qdd
+        none, weightless = np.zeros_like(qd), np.zeros(3)
+        return {
+            "effort": system.inverse(q, qd, qdd, gravity=gravity, tip_wrench=wrench),
+            "gravity": system.inverse(q, none, none, gravity=gravity),
+            "coriolis": system.inverse(q, qd, none, gravity=weightless),
+            "inertial": system.inverse(q, none, qdd, gravity=weightless),
+        }
 
 
 def motions(points: Any, joint_names: Any, drives: Drives) -> Motions:
@@ -203,6 +232,16 @@ def _vector(given: Vector3, what: str) -> Array:
     if np.abs(vector).max() > _LARGEST:
         raise BadValueError(what, vector.tolist(), f"magnitudes of at most {_LARGEST:g}")
     return vector
+
+
+def instants(times: Array, period: float) -> Array:
+    """Divide the spans between instants; none is above a period (s), but there are not too many."""
+    period = max(period, float(times[-1] - times[0]) / _MOST_INSTANTS)
+    parts = [
+        np.linspace(begin, end, max(int(np.ceil((end - begin) / period)), 1), endpoint=False)
+        for begin, end in pairwise(times)
+    ]
+    return np.concatenate([*parts, times[-1:]])
 
 
 def encode_summary(summary: TorqueSummary, drives: Sequence[str], response: Any) -> Any:

@@ -20,17 +20,18 @@ from robomech_ros.dynamics import DynamicSystem, torque_summary
 from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.nodes.common.error_codes import answer, guarded
+from robomech_ros.nodes.common.joint_messages import received_trajectory
 from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.parameters import NodeParameters
-from robomech_ros.nodes.common.received_trajectory import received_trajectory
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.dynamics.drives import Drives
 from robomech_ros.nodes.dynamics.messages import (
     encode_summary,
     gravity_vector,
+    instants,
     motions,
     payload_body,
     rates,
@@ -38,7 +39,6 @@ from robomech_ros.nodes.dynamics.messages import (
     without_rates,
 )
 from robomech_ros.nodes.dynamics.settings import DynamicsSettings, check_settings
-from robomech_ros.nodes.dynamics.torques import instants, torque_shares
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.process.run import run_node
@@ -97,8 +97,7 @@ class DynamicsNode(Node):
         points = request.points or [await self._present(names)]
         states = motions(points, names, self._drives)
         wrench = await self._wrench(request, states.q)
-        shares = torque_shares(system, states, self._gravity(request), wrench)
-        for field, rows in shares.items():
+        for field, rows in states.torques(system, self._gravity(request), wrench).items():
             setattr(response, field, floats(states.in_request_order(rows)))
         return answer(response)
 

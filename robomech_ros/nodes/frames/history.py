@@ -1,16 +1,15 @@
 """Recent poses of one tf frame in its parent."""
 
-import math
 from bisect import bisect_left
 from operator import attrgetter
 from typing import NamedTuple
+
+from robomech_ros.spatial import slerp
 
 # How long transforms are kept, ns: as long as tf2 keeps them.
 WINDOW = 10_000_000_000
 # Most samples of a frame: 100 per second for that time.
 _MOST_SAMPLES = 1000
-# Between quaternions nearer than this the straight line is as good as the arc.
-_SAME_TURN = 1.0 - 1e-9
 _STAMP = attrgetter("stamp")
 
 
@@ -113,19 +112,5 @@ class FrameHistory:
             return before
         part = (stamp - before.stamp) / (behind.stamp - before.stamp)
         place = tuple(a + part * (b - a) for a, b in zip(before.place, behind.place, strict=True))
-        return Sample(stamp, before.parent, place, _between(before.turn, behind.turn, part))
-
-
-def _between(a: tuple[float, ...], b: tuple[float, ...], part: float) -> tuple[float, ...]:
-    """Turn evenly from one unit quaternion to another, on the shorter way."""
-    cosine = sum(p * q for p, q in zip(a, b, strict=True))
-    if cosine < 0.0:
-        b, cosine = tuple(-q for q in b), -cosine
-    if cosine > _SAME_TURN:
-        mixed = tuple(p + part * (q - p) for p, q in zip(a, b, strict=True))
-        norm = math.sqrt(sum(m * m for m in mixed))
-        return tuple(m / norm for m in mixed)
-    angle = math.acos(cosine)
-    first = math.sin((1.0 - part) * angle) / math.sin(angle)
-    second = math.sin(part * angle) / math.sin(angle)
-    return tuple(first * p + second * q for p, q in zip(a, b, strict=True))
+        turn = slerp(before.turn, behind.turn, part)
+        return Sample(stamp, before.parent, place, tuple(turn.tolist()))

@@ -17,11 +17,7 @@ from robomech_ros.nodes.common.message_fields import NANO
 from robomech_ros.nodes.common.robot_description import STATIC_FRAMES
 from robomech_ros.nodes.frames.history import Sample
 from robomech_ros.nodes.frames.tree import FrameTree
-from robomech_ros.nodes.middleware.polled_subscription import (
-    ManualSubscription,
-    latest,
-    take_waiting,
-)
+from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 
 # Between two looks, the latest so many are kept: some seconds of robot_state_publisher.
@@ -71,14 +67,7 @@ class FrameListener:
             )
             return
         self._kind = TFMessage
-        self._moving = node.create_subscription(
-            TFMessage,
-            "/tf",
-            partial(self._take, static=False),
-            latest(_DEPTH),
-            callback_group=ManualSubscription(),
-            raw=True,
-        )
+        self._moving = Inbox(node, TFMessage, "/tf", _DEPTH)
         self._static = node.create_subscription(
             TFMessage, "/tf_static", partial(self._take, static=True), STATIC_FRAMES, raw=True
         )
@@ -96,25 +85,24 @@ class FrameListener:
     @property
     def topics(self) -> tuple[str, str]:
         """Full names of the two topics."""
-        return str(self._moving.topic_name), str(self._static.topic_name)
+        return self._moving.topic, str(self._static.topic_name)
 
     def look(self) -> None:
         """Take in what has come since the last look."""
-        latest, left = [], _LARGEST_LOOK
-        for data in reversed(self._waiting()):
-            left -= len(data)
+        if self.missing:
+            return
+        taken, left = self._moving.take_packed(), _LARGEST_LOOK
+        for k in reversed(range(len(taken))):
+            left -= len(taken[k])
             if left < 0:
+                del taken[: k + 1]
                 break
-            latest.append(data)
-        for data in reversed(latest):
+        for data in taken:
             self._take(data, static=False)
-
-    def _waiting(self) -> list[bytes]:
-        return list(take_waiting(self._moving, self._kind, _DEPTH)) if self._kind else []
 
     def _begin_anew(self, jump: TimeJump) -> None:
         # What waits is from before, too.
-        self._waiting()
+        self._moving.take_packed()
         self.tree.forget_moving()
         self.heard_since = math.inf
 

@@ -89,6 +89,11 @@ class RobotFrames:
         Its present state.
     settings : callable
         Gives the parameters as they are now.
+
+    Attributes
+    ----------
+    model : RobotModel
+    monitor : JointStateMonitor
     """
 
     def __init__(
@@ -98,7 +103,7 @@ class RobotFrames:
         monitor: JointStateMonitor,
         settings: Callable[[], FrameSettings],
     ) -> None:
-        self._node, self._model, self._monitor = node, model, monitor
+        self._node, self.model, self.monitor = node, model, monitor
         self._settings = settings
         self._listener = FrameListener(node)
 
@@ -141,7 +146,7 @@ class RobotFrames:
                 return self._find(frame, instant)
             except NoTransformError as error:
                 end = begun + patience
-                if self._model.full_frame(frame) not in self._listener.tree:
+                if self.model.full_frame(frame) not in self._listener.tree:
                     end = min(end, max(begun, self._listener.heard_since) + _NOWHERE)
                 if not error.may_come or time.monotonic() >= end:
                     raise self._unavailable(frame, error) from None
@@ -175,12 +180,12 @@ class RobotFrames:
         missing = [name for name in place.joint_names if name not in given]
         if not missing:
             return place.pose(given)
-        await self._monitor.wait_for(missing, patience)
-        present = self._monitor.require(missing).tolist()
+        await self.monitor.wait_for(missing, patience)
+        present = self.monitor.require(missing).tolist()
         return place.pose({**given, **dict(zip(missing, present, strict=True))})
 
     def _find(self, frame: str, instant: int | None) -> FrameAttachment:
-        model, tree = self._model, self._listener.tree
+        model, tree = self.model, self._listener.tree
         link = model.link_of(frame)
         if not link or link == model.chain.base:
             return _BASE
@@ -201,26 +206,26 @@ class RobotFrames:
 
     def _place_of_link(self, link: str) -> FrameAttachment | None:
         """Find a link of the robot; None for what is none, or has no chain from the base."""
-        fixed = self._model.fixed_frames
+        fixed = self.model.fixed_frames
         if link in fixed:
             return FrameAttachment(None, fixed[link])
-        if link not in self._model.description.links:
+        if link not in self.model.description.links:
             return None
         try:
-            return FrameAttachment(self._model.chain_to(link), None)
+            return FrameAttachment(self.model.chain_to(link), None)
         except RobotDescriptionError:
             return None
 
     def _place_in_tf(self, frame: str) -> FrameAttachment | None:
         """Find a link of the robot by its frame in tf; None for the frames of others."""
-        prefix = self._model.frame_prefix
+        prefix = self.model.frame_prefix
         if not frame.startswith(prefix):
             return None
         return self._place_of_link(frame.removeprefix(prefix))
 
     def _by_tf(self, frame: str, instant: int | None) -> FrameAttachment:
         """Find a frame of tf by the links of the robot that tf connects with it."""
-        tree, model = self._listener.tree, self._model
+        tree, model = self._listener.tree, self.model
         way = tree.path_to_root(frame, instant)
         fixed = [model.base_frame, *map(model.frame_of, model.fixed_frames)]
         # Now is told best by the joints and the link that carries the frame, the past by tf alone.
@@ -245,7 +250,7 @@ class RobotFrames:
 
     def _not_connected(self, way: list[str]) -> str:
         """Say why a frame of tf leads to no link of the robot."""
-        base = self._model.base_frame
+        base = self.model.base_frame
         root = self._root_of(base)
         if root is not None:
             other = f"the base {base!r} hangs on {root!r}"
@@ -277,7 +282,7 @@ class RobotFrames:
 
     def _unavailable(self, frame: str, error: NoTransformError) -> FrameUnavailableError:
         """Say what was not found, and what there is."""
-        why, listener, model = str(error), self._listener, self._model
+        why, listener, model = str(error), self._listener, self.model
         if not listener.missing and model.full_frame(frame) not in listener.tree:
             said = f"; heard, but of no use: {listener.fault}" if listener.fault else ""
             topics = " and ".join(f"'{topic}'" for topic in listener.topics)

@@ -9,7 +9,7 @@ import numpy as np
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.frames.history import FrameHistory, Sample
-from robomech_ros.spatial.poses import rigid_inverse
+from robomech_ros.spatial.poses import assembled, rigid_inverse
 from robomech_ros.spatial.rotations.quaternions import matrix_from_quaternion
 from robomech_ros.typing import Array
 
@@ -230,8 +230,6 @@ class FrameTree:
         pose = np.eye(4)
         for frame in way:
             sample = self._histories[frame].at(stamp)
-            T = np.eye(4)
-            T[:3, :3] = matrix_from_quaternion(sample.turn)
-            T[:3, 3] = sample.place
-            pose = T @ pose
+            rotation = matrix_from_quaternion(sample.turn)
+            pose = assembled(rotation, np.array(sample.place)) @ pose
         return pose

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -78,7 +78,6 @@ class ChainManipulator:
         self._model, self._joints, self._worker = model, joints, worker
         self._chain = chain = model.chain
         self._measured: set[SerialChain] = set()
-        self._space: _ReachableSpace | None = None
         # The kernels are compiled or loaded on import; this decides the solver family, too.
         family = inverse_kinematics(chain, forward_kinematics(chain, chain.midrange())).family
         self.closed_form = family_of(chain).closed_form
@@ -102,7 +101,10 @@ class ChainManipulator:
     async def rows(
         self, ways: Sequence[SerialChain], states: Sequence[JointState], patience: float
     ) -> tuple[list[Array], str]:
-        """Read the positions (m, n) for each chain in all states."""
+        """Read the positions (m, n) for each chain in all states.
+
+        Without states, they are the present positions.  The text is a remark on them.
+        """
         rows = []
         for way in ways:
             if states:
@@ -168,18 +170,11 @@ class ChainManipulator:
 
     async def prepare(self) -> None:
         """Find the workspace once."""
-        if self._space is None:
-            await self._worker.do(self._find_space)
+        await self._worker.do(lambda: self._known)
 
-    def _find_space(self) -> None:
-        # Others may have asked while the worker was busy with the first request.
-        if self._space is None:
-            self._space = _reachable_space(self._chain)
-
-    @property
+    @cached_property
     def _known(self) -> _ReachableSpace:
-        assert self._space is not None
-        return self._space
+        return _reachable_space(self._chain)
 
     def condition_numbers(self, q: Array) -> Array:
         """Return the normalised condition numbers (k,) of postures (k, n), else infinity."""
@@ -189,7 +184,10 @@ class ChainManipulator:
         return np.asarray(condition_number(self._chain, q, length=length))
 
     async def boundary_distances(self, T: Array, reachable: BoolArray, until: float) -> Array:
-        """Return distances (m,) of the poses of the positioning part from its boundary (m)."""
+        """Return distances (m,) of the poses of the positioning part from its boundary (m).
+
+        They are positive inside, and NaN where unknown.
+        """
         boundary = self._known.boundary
         if boundary is None or not len(T):
             return np.full(len(T), np.nan)

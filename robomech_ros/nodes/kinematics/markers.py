@@ -14,6 +14,7 @@ from robomech_ros.kinetostatics import Workspace, manipulability_ellipsoid
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
 from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.kinematics.manipulator import PostureReport
+from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
@@ -179,12 +180,8 @@ def _ellipsoid(
     name: str, position: Array, axes: Array, half_axes: Array, colour: tuple[float, ...]
 ) -> Marker:
     marker = _marker(name, 0, Marker.SPHERE, colour)
-    T = np.eye(4)
-    T[:3, :3] = axes
-    T[:3, 3] = position
-    marker.pose = pose_from_matrix(T)
-    scale = 2.0 * _LONGEST * half_axes
-    marker.scale.x, marker.scale.y, marker.scale.z = (float(value) for value in scale)
+    marker.pose = pose_from_matrix(assembled(axes, position))
+    marker.scale.x, marker.scale.y, marker.scale.z = (2.0 * _LONGEST * half_axes).tolist()
     return marker
 
 

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 from sensor_msgs.msg import PointCloud2, PointField
-from trajectory_msgs.msg import JointTrajectoryPoint
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.common.error_codes import answer
+from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.message_fields import (
     duration_from_seconds,
     floats,
@@ -70,42 +70,19 @@ def is_nearest(mode: int) -> bool:
     return mode == _NEAREST
 
 
-class SolutionPoints:
-    """Trajectory points that are used again for every answer.
-
-    To make a point message takes longer than to fill it, and rclpy copies an answer before the
-    next request is taken.
-    """
-
-    def __init__(self) -> None:
-        self._points: list[JointTrajectoryPoint] = []
-
-    def filled(self, q: Array) -> list[JointTrajectoryPoint]:
-        """Return k points with the rows of q, shape (k, n), as positions."""
-        while len(self._points) < len(q):
-            self._points.append(JointTrajectoryPoint())
-        points, flat, n = self._points[: len(q)], floats(q), q.shape[1]
-        for k, point in enumerate(points):
-            # Slices of one array: to make each from a row takes five times as long.
-            point.positions = flat[k * n : (k + 1) * n]
-        return points
-
-
 def encode_result(
     result: Any,
     joint_names: tuple[str, ...],
-    points: SolutionPoints,
+    points: TrajectoryPoints,
     solve_seconds: float,
     response: Any,
 ) -> Any:
     """Fill a SolveIK response with an InverseKinematicsResult or PlatformSolutions."""
     response.joint_names = list(joint_names)
-    response.solutions = points.filled(result.q)
-    response.seed_distances = floats(result.seed_distance)
-    response.position_errors = floats(result.position_error)
-    response.orientation_errors = floats(result.orientation_error)
-    response.condition_numbers = floats(result.condition_number)
-    response.limit_margins = floats(result.limit_margin)
+    response.solutions = points.filled(np.zeros(len(result.q)), result.q)
+    distances = ("seed_distance", "position_error", "orientation_error")
+    for name in (*distances, "condition_number", "limit_margin"):
+        setattr(response, f"{name}s", floats(getattr(result, name)))
     response.branches = list(result.branches)
     response.complete = result.complete
     response.family = result.family

@@ -21,6 +21,7 @@ from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices, Worker
 from robomech_ros.nodes.common.error_codes import ShutdownError, answer, guarded
+from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.joint_positions import JointPositions, Way
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.message_fields import floats
@@ -39,7 +40,6 @@ from robomech_ros.nodes.kinematics.chain_manipulator import ChainManipulator
 from robomech_ros.nodes.kinematics.manipulator import Manipulator
 from robomech_ros.nodes.kinematics.markers import MarkerPublisher, posture_markers
 from robomech_ros.nodes.kinematics.messages import (
-    SolutionPoints,
     answer_in_time,
     encode_report,
     encode_result,
@@ -67,7 +67,7 @@ class KinematicsNode(Node):
         self._worker = Worker(self)
         self._table = NodeParameters(self, KinematicsSettings)
         self._monitor = JointStateMonitor(self)
-        self._points = SolutionPoints()
+        self._points = TrajectoryPoints()
         when_robot_known(self, self._table.settings, self._serve, parallel=True)
 
     def stop(self) -> None:
@@ -97,12 +97,7 @@ class KinematicsNode(Node):
         self._markers = MarkerPublisher(self, model.base_frame, self._show_first_boundary)
         self._cloud = self.create_publisher(PointCloud2, "~/workspace", LATCHED)
         moveit = model.mechanism is None and add_moveit_services(
-            self,
-            model,
-            self._monitor,
-            self._frames,
-            lambda: self._table.settings.state_timeout,
-            self._check_size,
+            self, self._frames, lambda: self._table.settings.state_timeout, self._check_size
         )
         text = ", compute_ik and compute_fk" if moveit else ""
         self.get_logger().info(f"ready: {self._robot.introduction}{text}")
@@ -131,7 +126,7 @@ class KinematicsNode(Node):
 
     @guarded
     async def _solve_ik(self, request: Any, response: Any) -> Any:
-        way = self._robot.way_to(request.tip_link)
+        way: Any = self._robot.way_to(request.tip_link)
         T = matrix_from_pose(request.target.pose, "target")
         solve = self._robot.solver(way, request)
         header, patience = request.target.header, self._table.settings.state_timeout
@@ -153,7 +148,7 @@ class KinematicsNode(Node):
             "max_solutions": 1 if is_nearest(request.mode) else None,
         }
         lists = await solve_in_turns(self._robot, T, allowed, TimeSlices(self), **options)
-        done = len(lists.counts)
+        done = len(lists)
         lists.fill(response, len(T))
         response.joint_names = list(way.joint_names)
         return answer_in_time(response, done, len(T), allowed)
@@ -175,7 +170,7 @@ class KinematicsNode(Node):
 
     @guarded
     async def _analyze_singularity(self, request: Any, response: Any) -> Any:
-        way = self._robot.way_to(request.tip_link)
+        way: Any = self._robot.way_to(request.tip_link)
         q, point, axes = await self._posture_asked(way, request)
         report = await self._robot.singularity(way, q, point)
         encode_report(report, axes, self._model.full_frame(request.reference_frame), response)

@@ -75,7 +75,10 @@ class PlatformManipulator:
     async def rows(
         self, ways: Sequence[SerialChain], states: Sequence[JointState], patience: float
     ) -> tuple[list[Array], str]:
-        """Read the positions (m, n) for each way: of one state of drives in all assembly modes."""
+        """Read the positions (m, n) for each way: of one state of drives in all assembly modes.
+
+        Without states, they are the present positions.  The text is a remark on them.
+        """
         text, loops = "", self._loops
         if not states:
             whole = self._mechanism
@@ -127,7 +130,7 @@ class PlatformManipulator:
             raise BadValueError("task_mask", [bool(entry) for entry in mask], expected)
 
     def solve_many(
-        self, T: Array, *, seed: Array | None = None, task_mask: None = None, **options: Any
+        self, T: Array, *, seed: Array | None = None, task_mask: object = None, **options: Any
     ) -> PoseSolutions:
         """Solve many poses (m, 4, 4); a pose that no such platform can have gets a code."""
         near = self._mechanism.home() if seed is None else seed
@@ -205,7 +208,10 @@ class PlatformManipulator:
         return conditions(self._mechanism, q, self._length)
 
     async def boundary_distances(self, T: Array, reachable: BoolArray, until: float) -> Array:
-        """Return distances (m,) of poses from the boundary for their orientations (m)."""
+        """Return distances (m,) of poses from the boundary for their orientations (m).
+
+        They are positive inside, NaN where unknown; ``until`` is a time of the monotonic clock.
+        """
         return await self._space.distances(self._worker, T, reachable, until)
 
     async def reach(self) -> tuple[float, float]:

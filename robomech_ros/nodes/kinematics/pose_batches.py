@@ -36,27 +36,26 @@ class BatchLists:
 
     def __init__(self, robot: Manipulator) -> None:
         self._robot = robot
-        self.counts, self.codes = array("I"), array("H")
-        self.solutions = array("d")
-        self.position_errors, self.orientation_errors = array("d"), array("d")
+        floats = ("solutions", "position_errors", "orientation_errors")
+        self._lists = {"counts": array("I"), "codes": array("H")} | {k: array("d") for k in floats}
+
+    def __len__(self) -> int:
+        return len(self._lists["counts"])
 
     def solve(self, T: Array, **options: Any) -> None:
         """Solve some poses (m, 4, 4) and add what was found."""
         count, status, q = self._robot.solve_many(T, **options)
-        position, orientation = self._robot.pose_errors(np.repeat(T, count, axis=0), q)
-        append_numbers(self.counts, count)
-        append_numbers(self.codes, status)
-        append_numbers(self.solutions, q)
-        append_numbers(self.position_errors, position)
-        append_numbers(self.orientation_errors, orientation)
+        errors = self._robot.pose_errors(np.repeat(T, count, axis=0), q)
+        for numbers, new in zip(self._lists.values(), (count, status, q, *errors), strict=True):
+            append_numbers(numbers, new)
 
     def fill(self, response: Any, poses: int) -> None:
         """Write the lists to a response; the poses that are left get the code TIMED_OUT."""
-        left = poses - len(self.counts)
-        append_numbers(self.counts, np.zeros(left))
-        append_numbers(self.codes, np.full(left, Code.TIMED_OUT))
-        for name in ("counts", "codes", "solutions", "position_errors", "orientation_errors"):
-            setattr(response, name, getattr(self, name))
+        left = poses - len(self)
+        append_numbers(self._lists["counts"], np.zeros(left))
+        append_numbers(self._lists["codes"], np.full(left, Code.TIMED_OUT))
+        for name, numbers in self._lists.items():
+            setattr(response, name, numbers)
 
 
 async def solve_in_turns(

@@ -6,7 +6,6 @@ from typing import Any
 from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.subscription import Subscription
 
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
@@ -37,22 +36,6 @@ class ManualSubscription(CallbackGroup):
         """Nothing was begun."""
 
 
-def latest(depth: int) -> QoSProfile:
-    """Make the profile of a subscription to the latest messages of every sender."""
-    best_effort = ReliabilityPolicy.BEST_EFFORT
-    return QoSProfile(depth=depth, history=HistoryPolicy.KEEP_LAST, reliability=best_effort)
-
-
-def take_waiting(subscription: Subscription, kind: type, depth: int) -> Iterator[bytes]:
-    """Yield the serialised messages that wait in a raw subscription, at most so many."""
-    with subscription.handle:
-        for _ in range(depth):
-            taken = subscription.handle.take_message(kind, True)
-            if taken is None:
-                return
-            yield taken[0]
-
-
 class Inbox:
     """The latest messages of a topic, however fast they come.
 
@@ -81,8 +64,10 @@ class Inbox:
         self._kind, self._depth, self._wake = kind, depth, wake
         self._group = ManualSubscription(attended=wake is not None)
         self._early: list[bytes] = []
+        best_effort = ReliabilityPolicy.BEST_EFFORT
+        newest = QoSProfile(depth=depth, history=HistoryPolicy.KEEP_LAST, reliability=best_effort)
         self._subscription = node.create_subscription(
-            kind, topic, self._receive, latest(depth), callback_group=self._group, raw=True
+            kind, topic, self._receive, newest, callback_group=self._group, raw=True
         )
 
     def attend(self, attended: bool) -> None:
@@ -101,10 +86,21 @@ class Inbox:
         """The full name of the topic."""
         return str(self._subscription.topic_name)
 
+    def take_packed(self) -> list[bytes]:
+        """Return the serialised messages that have come since the last look, the oldest first."""
+        packed, self._early = self._early, []
+        handle = self._subscription.handle
+        with handle:
+            for _ in range(self._depth):
+                taken = handle.take_message(self._kind, True)
+                if taken is None:
+                    break
+                packed.append(taken[0])
+        return packed
+
     def take(self) -> Iterator[Any]:
         """Yield the messages that have come since the last look, the oldest first."""
-        early, self._early = self._early, []
-        for data in (*early, *take_waiting(self._subscription, self._kind, self._depth)):
+        for data in self.take_packed():
             try:
                 message = unpack(data, self._kind)
             except UnreadableMessageError as error:

@@ -6,15 +6,12 @@ from typing import Any
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.cooperative_wait import Worker
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 
 
 def add_moveit_services(
     node: Node,
-    model: RobotModel,
-    monitor: JointStateMonitor,
     frames: RobotFrames,
     patience: Callable[[], float],
     check_size: Callable[[str, int], None],
@@ -25,12 +22,8 @@ def add_moveit_services(
     ----------
     node : Node
         Gets the services under its own name.
-    model : RobotModel
-        The robot.
-    monitor : JointStateMonitor
-        Its present state.
     frames : RobotFrames
-        Find the frames that requests name.
+        Of the robot, with its present state.
     patience : callable
         Gives the time (s) that a request waits for the present state.
     check_size : callable
@@ -41,18 +34,13 @@ def add_moveit_services(
         from robomech_ros.nodes.moveit.services import MoveItServices
         from robomech_ros.nodes.moveit.whole_robot import WholeRobot
 
-        MoveItServices(node, WholeRobot(model, monitor, frames), patience, check_size)
+        MoveItServices(node, WholeRobot(frames), patience, check_size)
 
-    return _added(node, model, "compute_ik and compute_fk", add)
+    return _added(node, frames.model, "compute_ik and compute_fk", add)
 
 
 def add_cartesian_path_service(
-    node: Node,
-    model: RobotModel,
-    monitor: JointStateMonitor,
-    frames: RobotFrames,
-    settings: Callable[[], Any],
-    worker: Worker,
+    node: Node, frames: RobotFrames, settings: Callable[[], Any], worker: Worker
 ) -> bool:
     """Add compute_cartesian_path to a node, if its type is installed; say whether it is.
 
@@ -60,7 +48,7 @@ def add_cartesian_path_service(
 
     Parameters
     ----------
-    node, model, monitor, frames
+    node, frames
         As for `add_moveit_services`.
     settings : callable
         Gives the parameters of the planner.
@@ -72,9 +60,9 @@ def add_cartesian_path_service(
         from robomech_ros.nodes.moveit.cartesian_service import CartesianPathService
         from robomech_ros.nodes.moveit.whole_robot import WholeRobot
 
-        CartesianPathService(node, WholeRobot(model, monitor, frames), monitor, settings, worker)
+        CartesianPathService(node, WholeRobot(frames), settings, worker)
 
-    return _added(node, model, "compute_cartesian_path", add)
+    return _added(node, frames.model, "compute_cartesian_path", add)
 
 
 def _added(node: Node, model: RobotModel, services: str, add: Callable[[], None]) -> bool:

@@ -26,7 +26,6 @@ from robomech_ros.cartesian import (
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.joint_messages import joint_trajectory
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.moveit.cartesian_request import CartesianQuestion, read_question
 from robomech_ros.nodes.moveit.serving import answering, refused_as
@@ -58,8 +57,6 @@ class CartesianPathService:
     node : Node
         Gets the service under its own name.
     robot : WholeRobot
-    monitor : JointStateMonitor
-        Its present state.
     settings : callable
         Gives the parameters of the planner.
     worker : Worker
@@ -67,24 +64,11 @@ class CartesianPathService:
     """
 
     def __init__(
-        self,
-        node: Node,
-        robot: WholeRobot,
-        monitor: JointStateMonitor,
-        settings: Callable[[], Any],
-        worker: Worker,
+        self, node: Node, robot: WholeRobot, settings: Callable[[], Any], worker: Worker
     ) -> None:
-        self._robot = robot
-        self._monitor = monitor
-        self._settings = settings
-        self._worker = worker
-        serve(
-            node,
-            GetCartesianPath,
-            "~/compute_cartesian_path",
-            answering(node, self._compute),
-            callback_group=ReentrantCallbackGroup(),
-        )
+        self._robot, self._settings, self._worker = robot, settings, worker
+        answer, group = answering(node, self._compute), ReentrantCallbackGroup()
+        serve(node, GetCartesianPath, "~/compute_cartesian_path", answer, callback_group=group)
 
     async def _compute(self, request: Any, response: Any) -> tuple[int, str]:
         settings = self._settings()
@@ -103,8 +87,8 @@ class CartesianPathService:
         missing = [name for name in needed if name not in given]
         if missing:
             tolerance = settings.stopped_velocity_tolerance
-            await self._monitor.wait_for(missing, settings.state_timeout, tolerance)
-            self._monitor.require_rest(missing, tolerance, self._robot.model.units)
+            await self._robot.monitor.wait_for(missing, settings.state_timeout, tolerance)
+            self._robot.monitor.require_rest(missing, tolerance, self._robot.model.units)
         return self._robot.with_present(given)
 
     def _trajectory(self, question: CartesianQuestion, plan: SampledPlan) -> Any:

@@ -12,11 +12,12 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
+from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices
 from robomech_ros.nodes.common.pose_messages import stamped_pose
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.moveit.ik_request import IkRequest, IkTarget, read_ik_request
-from robomech_ros.nodes.moveit.serving import RejectedError, answering, code_of_outcome, refused_as
+from robomech_ros.nodes.moveit.serving import RejectedError, answering, refused_as
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.spatial import inverse_pose
 
@@ -45,10 +46,8 @@ class MoveItServices:
         patience: Callable[[], float],
         check_size: Callable[[str, int], None],
     ) -> None:
-        self._node = node
-        self._robot = robot
-        self._patience = patience
-        self._check_size = check_size
+        self._node, self._robot = node, robot
+        self._patience, self._check_size = patience, check_size
         for kind, name, callback in (
             (GetPositionIK, "~/compute_ik", self._compute_ik),
             (GetPositionFK, "~/compute_fk", self._compute_fk),
@@ -62,7 +61,9 @@ class MoveItServices:
         for target, result in zip(question.targets, results, strict=True):
             if not len(result):
                 which = f"link '{target.chain.tip}': " if len(results) > 1 else ""
-                return code_of_outcome(result.status), f"{which}{result.reason}"
+                late = result.status == Status.TIMED_OUT
+                code = MoveItErrorCodes.TIMED_OUT if late else MoveItErrorCodes.NO_IK_SOLUTION
+                return code, f"{which}{result.reason}"
         positions, broken = _first_that_holds(question, results)
         if broken:
             return MoveItErrorCodes.NO_IK_SOLUTION, broken

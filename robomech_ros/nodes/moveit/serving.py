@@ -9,7 +9,6 @@ from moveit_msgs.msg import MoveItErrorCodes
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError, UnknownLinkError
-from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.nodes.common.error_codes import (
     FrameUnavailableError,
     NoStateError,
@@ -51,13 +50,6 @@ def refused_as(code: int) -> Iterator[None]:
     except RobomechError as error:
         own = next((own for kind, own in _CODES if isinstance(error, kind)), code)
         raise RejectedError(own, str(error)) from error
-
-
-def code_of_outcome(status: Status) -> int:
-    """Return the code of inverse kinematics that found nothing."""
-    if status == Status.TIMED_OUT:
-        return int(MoveItErrorCodes.TIMED_OUT)
-    return int(MoveItErrorCodes.NO_IK_SOLUTION)
 
 
 def answering(node: Node, callback: _Callback) -> _Callback:

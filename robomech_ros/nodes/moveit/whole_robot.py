@@ -9,9 +9,7 @@ from moveit_msgs.msg import MoveItErrorCodes
 from robomech_ros.errors import BadValueError, UnknownJointError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.joint_messages import joint_state, values_by_name
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.message_fields import finite_number
-from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.frames.robot_frames import FrameAttachment, RobotFrames
 from robomech_ros.nodes.moveit.serving import RejectedError
 from robomech_ros.robots import SerialChain
@@ -29,18 +27,13 @@ class WholeRobot:
 
     Parameters
     ----------
-    model : RobotModel
-        The robot.
-    monitor : JointStateMonitor
-        Its present state.
     frames : RobotFrames
-        Find the frames that requests name.
+        Of the robot, with its present state.
     """
 
-    def __init__(self, model: RobotModel, monitor: JointStateMonitor, frames: RobotFrames) -> None:
-        self.model = model
-        self._frames = frames
-        self._monitor = monitor
+    def __init__(self, frames: RobotFrames) -> None:
+        self._frames, self.monitor, self.model = frames, frames.monitor, frames.model
+        model = self.model
         self._followers = {j.name for j in model.description.joints if j.mimic is not None}
         self.joint_names = [name for name in model.joint_names if name not in self._followers]
         limits = {joint.name: (joint.lower, joint.upper) for joint in model.description.joints}
@@ -79,9 +72,7 @@ class WholeRobot:
                 given = list(compound.joint_names) or f"{len(entries)} entries"
                 expected = "none: the robot has no joint of several freedoms"
                 raise BadValueError(f"{what}.multi_dof_joint_state.{field}", given, expected)
-        return self._checked(state.joint_state, what)
-
-    def _checked(self, joints: Any, what: str) -> dict[str, float]:
+        joints = state.joint_state
         values = values_by_name(joints.name, joints.position, f"{what}.joint_state")
         for name, value in values.items():
             if name not in self._middle and name not in self._followers:
@@ -110,13 +101,13 @@ class WholeRobot:
         """
         missing = [name for name in needed if name not in given]
         if missing:
-            await self._monitor.wait_for(missing, patience)
-            self._monitor.require(missing)
+            await self.monitor.wait_for(missing, patience)
+            self.monitor.require(missing)
         return self.with_present(given)
 
     def with_present(self, given: Positions) -> dict[str, float]:
         """Add the present positions, where they are known, to those that are given."""
-        return {**self._monitor.known_positions(self.joint_names), **given}
+        return {**self.monitor.known_positions(self.joint_names), **given}
 
     def with_defaults(self, positions: Positions) -> dict[str, float]:
         """Add the middle of its range for every joint whose position is not known."""

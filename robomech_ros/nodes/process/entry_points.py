@@ -16,19 +16,11 @@ from typing import NoReturn
 from robomech_ros.stop_signals import leave_on_signals
 
 # Node name to module, in the order in which they are started.
-NODE_MODULES = {
-    "joint_trajectory_controller": "robomech_ros.nodes.joint_trajectory_controller.node",
-    "kinematics": "robomech_ros.nodes.kinematics.node",
-    "dynamics": "robomech_ros.nodes.dynamics.node",
-    "trajectory_planner": "robomech_ros.nodes.trajectory_planner.node",
-    "trajectory_publisher": "robomech_ros.nodes.trajectory_publisher.node",
-    "servo": "robomech_ros.nodes.servo.node",
-    "calibration": "robomech_ros.nodes.calibration.node",
-    "rvs": "robomech_ros.nodes.rvs.node",
-    "mobile_base": "robomech_ros.nodes.mobile_base.node",
-    "grasping": "robomech_ros.nodes.grasping.node",
-    "walker": "robomech_ros.nodes.walker.node",
-}
+_NODES = (
+    *("joint_trajectory_controller", "kinematics", "dynamics", "trajectory_planner"),
+    *("trajectory_publisher", "servo", "calibration", "rvs", "mobile_base", "grasping", "walker"),
+)
+NODE_MODULES = {node: f"robomech_ros.nodes.{node}.node" for node in _NODES}
 
 EXIT_CANNOT_START = 2
 

@@ -11,8 +11,8 @@ from visualization_msgs.msg import Marker
 from robomech_interfaces.msg import ServoStatus
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.execution.received_trajectory import read_waypoints
+from robomech_ros.nodes.common.joint_messages import received_trajectory
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
-from robomech_ros.nodes.common.received_trajectory import received_trajectory
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.robots import PRISMATIC, SerialChain
 from robomech_ros.rvs import Motion
@@ -36,7 +36,6 @@ _KINDS = {
 }
 # Of a marker's text; more would cover the page.
 _LONGEST_TEXT = 200
-_LINEAR_THEN_ANGULAR = ("linear", "angular")
 # What is so whenever nobody commands limits nothing.
 _SILENT = (ServoStatus.NO_WARNING, ServoStatus.STALE_COMMAND)
 
@@ -112,9 +111,9 @@ def twist_jog(frame: str, direction: JogDirection, linear: float, angular: float
     """
     message = TwistStamped()
     message.header.frame_id = frame
-    speeds = dict(zip(_LINEAR_THEN_ANGULAR, (linear, angular), strict=True))
+    speed = linear if direction.kind == "linear" else angular
     part = getattr(message.twist, direction.kind)
-    setattr(part, "xyz"[direction.index], direction.sign * speeds[direction.kind])
+    setattr(part, "xyz"[direction.index], direction.sign * speed)
     return message
 
 

@@ -75,32 +75,27 @@ class Motions:
     def plan(self, q: Array) -> None:
         """Plan from the robot's state to a posture (n,) (rad or m), and show the plan."""
 
-        def planned(answer: Any) -> None:
-            seconds = seconds_from_duration(answer.duration, "duration")
-            self._show_plan(answer.trajectory)
+        def planned(number: int, answer: Any, seconds: float) -> None:
             self._view.show_result(f"Planned: the motion takes {seconds:.2f} s.")
 
-        self._plan(q, "No plan", lambda _, answer: planned(answer))
+        self._plan(q, "No plan", planned)
 
     def execute(self, q: Array) -> None:
         """Plan such a motion, and execute it."""
 
-        def planned(number: int, answer: Any) -> None:
-            seconds = seconds_from_duration(answer.duration, "duration")
-            self._show_plan(answer.trajectory)
+        def planned(number: int, answer: Any, seconds: float) -> None:
             self._view.show_result(f"Executing a motion of {seconds:.2f} s ...")
             asked = Execute.Request(trajectory=answer.trajectory)
             self._call(number, self._executor, asked, executed, _MOVING)
 
         def executed(answer: Any) -> None:
-            if self._said_no("The motion ended early", answer):
-                return
-            seconds = seconds_from_duration(answer.duration, "duration")
-            self._view.show_result(f"Executed: the robot arrived after {seconds:.2f} s.")
+            if not self._said_no("The motion ended early", answer):
+                seconds = seconds_from_duration(answer.duration, "duration")
+                self._view.show_result(f"Executed: the robot arrived after {seconds:.2f} s.")
 
         self._plan(q, "Not executed, no plan", planned)
 
-    def _plan(self, q: Array, refusal: str, take: Callable[[int, Any], None]) -> None:
+    def _plan(self, q: Array, refusal: str, take: Callable[[int, Any, float], None]) -> None:
         """Ask for a plan that nobody else receives, so that the robot stays."""
         request = PlanJoint.Request(goal=joint_state(self._names, q), answer_only=True)
         with self._lock:
@@ -108,7 +103,9 @@ class Motions:
 
             def planned(answer: Any) -> None:
                 if not self._said_no(refusal, answer):
-                    take(number, answer)
+                    seconds = seconds_from_duration(answer.duration, "duration")
+                    self._show_plan(answer.trajectory)
+                    take(number, answer, seconds)
 
             self._call(number, self._planner, request, planned, _PLANNING)
 

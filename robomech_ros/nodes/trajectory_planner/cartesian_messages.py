@@ -13,8 +13,8 @@ from robomech_ros.cartesian import CartesianPlan, PathStopLimits, waypoint_path
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.nodes.common.error_codes import answer
 from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
+from robomech_ros.nodes.common.message_fields import check_waypoints
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
-from robomech_ros.nodes.common.request_sizes import check_waypoints
 from robomech_ros.nodes.frames.robot_frames import Positions, RobotFrames
 from robomech_ros.nodes.trajectory_planner.plan_messages import encode_waypoints, named
 from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings

@@ -98,7 +98,7 @@ class TrajectoryPlannerNode(Node):
         ):
             serve(self, kind, name, callback, callback_group=ReentrantCallbackGroup())
         moveit = add_cartesian_path_service(
-            self, model, self._monitor, self._frames, lambda: self._table.settings, self._worker
+            self, self._frames, lambda: self._table.settings, self._worker
         )
         count = len(self._limits.joint_names)
         self.get_logger().info(

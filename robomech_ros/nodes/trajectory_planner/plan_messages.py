@@ -13,11 +13,11 @@ from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.nodes.common.joint_messages import TrajectoryPoints, joint_trajectory
 from robomech_ros.nodes.common.message_fields import (
+    check_waypoints,
     duration_from_seconds,
     floats,
     seconds_from_duration,
 )
-from robomech_ros.nodes.common.request_sizes import check_waypoints
 from robomech_ros.nodes.trajectory_planner.settings import SHORTEST_PERIOD, PlannerSettings
 from robomech_ros.trajectory import VIA_PROFILES, Limits, SampledPlan, Waypoints
 from robomech_ros.trajectory.plans.fitting_plan import check_duration
