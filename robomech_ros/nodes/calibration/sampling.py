@@ -115,11 +115,11 @@ class Sampler:
             float(np.linalg.norm(part, axis=1).max()) for part in (moved[:, :3], moved[:, 3:])
         )
         if distance > settings.still_distance or angle > settings.still_angle:
+            rest = f"{settings.still_distance:g} m and {settings.still_angle:g} rad"
             text = (
                 f"the robot moves: its hand moved {distance:.3g} m and turned {angle:.3g} rad "
-                f"within {settings.still_time:g} s, at rest is up to {settings.still_distance:g} m and "
-                f"{settings.still_angle:g} rad (still_distance, still_angle); ask again when it "
-                "stands"
+                f"within {settings.still_time:g} s, at rest is up to {rest} (still_distance, "
+                "still_angle); ask again when it stands"
             )
             raise OutcomeError(Code.NO_STATE, text)
         try:

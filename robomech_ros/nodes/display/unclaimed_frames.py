@@ -67,6 +67,5 @@ class UnclaimedFrames:
         if len(left) == count:
             return f"{topic}: all {count} frames of {robot} come from {who}, not from here{hint}"
         some = f"{len(left)} of {count} frames of {robot} come from {who}"
-        return (
-            f"{topic}: {some}: {shortened(sorted(left), _MOST_NAMES)}; the others from here{hint}"
-        )
+        names = shortened(sorted(left), _MOST_NAMES)
+        return f"{topic}: {some}: {names}; the others from here{hint}"

@@ -27,7 +27,7 @@ from robomech_ros.kinetostatics.workspace.positioning_part import positioning_pa
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.kinematics.manipulator import (
+from robomech_ros.nodes.kinematics.kinematic_results import (
     PoseSolutions,
     PostureReport,
     distances_between,

@@ -17,7 +17,7 @@ from robomech_ros.nodes.common.message_fields import (
 )
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_twist
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
-from robomech_ros.nodes.kinematics.manipulator import PostureReport
+from robomech_ros.nodes.kinematics.kinematic_results import PostureReport
 from robomech_ros.outcomes import Code
 from robomech_ros.typing import Array, IntArray
 

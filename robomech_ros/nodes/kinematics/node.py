@@ -37,7 +37,6 @@ from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.kinematics.chain_manipulator import ChainManipulator
-from robomech_ros.nodes.kinematics.manipulator import Manipulator
 from robomech_ros.nodes.kinematics.markers import MarkerPublisher, posture_markers
 from robomech_ros.nodes.kinematics.messages import (
     answer_in_time,
@@ -47,7 +46,7 @@ from robomech_ros.nodes.kinematics.messages import (
     poses_in_base,
     workspace_cloud,
 )
-from robomech_ros.nodes.kinematics.pose_batches import WorkspaceQuery, solve_in_turns
+from robomech_ros.nodes.kinematics.pose_batches import Manipulator, WorkspaceQuery, solve_in_turns
 from robomech_ros.nodes.kinematics.settings import KinematicsSettings
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.moveit.add_services import add_moveit_services

@@ -16,7 +16,7 @@ from robomech_ros.nodes.common.error_codes import OutcomeError, code_of
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.kinematics.manipulator import PoseSolutions, PostureReport
+from robomech_ros.nodes.kinematics.kinematic_results import PoseSolutions, PostureReport
 from robomech_ros.nodes.kinematics.markers import surface_markers
 from robomech_ros.nodes.kinematics.messages import inverse_options
 from robomech_ros.nodes.kinematics.platform_postures import (

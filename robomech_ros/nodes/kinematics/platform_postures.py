@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.kinematics.manipulator import distances_between
+from robomech_ros.nodes.kinematics.kinematic_results import distances_between
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Mechanism
 from robomech_ros.typing import Array

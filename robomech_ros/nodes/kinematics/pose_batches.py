@@ -2,16 +2,22 @@
 
 import time
 from array import array
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices
 from robomech_ros.nodes.common.message_fields import append_numbers
-from robomech_ros.nodes.kinematics.manipulator import Manipulator
 from robomech_ros.outcomes import Code
 from robomech_ros.typing import Array
+
+if TYPE_CHECKING:
+    from robomech_ros.nodes.kinematics.chain_manipulator import ChainManipulator
+    from robomech_ros.nodes.kinematics.platform_manipulator import PlatformManipulator
+
+# Kinematics of one robot: both classes have the same methods.
+Manipulator: TypeAlias = "ChainManipulator | PlatformManipulator"
 
 # Poses of the first portion. One pose takes 10 us where the solution is in closed form, up to some
 # ms where it is to be explained why there is none, and up to 30 ms where there is no closed form.
@@ -73,7 +79,7 @@ async def solve_in_turns(
     turns : TimeSlices
         Those of the node that does it.
     **options
-        Of :meth:`Manipulator.solve_many`.
+        Of ``Manipulator.solve_many``.
     """
     size, done = _FIRST if robot.closed_form else _FIRST_ITERATIVE, 0
     lists = BatchLists(robot)
@@ -103,7 +109,7 @@ class WorkspaceQuery:
     Parameters
     ----------
     robot : Manipulator
-        After :meth:`Manipulator.prepare`.
+        After ``Manipulator.prepare``.
     T : ndarray, shape (m, 4, 4)
         In the base (m).
     task_mask : tuple of six bool, or None

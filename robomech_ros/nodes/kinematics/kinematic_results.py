@@ -3,18 +3,11 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
 from robomech_ros.typing import Array, IntArray
-
-if TYPE_CHECKING:
-    from robomech_ros.nodes.kinematics.chain_manipulator import ChainManipulator
-    from robomech_ros.nodes.kinematics.platform_manipulator import PlatformManipulator
-
-# Kinematics of one robot: both have the same methods, for postures of n joints (rad or m).
-Manipulator: TypeAlias = "ChainManipulator | PlatformManipulator"
 
 
 class PoseSolutions(NamedTuple):
