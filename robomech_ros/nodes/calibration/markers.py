@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from geometry_msgs.msg import Point
-from rclpy.node import Node
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robomech_ros.nodes.calibration.samples import Frames, Samples
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
-from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.rvs.model.calibration_view import calibration_markers, sample_markers
 from robomech_ros.rvs.model.live_robot import ViewMarker
 
@@ -23,30 +20,16 @@ _KINDS = {
 }
 
 
-class CalibrationMarkers:
-    """Publishes ``~/markers``: the samples, and what was found from them.
+def marker_message(samples: Samples, frames: Frames) -> MarkerArray:
+    """Draw the samples, and the result if it is that of these very samples.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of the publisher.
+    The message replaces all that was shown before.
     """
-
-    def __init__(self, node: Node) -> None:
-        self._publisher = node.create_publisher(MarkerArray, "~/markers", LATCHED)
-
-    def show(self, samples: Samples, frames: Frames) -> None:
-        """Show the samples, with the result where it is that of these very samples."""
-        base, hand, solution = frames.base, frames.hand, samples.solved
-        if solution is None:
-            drawn = sample_markers(samples.robot, samples.tracking, base)
-        else:
-            drawn = calibration_markers(solution.result, solution.tracking, base, hand)
-        self._publisher.publish(_message(drawn, base))
-
-
-def _message(drawn: Sequence[ViewMarker], base: str) -> MarkerArray:
-    """Make one message of what replaces all that was shown before."""
+    base, hand, solution = frames.base, frames.hand, samples.solved
+    if solution is None:
+        drawn = sample_markers(samples.robot, samples.tracking, base)
+    else:
+        drawn = calibration_markers(solution.result, solution.tracking, base, hand)
     clear = Marker(action=Marker.DELETEALL)
     clear.header.frame_id = base
     return MarkerArray(markers=[clear, *(_marker(one) for one in drawn)])

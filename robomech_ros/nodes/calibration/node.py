@@ -5,6 +5,7 @@ from typing import Any
 
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
+from visualization_msgs.msg import MarkerArray
 
 from robomech_interfaces.srv import (
     AddSamples,
@@ -18,7 +19,7 @@ from robomech_ros.calibration import hand_eye, next_best_pose
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.calibration.broadcast import ResultBroadcaster
 from robomech_ros.nodes.calibration.files import load, save
-from robomech_ros.nodes.calibration.markers import CalibrationMarkers
+from robomech_ros.nodes.calibration.markers import marker_message
 from robomech_ros.nodes.calibration.messages import (
     encode_next,
     encode_solution,
@@ -39,7 +40,7 @@ from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.pose_messages import stamped_pose
 from robomech_ros.nodes.common.readiness import Readiness
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.frames.listener import FrameListener
 from robomech_ros.nodes.middleware.queue_depth import serve
@@ -84,7 +85,7 @@ class CalibrationNode(Node):
         self._placed: PublishedFrame | None = None
         self._listener = FrameListener(self)
         self._broadcaster = ResultBroadcaster(self, self._listener)
-        self._markers = CalibrationMarkers(self)
+        self._markers = self.create_publisher(MarkerArray, "~/markers", LATCHED)
         self._robot: PoseTrack = TfTrack(self._listener, self._base, self._hand)
         if settings.robot_topic:
             self._robot = TopicTrack(self, settings.robot_topic, self._base)
@@ -132,7 +133,7 @@ class CalibrationNode(Node):
 
     def _changed(self, response: Any) -> Any:
         """Show the samples and answer with their number."""
-        self._markers.show(self._samples, self._frames)
+        self._markers.publish(marker_message(self._samples, self._frames))
         response.count = len(self._samples)
         return answer(response)
 
@@ -185,7 +186,7 @@ class CalibrationNode(Node):
         encode_solution(solution, response)
         encode_next(proposed, chosen, self._base, response)
         self._publish(solution, response)
-        self._markers.show(samples, self._frames)
+        self._markers.publish(marker_message(samples, self._frames))
         self.get_logger().info(response.summary)
         return answer(response)
 

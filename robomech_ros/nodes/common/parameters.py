@@ -112,13 +112,12 @@ class ParameterRow:
             None if end is None else f"{int(end)}" if self.kind is int else f"{end:g}"
             for end in (self.low, self.high)
         )
-        if low is not None and high is not None:
-            return f"{text}{each} from {low} to {high}{unit}"
-        if low is not None:
-            return f"{text}{each} of at least {low}{unit}"
-        if high is not None:
-            return f"{text}{each} of at most {high}{unit}"
-        return text + unit
+        if low is None and high is None:
+            return text + unit
+        span = f"from {low} to {high}"
+        if low is None or high is None:
+            span = f"of at least {low}" if high is None else f"of at most {high}"
+        return f"{text}{each} {span}{unit}"
 
     def checked(self, value: Any) -> Any:
         """Return the value in the type of the row.

@@ -9,6 +9,7 @@ import time
 from functools import partial
 from typing import Any
 
+import numpy as np
 from rclpy.clock import JumpThreshold, TimeJump
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -91,13 +92,10 @@ class FrameListener:
         """Take in what has come since the last look."""
         if self.missing:
             return
-        taken, left = self._moving.take_packed(), _LARGEST_LOOK
-        for k in reversed(range(len(taken))):
-            left -= len(taken[k])
-            if left < 0:
-                del taken[: k + 1]
-                break
-        for data in taken:
+        taken = self._moving.take_packed()
+        sizes = np.cumsum([len(data) for data in reversed(taken)])
+        kept = int(np.searchsorted(sizes, _LARGEST_LOOK, side="right"))
+        for data in taken[len(taken) - kept :]:
             self._take(data, static=False)
 
     def _begin_anew(self, jump: TimeJump) -> None:

@@ -36,16 +36,20 @@ from robomech_ros.typing import Array
 
 @dataclass(frozen=True, eq=False)
 class GraspAnalysis:
-    """Analysis of contacts, and of the hand that makes them if its state is specified."""
+    """Analysis of contacts, and of the hand that makes them if its state is specified.
+
+    Attributes
+    ----------
+    of_hand : tuple of Hand, ndarray and GraspMobility, or None
+        The hand, its Jacobian, and the mobility of the grasp.
+    """
 
     force_closed: bool
     form_closed: bool
     quality: GraspQuality
     grasp_matrix: Array
     internal_forces: Array
-    hand: Hand | None = None
-    jacobian: Array | None = None
-    mobility: GraspMobility | None = None
+    of_hand: tuple[Hand, Array, GraspMobility] | None = None
 
     def fill(self, frame: str, response: Any) -> Any:
         """Write all of it to an AnalyzeGrasp response, in a frame."""
@@ -60,12 +64,13 @@ class GraspAnalysis:
         response.rank = G.shape[1] - inner.shape[1]
         response.internal_forces = floats(np.ascontiguousarray(inner))
         response.internal_count = inner.shape[1]
-        if self.hand is not None and self.jacobian is not None and self.mobility is not None:
-            response.joint_names = list(self.hand.joint_names)
-            response.hand_jacobian = floats(np.ascontiguousarray(self.jacobian))
-            response.mobility = self.mobility.mobility
-            response.object_twists = _twists(self.mobility.object_twists)
-            response.loose_twists = _twists(self.mobility.loose_twists)
+        if self.of_hand is not None:
+            hand, jacobian, found = self.of_hand
+            response.joint_names = list(hand.joint_names)
+            response.hand_jacobian = floats(np.ascontiguousarray(jacobian))
+            response.mobility = found.mobility
+            response.object_twists = _twists(found.object_twists)
+            response.loose_twists = _twists(found.loose_twists)
         response.summary = self.summary()
         return answer(response)
 
@@ -81,8 +86,8 @@ class GraspAnalysis:
             ]
         else:
             lines = ["not closed: some loads are not held"]
-        if self.mobility is not None:
-            found = self.mobility
+        if self.of_hand is not None:
+            found = self.of_hand[2]
             loose = found.loose_twists.shape[1]
             lines.append(
                 f"mobility {found.mobility}: the object moves in {found.object_twists.shape[1]} "
@@ -117,7 +122,8 @@ def analysed(
         return GraspAnalysis(*found)
     hand, q, fingers = made_by
     J = hand_jacobian(hand, q, contacts, fingers=fingers)
-    return GraspAnalysis(*found, hand, J, grasp_mobility(hand, q, contacts, fingers=fingers))
+    mobility = grasp_mobility(hand, q, contacts, fingers=fingers)
+    return GraspAnalysis(*found, (hand, J, mobility))
 
 
 def fill_forces(found: ContactForces, load: Array, frame: str, response: Any) -> Any:

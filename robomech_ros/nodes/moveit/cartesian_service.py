@@ -43,10 +43,6 @@ from robomech_ros.typing import Array
 
 # The task mask of a position alone.
 _POSITION = (True, True, True, False, False, False)
-_CODES = {
-    Code.IK_LOST: MoveItErrorCodes.NO_IK_SOLUTION,
-    Code.LIMIT: MoveItErrorCodes.NO_IK_SOLUTION,
-}
 
 
 class CartesianPathService:
@@ -184,7 +180,8 @@ def _outcome(followed: PathFollowingResult, fraction: float) -> tuple[int, str]:
     stop = followed.stop
     if stop is None:
         return int(MoveItErrorCodes.SUCCESS), ""
-    code = _CODES.get(stop.kind.code, MoveItErrorCodes.PLANNING_FAILED)
+    unreached = stop.kind.code in (Code.IK_LOST, Code.LIMIT)
+    code = MoveItErrorCodes.NO_IK_SOLUTION if unreached else MoveItErrorCodes.PLANNING_FAILED
     if stop.kind is PathTrackingStatus.REJECTED and followed.joints is None:
         code = MoveItErrorCodes.START_STATE_VIOLATES_PATH_CONSTRAINTS
     return int(code), f"{100.0 * fraction:.4g} % of the waypoints: {stop.text}"

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.rvs.settings import RvsSettings
 
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
 # How often it is looked whether somebody looks, and whether states are old (s).
 _IDLE, _SELDOM = 0.2, 0.1
 # Messages that wait at the most; the latest counts.
-_DEPTH = 10
+DEPTH = 10
 
 
 class PollThread(ABC):
@@ -95,10 +94,3 @@ class PollThread(ABC):
             # What was missed is not made up for.
             due = max(due + self._period, now)
             self._closing.wait(max(due - time.monotonic(), 0.0))
-
-
-def polled(node: Node, kind: type, topic: str, depth: int = _DEPTH) -> Inbox:
-    """Subscribe to messages that a thread takes by hand."""
-    inbox = Inbox(node, kind, topic, depth, lambda: None)
-    inbox.attend(False)
-    return inbox

@@ -11,8 +11,9 @@ from rclpy.node import Node
 from robomech_interfaces.msg import ServoStatus
 from robomech_ros.nodes.common.error_codes import NoStateError
 from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.rvs.messages import servo_news
-from robomech_ros.nodes.rvs.poll_thread import PollThread, polled
+from robomech_ros.nodes.rvs.poll_thread import DEPTH, PollThread
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.servo.status import status_topic
 from robomech_ros.rvs.model.live_robot import ServoNews
@@ -49,7 +50,7 @@ class StateFeed(PollThread):
         moved = model.chain if model.mechanism is None else model.mechanism
         super().__init__(node, settings, view, moved.joint_names)
         self._view, self._all_joints = view, model.joint_names
-        self._inbox = polled(node, ServoStatus, status_topic(node, settings.servo))
+        self._inbox = Inbox(node, ServoStatus, status_topic(node, settings.servo), DEPTH)
         self.positions: dict[str, float] = {}
         self._servo: ServoNews | None = None
         self._servo_at = -math.inf

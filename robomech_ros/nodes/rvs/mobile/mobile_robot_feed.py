@@ -16,8 +16,9 @@ from robomech_interfaces.msg import FootContacts
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.status_report import TOPIC
+from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.rvs.mobile.mobile_robots import MobileRobot
-from robomech_ros.nodes.rvs.poll_thread import PollThread, polled
+from robomech_ros.nodes.rvs.poll_thread import DEPTH, PollThread
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.rvs.model.live_robot import Stance
 from robomech_ros.rvs.model.observed_robot import on_plane
@@ -54,13 +55,13 @@ class MobileRobotFeed(PollThread):
     ) -> None:
         super().__init__(node, settings, view, mobile_robot.followed.joints)
         self._view, self._mover = view, mobile_robot
-        self._odometry = polled(node, Odometry, mobile_robot.odometry)
-        self._reports = polled(node, DiagnosticArray, TOPIC, _MANY)
+        self._odometry = Inbox(node, Odometry, mobile_robot.odometry, DEPTH)
+        self._reports = Inbox(node, DiagnosticArray, TOPIC, _MANY)
         self._reporter = node.resolve_topic_name(mobile_robot.node).lstrip("/")
         self._contacts = self._margins = None
         if mobile_robot.legged is not None:
-            self._contacts = polled(node, FootContacts, "foot_contacts")
-            self._margins = polled(node, Float64, f"{mobile_robot.node}/stability_margin")
+            self._contacts = Inbox(node, FootContacts, "foot_contacts", DEPTH)
+            self._margins = Inbox(node, Float64, f"{mobile_robot.node}/stability_margin", DEPTH)
         self._T: Array | None = None
         self._margin, self._bound, self._gait = math.nan, _BOUND, ""
         self._placed_at = -math.inf
