@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from geometry_msgs.msg import Point
+from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robomech_ros.nodes.calibration.samples import Frames, Samples
@@ -30,17 +31,14 @@ def marker_message(samples: Samples, frames: Frames) -> MarkerArray:
         drawn = sample_markers(samples.robot, samples.tracking, base)
     else:
         drawn = calibration_markers(solution.result, solution.tracking, base, hand)
-    clear = Marker(action=Marker.DELETEALL)
-    clear.header.frame_id = base
+    clear = Marker(header=Header(frame_id=base), action=Marker.DELETEALL)
     return MarkerArray(markers=[clear, *(_marker(one) for one in drawn)])
 
 
 def _marker(drawn: ViewMarker) -> Any:
     marker = Marker(ns=drawn.name, type=_KINDS[drawn.kind], action=Marker.ADD, text=drawn.text)
-    marker.header.frame_id = drawn.link
-    marker.pose = pose_from_matrix(drawn.pose)
+    marker.header.frame_id, marker.pose = drawn.link, pose_from_matrix(drawn.pose)
     marker.scale.x, marker.scale.y, marker.scale.z = drawn.measures
-    colour = marker.color
-    colour.r, colour.g, colour.b, colour.a = drawn.colour
+    marker.color = ColorRGBA(**dict(zip("rgba", drawn.colour, strict=True)))
     marker.points = [Point(x=x, y=y, z=z) for x, y, z in drawn.points.tolist()]
     return marker

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseArray, TransformStamped, Vector3
+from std_msgs.msg import Header
 
 from robomech_ros.calibration import HandEyeResult, NextPose
 from robomech_ros.calibration.estimation import LARGEST_COORDINATE
@@ -61,8 +62,7 @@ def poses_from_array(message: PoseArray, frame: str, what: str, most: int) -> Ar
 
 def stamped_transform(T: Array, parent: str, child: str) -> TransformStamped:
     """Convert a pose (4, 4) of a frame in its parent to a message; the stamp stays 0."""
-    message = TransformStamped(child_frame_id=child)
-    message.header.frame_id = parent
+    message = TransformStamped(header=Header(frame_id=parent), child_frame_id=child)
     place, turn = message.transform.translation, message.transform.rotation
     (place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w) = plain_pose(T)
     return message

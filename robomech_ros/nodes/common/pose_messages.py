@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, TwistStamped
+from std_msgs.msg import Header
 
 from robomech_ros._kernels.spatial.tolerances import UNIT_NORM
 from robomech_ros.errors import BadQuaternionError, NonFiniteError, WrongSizeError
@@ -90,9 +91,7 @@ def fill_pose(message: Pose, T: Array) -> None:
 
 def stamped_pose(T: Array, frame: str) -> PoseStamped:
     """Convert a homogeneous transform to a pose message in a frame; the stamp stays 0."""
-    message = PoseStamped(pose=pose_from_matrix(T))
-    message.header.frame_id = frame
-    return message
+    return PoseStamped(header=Header(frame_id=frame), pose=pose_from_matrix(T))
 
 
 def matrices_from_pose_rows(rows: Sequence[float], what: str = "poses") -> Array:
@@ -136,8 +135,7 @@ def twist_vector(twist: Twist) -> Array:
 
 def stamped_twist(twist: Array, frame: str) -> TwistStamped:
     """Convert a twist (6,), angular first, to a message in a frame; the stamp stays 0."""
-    message = TwistStamped()
-    message.header.frame_id = frame
+    message = TwistStamped(header=Header(frame_id=frame))
     for vector, values in ((message.twist.angular, twist[:3]), (message.twist.linear, twist[3:])):
         vector.x, vector.y, vector.z = values.tolist()
     return message

@@ -210,16 +210,13 @@ class RobotModel:
         """
         link = self.link_of(link)
         if link not in self._chains:
-            self._chains[link] = self._new_chain(link)
+            if link not in self.description.links:
+                raise UnknownLinkError(link, self.description.links)
+            try:
+                self._chains[link] = self.chain.with_tip(link)
+            except UnknownLinkError:
+                self._chains[link] = self.description.chain(self.chain.base, link)
         return self._chains[link]
-
-    def _new_chain(self, link: str) -> SerialChain:
-        if link not in self.description.links:
-            raise UnknownLinkError(link, self.description.links)
-        try:
-            return self.chain.with_tip(link)
-        except UnknownLinkError:
-            return self.description.chain(self.chain.base, link)
 
     @property
     def groups(self) -> Mapping[str, Group]:

@@ -14,6 +14,7 @@ from robomech_ros.nodes.display.other_publishers import OtherPublishers
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
+from robomech_ros.robots.entry_checks import bare_link
 
 # Others that are silent for so long publish no more, s.  Up to the second number is added by
 # chance, so that of two nodes that yield to each other one is back first.
@@ -138,5 +139,5 @@ class FixedFrames:
 
 
 def _children(message: Any) -> set[str]:
-    """Name the frames that a message places, without the slash that tf had before them once."""
-    return {str(entry.child_frame_id).removeprefix("/") for entry in message.transforms}
+    """Name the frames that a message places."""
+    return {bare_link(entry.child_frame_id) for entry in message.transforms}

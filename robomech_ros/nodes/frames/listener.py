@@ -20,6 +20,7 @@ from robomech_ros.nodes.frames.history import Sample
 from robomech_ros.nodes.frames.tree import FrameTree
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
+from robomech_ros.robots.entry_checks import bare_link
 
 # Between two looks, the latest so many are kept: some seconds of robot_state_publisher.
 _DEPTH = 500
@@ -61,11 +62,9 @@ class FrameListener:
         try:
             from tf2_msgs.msg import TFMessage
         except ImportError as error:
-            self.missing = (
-                "frames of tf are not heard: the package tf2_msgs is not installed"
-                if getattr(error, "name", "") == "tf2_msgs"
-                else f"frames of tf are not heard: {error}"
-            )
+            absent = getattr(error, "name", "") == "tf2_msgs"
+            why = "the package tf2_msgs is not installed" if absent else error
+            self.missing = f"frames of tf are not heard: {why}"
             return
         self._kind = TFMessage
         self._moving = Inbox(node, TFMessage, "/tf", _DEPTH)
@@ -119,18 +118,13 @@ class FrameListener:
             place, turn = transform.translation, transform.rotation
             sample = Sample(
                 stamp.sec * NANO + stamp.nanosec,
-                _bare(entry.header.frame_id),
+                bare_link(entry.header.frame_id),
                 (place.x, place.y, place.z),
                 (turn.x, turn.y, turn.z, turn.w),
             )
-            child = _bare(entry.child_frame_id)
+            child = bare_link(entry.child_frame_id)
             fault = self.tree.insert(child, sample, now, static=static)
             if not fault:
                 self.heard_since = min(self.heard_since, time.monotonic())
             if fault or child == self._faulty:
                 self.fault, self._faulty = fault, child if fault else ""
-
-
-def _bare(frame: str) -> str:
-    """Return the name of a frame without the slash that tf had before it once."""
-    return str(frame).removeprefix("/")

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import Twist, Vector3, WrenchStamped
+from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectoryPoint
 
 from robomech_ros.hands import (
@@ -187,8 +188,7 @@ def fill_postures(
 
 def _wrench(wrench: Array, frame: str) -> WrenchStamped:
     """Convert a wrench (6,), moment first, to a message in a frame; the stamp stays 0."""
-    message = WrenchStamped()
-    message.header.frame_id = frame
+    message = WrenchStamped(header=Header(frame_id=frame))
     torque, force = message.wrench.torque, message.wrench.force
     torque.x, torque.y, torque.z, force.x, force.y, force.z = wrench.tolist()
     return message

@@ -32,8 +32,8 @@ class WholeRobot:
     """
 
     def __init__(self, frames: RobotFrames) -> None:
-        self._frames, self.monitor, self.model = frames, frames.monitor, frames.model
-        model = self.model
+        self._frames, self.monitor = frames, frames.monitor
+        self.model = model = frames.model
         self._followers = {j.name for j in model.description.joints if j.mimic is not None}
         self.joint_names = [name for name in model.joint_names if name not in self._followers]
         limits = {joint.name: (joint.lower, joint.upper) for joint in model.description.joints}

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from geometry_msgs.msg import TwistStamped
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import Marker
 
@@ -109,8 +110,7 @@ def twist_jog(frame: str, direction: JogDirection, linear: float, angular: float
     linear, angular : float
         Speeds (m/s, rad/s).
     """
-    message = TwistStamped()
-    message.header.frame_id = frame
+    message = TwistStamped(header=Header(frame_id=frame))
     speed = linear if direction.kind == "linear" else angular
     part = getattr(message.twist, direction.kind)
     setattr(part, "xyz"[direction.index], direction.sign * speed)
