@@ -166,8 +166,8 @@ class JointStateMonitor:
         """
         if not joint_names:
             return "", 0.0
-        speeds = np.abs([self._states[name].velocity for name in joint_names])
-        speeds = np.where(np.isnan(speeds), 0.0, speeds)
+        # NaN stands for a joint at rest.
+        speeds = np.fmax(np.abs([self._states[name].velocity for name in joint_names]), 0.0)
         fastest = int(np.argmax(speeds))
         return joint_names[fastest], float(speeds[fastest])
 

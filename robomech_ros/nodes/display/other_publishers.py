@@ -1,7 +1,8 @@
 """Which other nodes publish on a topic."""
 
 from rclpy.node import Node
-from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+from robomech_ros.nodes.middleware.reliable_topics import node_of
 
 # How often the graph is looked at, s.
 PERIOD = 0.5
@@ -37,13 +38,9 @@ class OtherPublishers:
         present = {bytes(info.endpoint_gid) for info in found}
         self.one_left = bool(self._known - present)
         self._known = present
-        nodes, name = sorted(map(_name, found)), self._node.get_fully_qualified_name()
+        nodes, name = sorted(map(node_of, found)), self._node.get_fully_qualified_name()
         own = sum(one.topic_name == self._topic for one in self._node.publishers)
         for _ in range(min(own, nodes.count(name))):
             nodes.remove(name)
         self.nodes = tuple(nodes)
         return self.nodes
-
-
-def _name(info: TopicEndpointInfo) -> str:
-    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"

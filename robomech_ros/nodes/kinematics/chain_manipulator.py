@@ -27,15 +27,11 @@ from robomech_ros.kinetostatics.workspace.positioning_part import positioning_pa
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.kinematics.kinematic_results import (
-    PoseSolutions,
-    PostureReport,
-    distances_between,
-)
+from robomech_ros.nodes.kinematics.kinematic_results import PostureReport, distances_between
 from robomech_ros.nodes.kinematics.markers import boundary_markers
 from robomech_ros.nodes.kinematics.messages import inverse_options, wants_first
 from robomech_ros.robots import SerialChain
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, BoolArray, IntArray
 
 
 class _ReachableSpace(NamedTuple):
@@ -126,15 +122,18 @@ class ChainManipulator:
 
     def solve_many(
         self, T: Array, *, task_mask: tuple[bool, ...] | None = None, **options: Any
-    ) -> PoseSolutions:
-        """Solve many poses (m, 4, 4) at once, or one after another for a part of the task."""
+    ) -> tuple[IntArray, IntArray, Array]:
+        """Solve many poses (m, 4, 4) at once, or one after another for a part of the task.
+
+        Return the number of solutions of each and its code, (m,), and all solutions, (k, n).
+        """
         if task_mask is None:
             q, count, status = inverse_kinematics_batch(self._chain, T, **options)
-            return PoseSolutions(count, status, q[np.arange(q.shape[1]) < count[:, None]])
+            return count, status, q[np.arange(q.shape[1]) < count[:, None]]
         found = [inverse_kinematics(self._chain, pose, task_mask=task_mask) for pose in T]
         count = np.array([len(result) for result in found])
         status = np.array([int(result.status) for result in found])
-        return PoseSolutions(count, status, np.concatenate([result.q for result in found]))
+        return count, status, np.concatenate([result.q for result in found])
 
     def pose_errors(self, T: Array, q: Array) -> tuple[Array, Array]:
         """Return the errors of position (m) and angle (rad) of postures (k, n)."""

@@ -3,27 +3,10 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
-from robomech_ros.typing import Array, IntArray
-
-
-class PoseSolutions(NamedTuple):
-    """Solutions of inverse kinematics for m poses of a robot with n joints.
-
-    Attributes
-    ----------
-    counts, statuses : ndarray of int, shape (m,)
-        Number of solutions of each pose, and its code.
-    q : ndarray, shape (k, n)
-        All solutions, in the order of the poses (rad or m).
-    """
-
-    counts: IntArray
-    statuses: IntArray
-    q: Array
+from robomech_ros.typing import Array
 
 
 @dataclass(frozen=True, eq=False)

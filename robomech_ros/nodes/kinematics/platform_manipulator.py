@@ -16,7 +16,7 @@ from robomech_ros.nodes.common.error_codes import OutcomeError, code_of
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.kinematics.kinematic_results import PoseSolutions, PostureReport
+from robomech_ros.nodes.kinematics.kinematic_results import PostureReport
 from robomech_ros.nodes.kinematics.markers import surface_markers
 from robomech_ros.nodes.kinematics.messages import inverse_options
 from robomech_ros.nodes.kinematics.platform_postures import (
@@ -28,7 +28,7 @@ from robomech_ros.nodes.kinematics.platform_space import PlatformSpace
 from robomech_ros.parallel import Mechanism, loop_singularity, platform_length
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import transfer_twist
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, BoolArray, IntArray
 
 
 class PlatformManipulator:
@@ -131,8 +131,11 @@ class PlatformManipulator:
 
     def solve_many(
         self, T: Array, *, seed: Array | None = None, task_mask: object = None, **options: Any
-    ) -> PoseSolutions:
-        """Solve many poses (m, 4, 4); a pose that no such platform can have gets a code."""
+    ) -> tuple[IntArray, IntArray, Array]:
+        """Solve many poses (m, 4, 4); a pose that no such platform can have gets a code.
+
+        Return the number of solutions of each and its code, (m,), and all solutions, (k, n).
+        """
         near = self._mechanism.home() if seed is None else seed
         count, status = np.zeros(len(T), np.int64), np.zeros(len(T), np.int64)
         rows = [np.empty((0, self._mechanism.n))]
@@ -144,7 +147,7 @@ class PlatformManipulator:
             else:
                 count[k], status[k] = len(found.q), found.status
                 rows.append(found.q)
-        return PoseSolutions(count, status, np.concatenate(rows))
+        return count, status, np.concatenate(rows)
 
     def pose_errors(self, T: Array, q: Array) -> tuple[Array, Array]:
         """Return the errors of position (m) and angle (rad) of postures (k, n)."""

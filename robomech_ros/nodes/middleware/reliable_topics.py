@@ -7,8 +7,14 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
+
+
+def node_of(endpoint: TopicEndpointInfo) -> str:
+    """Return the full name of the node of a publisher or subscription."""
+    return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
 
 
 def subscribe_reliably(
@@ -32,14 +38,10 @@ def subscribe_reliably(
 
     def log(event: Any) -> None:
         name = node.resolve_topic_name(topic)
-        senders = sorted(
-            {
-                f"{info.node_namespace.rstrip('/')}/{info.node_name}"
-                for info in node.get_publishers_info_by_topic(name)
-                if info.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT
-            }
-        )
-        by = f" by {', '.join(senders)}" if senders else ""
+        found = node.get_publishers_info_by_topic(name)
+        best_effort = ReliabilityPolicy.BEST_EFFORT
+        senders = {node_of(one) for one in found if one.qos_profile.reliability == best_effort}
+        by = f" by {', '.join(sorted(senders))}" if senders else ""
         text = (
             f"messages on '{name}'{by} do not arrive: they are published best effort, or volatile "
             "where a latched topic is needed; publish them reliably, as the default of ROS is "

@@ -86,41 +86,32 @@ class LaunchOptions:
 
     def ros_arguments(self) -> list[str]:
         """Turn the options into ROS arguments; parameters of one node have its name in front."""
-        result = []
-        for name in self.params_files:
-            result += ["--params-file", name]
+        result = [word for name in self.params_files for word in ("--params-file", name)]
         if self.namespace:
             result += ["-r", f"__ns:=/{self.namespace.strip('/')}"]
-        values = {
-            "robot_description": self._robot(),
-            "base_link": self.base_link,
-            "tip_link": self.tip_link,
-            "robot_description_semantic": _absolute(self.srdf) if self.srdf else "",
-            "group": self.group,
-            "frame_prefix": self._frame_prefix(),
-        }
         own = KIND_NODES.get(self.kind)
-        if own is not None:
-            described = values["robot_description"]
-            values = {"robot_description": described, **self._prefixes(own.frame_prefix)}
-        for name, value in values.items():
-            if value:
-                # Quoted: YAML would read a robot called 7 as a number.
-                result += ["-p", f"{name}:={json.dumps(value)}"]
-        if self.joint_limits:
-            path = json.dumps(_absolute(self.joint_limits))
-            result += ["-p", f"trajectory_planner:joint_limits:={path}"]
-        simulated = _SIMULATOR if own is None else own.simulator
+        if own is None:
+            simulated = _SIMULATOR
+            texts = {name: getattr(self, name) for name in ("base_link", "tip_link")}
+            texts["robot_description_semantic"] = _absolute(self.srdf)
+            texts |= {"group": self.group, "frame_prefix": self._frame_prefix()}
+        else:
+            simulated, texts = own.simulator, self._prefixes(own.frame_prefix)
+        texts = {"robot_description": self._robot()} | texts
+        texts["trajectory_planner:joint_limits"] = _absolute(self.joint_limits)
+        # Quoted: YAML would read a robot called 7 as a number.
+        words = {name: json.dumps(text) for name, text in texts.items() if text}
         if self.rate is not None:
-            result += ["-p", f"{simulated}:publish_rate:={float(self.rate)}"]
+            words[f"{simulated}:publish_rate"] = f"{float(self.rate)}"
         if self.dynamic:
-            result += ["-p", f"{simulated}:simulation:=dynamic"]
+            words[f"{simulated}:simulation"] = "dynamic"
         if self.auto_execute:
-            result += ["-p", "trajectory_publisher:auto_execute:=true"]
+            words["trajectory_publisher:auto_execute"] = "true"
         if self.view and self.view_port is not None:
-            result += ["-p", f"rvs:port:={self.view_port}"]
+            words["rvs:port"] = f"{self.view_port}"
         if self.view and self.view_host is not None:
-            result += ["-p", f"rvs:host:={json.dumps(self.view_host)}"]
+            words["rvs:host"] = json.dumps(self.view_host)
+        result += _given(words)
         return [*result, *self._addressed()]
 
     def _shipped(self) -> dict[str, list[str]]:
@@ -172,7 +163,7 @@ class LaunchOptions:
 
     def _robot(self) -> str:
         is_path = bool(Path(self.robot).suffix) or "/" in self.robot
-        return _absolute(self.robot) if self.robot and is_path else self.robot
+        return _absolute(self.robot) if is_path else self.robot
 
 
 def _apart(arguments: Sequence[str]) -> tuple[list[str], dict[str, dict[str, str]]]:
@@ -194,7 +185,7 @@ def _apart(arguments: Sequence[str]) -> tuple[list[str], dict[str, dict[str, str
 
 
 def _given(parameters: dict[str, str]) -> list[str]:
-    """Turn parameters into ROS arguments for the one node of a process."""
+    """Turn parameters into ROS arguments."""
     return [word for name, text in parameters.items() for word in ("-p", f"{name}:={text}")]
 
 
@@ -232,4 +223,5 @@ def config_file(name: str) -> list[str]:
 
 
 def _absolute(path: str) -> str:
-    return str(Path(path).expanduser().resolve())
+    """Return the absolute path; empty for none."""
+    return str(Path(path).expanduser().resolve()) if path else ""
