@@ -92,9 +92,13 @@ class LaunchOptions:
         own = KIND_NODES.get(self.kind)
         if own is None:
             simulated = _SIMULATOR
-            texts = {name: getattr(self, name) for name in ("base_link", "tip_link")}
-            texts["robot_description_semantic"] = _absolute(self.srdf)
-            texts |= {"group": self.group, "frame_prefix": self._frame_prefix()}
+            texts = {
+                "base_link": self.base_link,
+                "tip_link": self.tip_link,
+                "robot_description_semantic": _absolute(self.srdf),
+                "group": self.group,
+                "frame_prefix": self._frame_prefix(),
+            }
         else:
             simulated, texts = own.simulator, self._prefixes(own.frame_prefix)
         texts = {"robot_description": self._robot()} | texts
