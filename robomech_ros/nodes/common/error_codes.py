@@ -73,13 +73,6 @@ class OutcomeError(RobomechError):
         super().__init__(text)
 
 
-class ShutdownError(RobomechError):
-    """A node ends before it has answered."""
-
-    def __init__(self, node: str) -> None:
-        super().__init__(f"the node {node} shuts down")
-
-
 # Searched along the bases of the error's class, so that a subclass finds its parent's code.
 _CODES: dict[type[BaseException], Code] = {
     errors.UnknownLinkError: Code.UNKNOWN_LINK,
@@ -98,7 +91,6 @@ _CODES: dict[type[BaseException], Code] = {
     errors.LimitExceededError: Code.LIMIT,
     errors.DurationTooShortError: Code.LIMIT,
     TrajectoryRefusedError: Code.REJECTED,
-    ShutdownError: Code.REJECTED,
     ConicSolverUnavailableError: Code.NOT_INSTALLED,
     RobomechError: Code.BAD_VALUE,
 }

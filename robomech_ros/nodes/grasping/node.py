@@ -25,7 +25,7 @@ from robomech_ros.hands.forces import SMALLEST
 from robomech_ros.hands.postures import MOST_POSTURES
 from robomech_ros.hands.quality import SHORTEST
 from robomech_ros.nodes.common.cooperative_wait import Worker
-from robomech_ros.nodes.common.error_codes import ShutdownError, guarded
+from robomech_ros.nodes.common.error_codes import OutcomeError, guarded
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_positions import is_empty
 from robomech_ros.nodes.common.parameters import NodeParameters
@@ -42,6 +42,7 @@ from robomech_ros.nodes.grasping.requests import (
 from robomech_ros.nodes.grasping.settings import GraspingSettings, check_settings
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.process.run import run_node
+from robomech_ros.outcomes import Code
 
 _TOLERANCE = 1e-4
 _POSTURES = 100
@@ -74,8 +75,9 @@ class GraspingNode(Node):
 
     def stop(self) -> None:
         """Answer those who wait for what takes long."""
+        refusal = OutcomeError(Code.REJECTED, f"the node {self.get_name()} shuts down")
         for worker in (self._analyses, self._forces):
-            worker.give_up(ShutdownError(self.get_name()))
+            worker.give_up(refusal)
 
     def destroy_node(self) -> None:
         """Take leave of ROS, and of the threads for long work."""

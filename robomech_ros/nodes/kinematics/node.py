@@ -20,7 +20,7 @@ from robomech_interfaces.srv import (
 from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices, Worker
-from robomech_ros.nodes.common.error_codes import ShutdownError, answer, guarded
+from robomech_ros.nodes.common.error_codes import OutcomeError, answer, guarded
 from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.joint_positions import JointPositions, Way
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
@@ -71,7 +71,8 @@ class KinematicsNode(Node):
 
     def stop(self) -> None:
         """Answer those who wait for what takes long."""
-        self._worker.give_up(ShutdownError(self.get_name()))
+        text = f"the node {self.get_name()} shuts down"
+        self._worker.give_up(OutcomeError(Code.REJECTED, text))
 
     def destroy_node(self) -> None:
         """Take leave of ROS, and of the thread for long work."""

@@ -1,7 +1,7 @@
 """Requests of compute_cartesian_path, read and checked field by field."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -71,12 +71,7 @@ class CartesianQuestion:
         return np.array([self.positions[name] for name in self.chain.joint_names])
 
 
-async def read_question(
-    request: Any,
-    robot: WholeRobot,
-    settings: Any,
-    state: Callable[[dict[str, float], list[str]], Any],
-) -> CartesianQuestion:
+async def read_question(request: Any, robot: WholeRobot, settings: Any) -> CartesianQuestion:
     """Read a request.
 
     Parameters
@@ -84,8 +79,6 @@ async def read_question(
     request : GetCartesianPath.Request
     robot : WholeRobot
     settings : PlannerSettings
-    state : callable
-        Completes positions by those of the present state, of which the listed joints are needed.
 
     Raises
     ------
@@ -118,7 +111,8 @@ async def read_question(
             *places[frame].joint_names,
             *robot.joints_to_base_of(chain),
         )
-        positions = await state(given, list(dict.fromkeys(joints)))
+        needed = dict.fromkeys(joints)
+        positions = await robot.with_needed(given, needed, settings.state_timeout, tolerance)
     pose = places[frame].pose(positions)
     to_base = robot.in_base_of(chain, np.eye(4) if pose is None else pose, positions)
     return CartesianQuestion(

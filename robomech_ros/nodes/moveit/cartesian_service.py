@@ -68,7 +68,7 @@ class CartesianPathService:
 
     async def _compute(self, request: Any, response: Any) -> tuple[int, str]:
         settings = self._settings()
-        question = await read_question(request, self._robot, settings, self._state)
+        question = await read_question(request, self._robot, settings)
         response.start_state.joint_state = self._robot.state(question.positions)
         response.start_state.is_diff = len(question.positions) < len(self._robot.joint_names)
         solve = partial(_solved, question, settings)
@@ -76,16 +76,6 @@ class CartesianPathService:
         if plan is not None:
             response.solution.joint_trajectory = self._trajectory(question, plan)
         return outcome
-
-    async def _state(self, given: dict[str, float], needed: list[str]) -> dict[str, float]:
-        """Add the present positions to those given; a robot that is asked for them must stand."""
-        settings = self._settings()
-        missing = [name for name in needed if name not in given]
-        if missing:
-            tolerance = settings.stopped_velocity_tolerance
-            await self._robot.monitor.wait_for(missing, settings.state_timeout, tolerance)
-            self._robot.monitor.require_rest(missing, tolerance, self._robot.model.units)
-        return self._robot.with_present(given)
 
     def _trajectory(self, question: CartesianQuestion, plan: SampledPlan) -> Any:
         """Make the message of all joints of the group; those that are not on the way stand."""

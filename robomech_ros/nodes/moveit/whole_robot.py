@@ -1,5 +1,6 @@
 """The whole robot in MoveIt's messages: a position for every joint, a pose for every link."""
 
+import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -32,7 +33,7 @@ class WholeRobot:
     """
 
     def __init__(self, frames: RobotFrames) -> None:
-        self._frames, self.monitor = frames, frames.monitor
+        self._frames, self._monitor = frames, frames.monitor
         self.model = model = frames.model
         self._followers = {j.name for j in model.description.joints if j.mimic is not None}
         self.joint_names = [name for name in model.joint_names if name not in self._followers]
@@ -81,7 +82,7 @@ class WholeRobot:
         return {name: value for name, value in values.items() if name in self._middle}
 
     async def with_needed(
-        self, given: Positions, needed: Iterable[str], patience: float
+        self, given: Positions, needed: Iterable[str], patience: float, tolerance: float = math.inf
     ) -> dict[str, float]:
         """Add the present position of every joint that is not given.
 
@@ -93,21 +94,21 @@ class WholeRobot:
             Joints that an answer cannot do without.
         patience : float
             How long to wait for the present state of those (s).
+        tolerance : float, optional
+            Speed up to which those that are not given stand (rad/s or m/s); default any.
 
         Raises
         ------
         NoStateError
             A joint that is needed is not given, and its present position is not known.
+        RobotMovesError
+            Such a joint moves.
         """
         missing = [name for name in needed if name not in given]
         if missing:
-            await self.monitor.wait_for(missing, patience)
-            self.monitor.require(missing)
-        return self.with_present(given)
-
-    def with_present(self, given: Positions) -> dict[str, float]:
-        """Add the present positions, where they are known, to those that are given."""
-        return {**self.monitor.known_positions(self.joint_names), **given}
+            await self._monitor.wait_for(missing, patience, tolerance)
+            self._monitor.require_rest(missing, tolerance, self.model.units)
+        return {**self._monitor.known_positions(self.joint_names), **given}
 
     def with_defaults(self, positions: Positions) -> dict[str, float]:
         """Add the middle of its range for every joint whose position is not known."""
