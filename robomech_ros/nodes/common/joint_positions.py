@@ -1,5 +1,6 @@
 """Joint positions as requests give them: named, unnamed, or left to the present state."""
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias, cast
 
@@ -75,19 +76,6 @@ class JointPositions:
         at = dict(zip(self.loops.mechanism.joint_names, q, strict=True))
         return np.array([at[name] for name in way.joint_names])
 
-    def _reported(self, way: Way) -> tuple[str, ...]:
-        """Name the joints whose present positions must be known."""
-        return way.joint_names if self.loops is None else self.loops.mechanism.actuated
-
-    def _whole(self, way: Way, reported: Array) -> Array:
-        """Return the present positions of a way from those of the joints that must be known."""
-        if self.loops is None:
-            return reported
-        found = self.present_posture()
-        if found is None:
-            found = self.loops.complete(reported, "the present state")
-        return self._of(way, found)
-
     def _read(self, chain: SerialChain, state: JointState, what: str) -> Array:
         whole, size = self._model.chain, len(state.position)
         if not size and len(state.name) == 1 and state.name[0] not in self._model.joint_names:
@@ -116,9 +104,7 @@ class JointPositions:
         """
         if not is_empty(state):
             return self.read(chain, state, what)
-        names = self._reported(chain)
-        await self._monitor.wait_for(names, patience)
-        return self._whole(chain, self._monitor.require(names))
+        return await self.at_rest(chain, patience, math.inf)
 
     async def at_rest(self, chain: Way, patience: float, tolerance: float) -> Array:
         """Read the present positions, shape (n,), of a robot that stands.
@@ -130,10 +116,15 @@ class JointPositions:
         RobotMovesError
             A joint is faster than `tolerance` (rad/s or m/s), and was so all that time.
         """
-        names = self._reported(chain)
-        await self._monitor.wait_for(names, patience, tolerance)
-        reported = self._monitor.require_rest(names, tolerance, self._model.units)
-        return self._whole(chain, reported)
+        # Of a parallel robot the drives have to be known.
+        names = chain.joint_names if self.loops is None else self.loops.mechanism.actuated
+        reported = await self._monitor.wait_for(names, patience, tolerance, self._model.units)
+        if self.loops is None:
+            return reported
+        found = self.present_posture()
+        if found is None:
+            found = self.loops.complete(reported, "the present state")
+        return self._of(chain, found)
 
     def seed(self, chain: Way, state: JointState) -> Array:
         """Read a seed, shape (n,); of an empty state, the present positions or the mid-range.

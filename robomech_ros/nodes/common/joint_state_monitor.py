@@ -110,19 +110,25 @@ class JointStateMonitor:
         more = ", ..." if len(names) > _MOST_LISTED else ""
         return f"only {', '.join(names[:_MOST_LISTED])}{more} received{refused}"
 
-    def require_rest(
-        self, joint_names: Sequence[str], tolerance: float, units: Mapping[str, str]
+    async def wait_for(
+        self,
+        joint_names: Sequence[str],
+        patience: float,
+        tolerance: float = math.inf,
+        units: Mapping[str, str] | None = None,
     ) -> Array:
-        """Return the present positions (rad or m), shape (n,), of a robot that stands.
+        """Return the positions (rad or m), shape (n,), when all joints were heard of and stand.
 
         Parameters
         ----------
         joint_names : sequence of str
             The n joints.
-        tolerance : float
-            Speed up to which a joint stands, rad/s or m/s.  A joint whose velocity is not
-            published stands.
-        units : mapping
+        patience : float
+            How long to wait for that at the most (s).
+        tolerance : float, optional
+            Speed up to which a joint stands, rad/s or m/s; default any.  A joint whose velocity is
+            not published stands.
+        units : mapping, optional
             ``"rad"`` or ``"m"`` by joint, where that is known.
 
         Raises
@@ -132,32 +138,17 @@ class JointStateMonitor:
         RobotMovesError
             A joint moves; the fastest is named with its speed.
         """
-        positions = self.require(joint_names)
-        joint, speed = self._fastest(joint_names)
-        if speed > tolerance:
-            raise RobotMovesError(joint, speed, tolerance, units.get(joint, ""))
-        return positions
-
-    async def wait_for(
-        self, joint_names: Sequence[str], seconds: float, tolerance: float = math.inf
-    ) -> None:
-        """Wait until all of the joints were heard of and stand.
-
-        Parameters
-        ----------
-        joint_names : sequence of str
-            The n joints.
-        seconds : float
-            How long at the most.
-        tolerance : float, optional
-            Speed up to which a joint stands, rad/s or m/s; default any.
-        """
-        deadline = time.monotonic() + seconds
+        deadline = time.monotonic() + patience
         while time.monotonic() < deadline:
             known = self.positions(joint_names) is not None
             if known and self._fastest(joint_names)[1] <= tolerance:
-                return
+                break
             await pause(self._node)
+        positions = self.require(joint_names)
+        joint, speed = self._fastest(joint_names)
+        if speed > tolerance:
+            raise RobotMovesError(joint, speed, tolerance, (units or {}).get(joint, ""))
+        return positions
 
     def _fastest(self, joint_names: Sequence[str]) -> tuple[str, float]:
         """Find the fastest of joints that are known, and its speed (rad/s or m/s).

@@ -180,8 +180,7 @@ class RobotFrames:
         missing = [name for name in place.joint_names if name not in given]
         if not missing:
             return place.pose(given)
-        await self.monitor.wait_for(missing, patience)
-        present = self.monitor.require(missing).tolist()
+        present = (await self.monitor.wait_for(missing, patience)).tolist()
         return place.pose({**given, **dict(zip(missing, present, strict=True))})
 
     def _find(self, frame: str, instant: int | None) -> FrameAttachment:

@@ -106,8 +106,7 @@ class WholeRobot:
         """
         missing = [name for name in needed if name not in given]
         if missing:
-            await self._monitor.wait_for(missing, patience, tolerance)
-            self._monitor.require_rest(missing, tolerance, self.model.units)
+            await self._monitor.wait_for(missing, patience, tolerance, self.model.units)
         return {**self._monitor.known_positions(self.joint_names), **given}
 
     def with_defaults(self, positions: Positions) -> dict[str, float]:
