@@ -17,9 +17,7 @@ NANO = 1_000_000_000
 
 def floats(values: Array) -> "array[float]":
     """Copy an array into what the messages' float64[] fields take without conversion."""
-    result = array("d")
-    result.frombytes(values.tobytes())
-    return result
+    return array("d", values.tobytes())
 
 
 def append_numbers(target: "array[Any]", values: NDArray[Any]) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices
-from robomech_ros.nodes.common.message_fields import append_numbers
+from robomech_ros.nodes.common.message_fields import append_numbers, floats
 from robomech_ros.outcomes import Code
 from robomech_ros.typing import Array
 
@@ -42,8 +42,8 @@ class BatchLists:
 
     def __init__(self, robot: Manipulator) -> None:
         self._robot = robot
-        floats = ("solutions", "position_errors", "orientation_errors")
-        self._lists = {"counts": array("I"), "codes": array("H")} | {k: array("d") for k in floats}
+        real = ("solutions", "position_errors", "orientation_errors")
+        self._lists = {"counts": array("I"), "codes": array("H")} | {k: array("d") for k in real}
 
     def __len__(self) -> int:
         return len(self._lists["counts"])
@@ -129,31 +129,23 @@ class WorkspaceQuery:
         fast = self._mask is None and self._robot.closed_form
         size = _PORTION if fast else _PORTION_SEARCHED
         while done < len(self._T) and time.monotonic() - began < allowed:
-            part = slice(done, min(done + size, len(self._T)))
-            self._judge(part)
-            done = part.stop
+            end = min(done + size, len(self._T))
+            count, status, q = self._robot.solve_many(self._T[done:end], task_mask=self._mask)
+            self.count[done:end] = count
+            self.reason[done:end] = np.where(count > 0, Code.NONE, status)
+            owner = np.repeat(np.arange(done, end), count)
+            np.minimum.at(self.condition, owner, self._robot.condition_numbers(q))
+            done = end
             await turns.end_if_over()
         self.distance = await self._robot.boundary_distances(
             self._T, self.count > 0, began + allowed
         )
         return done
 
-    def _judge(self, part: slice) -> None:
-        count, status, q = self._robot.solve_many(self._T[part], task_mask=self._mask)
-        self.count[part] = count
-        self.reason[part] = np.where(count > 0, Code.NONE, status)
-        owner = np.repeat(np.arange(part.start, part.stop), count)
-        np.minimum.at(self.condition, owner, self._robot.condition_numbers(q))
-
     def fill(self, response: Any) -> None:
         """Write the lists of a QueryWorkspace response."""
         response.reachable = (self.count > 0).tolist()
-        for name, kind, values in (
-            ("reason", "H", self.reason),
-            ("solution_count", "I", self.count),
-            ("condition_numbers", "d", self.condition),
-            ("boundary_distances", "d", self.distance),
-        ):
-            numbers = array(kind)
-            append_numbers(numbers, values)
-            setattr(response, name, numbers)
+        response.reason = array("H", self.reason.astype(np.uint16).tobytes())
+        response.solution_count = array("I", self.count.astype(np.uint32).tobytes())
+        response.condition_numbers = floats(self.condition)
+        response.boundary_distances = floats(self.distance)
