@@ -11,8 +11,7 @@ from robomech_ros.nodes.common.message_fields import NANO
 from robomech_ros.nodes.common.robot_description import STATIC_FRAMES
 from robomech_ros.nodes.display.frame_publisher import FramePublisher
 from robomech_ros.nodes.display.other_publishers import OtherPublishers
-from robomech_ros.nodes.middleware.polled_subscription import Inbox
-from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
+from robomech_ros.nodes.middleware.polled_subscription import Inbox, UnreadableMessageError, unpack
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.robots.entry_checks import bare_link
 

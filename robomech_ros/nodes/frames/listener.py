@@ -18,8 +18,7 @@ from robomech_ros.nodes.common.message_fields import NANO
 from robomech_ros.nodes.common.robot_description import STATIC_FRAMES
 from robomech_ros.nodes.frames.history import Sample
 from robomech_ros.nodes.frames.tree import FrameTree
-from robomech_ros.nodes.middleware.polled_subscription import Inbox
-from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
+from robomech_ros.nodes.middleware.polled_subscription import Inbox, UnreadableMessageError, unpack
 from robomech_ros.robots.entry_checks import bare_link
 
 # Between two looks, the latest so many are kept: some seconds of robot_state_publisher.

@@ -1,4 +1,7 @@
-"""Subscriptions that are read on demand, and keep the executor idle until then."""
+"""Subscriptions that are read on demand, and keep the executor idle until then.
+
+Their messages are unpacked by hand, so that bytes which are none disturb nobody.
+"""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -6,8 +9,9 @@ from typing import Any
 from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
 
-from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
+from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 
 
@@ -34,6 +38,27 @@ class ManualSubscription(CallbackGroup):
 
     def ending_execution(self, entity: Any) -> None:
         """Nothing was begun."""
+
+
+class UnreadableMessageError(RobomechError):
+    """Bytes from the middleware are no message of the type of their topic."""
+
+    def __init__(self, data: bytes, kind: type) -> None:
+        super().__init__(f"{len(data)} bytes are no message of the type {kind.__name__}")
+
+
+def unpack(data: bytes, kind: type) -> Any:
+    """Return the message of a type in the bytes of a raw subscription.
+
+    Raises
+    ------
+    UnreadableMessageError
+        The bytes are no such message.
+    """
+    try:
+        return deserialize_message(data, kind)
+    except Exception as error:  # which one depends on the middleware
+        raise UnreadableMessageError(data, kind) from error
 
 
 class Inbox:

@@ -15,7 +15,7 @@ from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import AnalyzeSingularity, SolveIK
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.kinematics.node import KinematicsNode
-from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
+from robomech_ros.nodes.middleware.polled_subscription import UnreadableMessageError, unpack
 from robomech_ros.nodes.servo.node import ServoNode
 from robomech_ros.robots import load_robot
 
