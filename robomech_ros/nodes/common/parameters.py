@@ -43,6 +43,16 @@ _TEXTS = tuple[str, ...]
 _TYPE_NAMES = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
 # The wildcard and the parameters that rclpy itself declares.
 _FOREIGN = ("use_sim_time", "start_type_description_service", "qos_overrides")
+# Earlier names, and those of now.
+_EARLIER = {
+    "frame_age": "'max_transform_age'",
+    "jog_silence": "'jog_timeout'",
+    "largest_batch": "'max_batch_size'",
+    "largest_count": "'max_samples'",
+    "longest_lead": "'max_lead'",
+    "longest_wait": "'max_queue_time'",
+    "most_points": "'max_wrenches'",
+}
 
 
 class ParameterError(RobomechError):
@@ -254,7 +264,7 @@ class NodeParameters(Generic[Settings]):
         later: str = "",
     ) -> None:
         # Not the node: a circle would keep one alive that cannot start.
-        self._former, self._later = former or {}, later
+        self._former, self._later = {**_EARLIER, **(former or {})}, later
         self.further: dict[str, Any] = {}
         self._rows = {row.name: row for row in table_rows(table)}
         self._on_change = on_change

@@ -472,3 +472,9 @@ def test_robot_from_the_topic(graph):
 def test_namespace(graph):
     graph.start(KinematicsNode, namespace="/left", robot_description="puma560")
     assert graph.ask(SolveIK, "/left/kinematics/solve_ik", target=target()).error_code == 0
+
+
+def test_an_earlier_name_of_a_parameter_is_answered_with_the_present_one(graph, capfd):
+    graph.start(KinematicsNode, robot_description="puma560", frame_age=5.0)
+    said = capfd.readouterr().err
+    assert "parameter 'frame_age' is ignored: its name here is 'max_transform_age'" in said
