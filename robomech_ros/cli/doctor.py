@@ -175,35 +175,36 @@ def _node_scripts() -> Finding:
 
 
 def _loopback() -> Finding:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as inbox:
-        try:
-            inbox.settimeout(1.0)
-            inbox.bind(("127.0.0.1", 0))
-            inbox.sendto(b"robomech", inbox.getsockname())
-            inbox.recv(16)
-        except OSError as error:
-            return Finding("loopback", False, str(error), "sudo ip link set lo up")
+    if (wrong := _lost_datagram()) is not None:
+        return Finding("loopback", False, str(wrong), "sudo ip link set lo up")
     return Finding("loopback", True, "datagrams arrive")
 
 
 def _multicast() -> Finding:
-    """Send a datagram to the group that DDS uses for discovery, over the loopback interface."""
+    """Check the group that DDS uses for discovery."""
     what = "multicast discovery"
+    if (wrong := _lost_datagram(MULTICAST_GROUP)) is not None:
+        found = f"does not arrive ({wrong}); nodes on this machine find each other without it"
+        return Finding(what, None, found, "sudo ip link set lo multicast on")
+    return Finding(what, True, "datagrams arrive")
+
+
+def _lost_datagram(group: str = "") -> OSError | None:
+    """Send a datagram over the loopback interface, to a group if given; return why it is lost."""
+    here = "127.0.0.1"
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as inbox:
         try:
             inbox.settimeout(1.0)
-            inbox.bind(("", 0))
-            local = socket.inet_aton("127.0.0.1")
-            group = socket.inet_aton(MULTICAST_GROUP)
-            inbox.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group + local)
-            inbox.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, local)
-            inbox.sendto(b"robomech", (MULTICAST_GROUP, inbox.getsockname()[1]))
+            inbox.bind(("" if group else here, 0))
+            if group:
+                local, joined = map(socket.inet_aton, (here, group))
+                inbox.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, joined + local)
+                inbox.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, local)
+            inbox.sendto(b"robomech", (group or here, inbox.getsockname()[1]))
             inbox.recv(16)
         except OSError as error:
-            mend = "sudo ip link set lo multicast on"
-            found = f"does not arrive ({error}); nodes on this machine find each other without it"
-            return Finding(what, None, found, mend)
-    return Finding(what, True, "datagrams arrive")
+            return error
+    return None
 
 
 def _shared_memory() -> Finding:

@@ -142,14 +142,12 @@ def chained(breaks: Array, *parts: Array) -> PiecewisePolynomial:
     return PiecewisePolynomial(breaks, np.concatenate(filled, axis=1))
 
 
-def peak_accelerations(curve: PiecewisePolynomial) -> Array:
-    """Return the largest accelerations (n,) of a curve's joints, by quintics at the most."""
-    return _peaks(curve, 2)
-
-
-def peak_jerks(curve: PiecewisePolynomial) -> Array:
-    """Return the largest jerks (n,) of a curve's joints, by quintics at the most."""
-    return _peaks(curve, 3)
+def peaks(curve: PiecewisePolynomial, rate: int) -> Array:
+    """Return the largest accelerations (rate 2) or jerks (3) of n joints; a quintic at the most."""
+    if len(curve.breaks) < 2:
+        return np.zeros(curve.joints)
+    largest: Array = np.abs(_extremes(curve, rate)[0]).max(axis=(0, 1))
+    return largest
 
 
 def jerks_over(curve: PiecewisePolynomial, span: float) -> Array:
@@ -186,14 +184,6 @@ def highest_accelerations(curve: PiecewisePolynomial) -> tuple[Array, Array]:
     first = np.where(high, times, np.inf).argmin(axis=0)[None]
     value, time = (np.take_along_axis(part, first, 0)[0] for part in (values, times))
     return value, curve.breaks[:-1, None] + time
-
-
-def _peaks(curve: PiecewisePolynomial, rate: int) -> Array:
-    """Return the largest magnitudes of a rate, which is a cubic at the most."""
-    if len(curve.breaks) < 2:
-        return np.zeros(curve.joints)
-    peaks: Array = np.abs(_extremes(curve, rate)[0]).max(axis=(0, 1))
-    return peaks
 
 
 def _extremes(curve: PiecewisePolynomial, rate: int) -> tuple[Array, Array]:

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from robomech_ros.errors import LimitExceededError
-from robomech_ros.execution.controller.curve_parts import peak_accelerations, peak_jerks
+from robomech_ros.execution.controller.curve_parts import peaks
 from robomech_ros.execution.controller.transitions import (
     delayed,
     fading_time,
     with_braking,
     with_fading,
 )
-from robomech_ros.execution.joints import Joints, State, approached
+from robomech_ros.execution.joints import Joints, State, approached, paced_state
 from robomech_ros.execution.rejections import StartMismatchError, TrajectoryOverError
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
@@ -98,9 +98,8 @@ def join(
     velocities = remaining.velocities
     if velocities is not None:
         curve = with_braking(curve, velocities[-1], joints)
-    step = present.position - curve.sample(0.0).position
-    kick = present.velocity - curve.sample(0.0).velocity
-    push = present.acceleration - curve.sample(0.0).acceleration
+    apart = present - paced_state(curve.sample(0.0), 1.0, 0.0)
+    step, kick, push = apart.position, apart.velocity, apart.acceleration
     standing = bool(np.max(np.abs(present.velocity)) <= STANDING)
     if standing or remaining.times[0] > 0.0:
         push = np.zeros_like(push)
@@ -215,15 +214,15 @@ def _smoothed(
     time = fading_time(step, kick, push, joints)
     # Its limit, or what is planned or there already.
     here = np.abs(curve.sample(0.0).acceleration + push)
-    acceleration = np.maximum(joints.acceleration, np.maximum(peak_accelerations(curve), here))
-    jerk = np.maximum(joints.limits.jerk, peak_jerks(curve))
+    acceleration = np.maximum(joints.acceleration, np.maximum(peaks(curve, 2), here))
+    jerk = np.maximum(joints.limits.jerk, peaks(curve, 3))
     found, best = list[Violation](), None
     for candidate in _candidates(curve, offset, time):
         violation = violation_of(candidate, joints)
         if violation is not None:
             found.append(violation)
             continue
-        over = peak_accelerations(candidate) / acceleration, peak_jerks(candidate) / jerk
+        over = peaks(candidate, 2) / acceleration, peaks(candidate, 3) / jerk
         excess = float(np.max(over))
         if excess <= 1.0 + _SLACK:
             return candidate

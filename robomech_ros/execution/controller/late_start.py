@@ -16,8 +16,7 @@ from robomech_ros.errors import LimitExceededError
 from robomech_ros.execution.controller.curve_parts import (
     jerks_over,
     paced,
-    peak_accelerations,
-    peak_jerks,
+    peaks,
     prolonged_back,
     rebased,
     shifted,
@@ -25,7 +24,7 @@ from robomech_ros.execution.controller.curve_parts import (
 )
 from robomech_ros.execution.controller.joining import violation_of
 from robomech_ros.execution.controller.transitions import SHORTEST_BLEND, with_braking, with_fading
-from robomech_ros.execution.joints import Joints, State
+from robomech_ros.execution.joints import Joints, State, paced_state
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.waypoints import Waypoints
@@ -121,17 +120,16 @@ def infeasibility(
     first = PiecewisePolynomial(curve.breaks[:2], curve.coefficients[:, :1])
     rest = PiecewisePolynomial(curve.breaks[1:], curve.coefficients[:, 1:])
     limits = np.maximum(joints.acceleration, np.abs(present.acceleration)), joints.limits.jerk
-    peaks_of = peak_accelerations, peak_jerks
     kink = np.abs(curve.sample(0.0).acceleration - present.acceleration) / _KINK
     if (kink > _OF_KINK * joints.limits.jerk).any():
         worst = int(np.argmax(kink / joints.limits.jerk))
         numbers = float(kink[worst]), float(joints.limits.jerk[worst])
         return LimitExceededError(f"{_ON_THE_WAY} jerk", joints.names[worst], *numbers)
-    for what, limit, peaks in zip(("acceleration", "jerk"), limits, peaks_of, strict=True):
-        found = peaks(first)
+    for rate, what, limit in zip((2, 3), ("acceleration", "jerk"), limits, strict=True):
+        found = peaks(first, rate)
         if (found <= limit * (1.0 + _SLACK)).all():
             continue
-        allowed = np.maximum(limit, peaks(rest)) * (1.0 + _SLACK)
+        allowed = np.maximum(limit, peaks(rest, rate)) * (1.0 + _SLACK)
         worst = int(np.argmax(found / allowed))
         if found[worst] > allowed[worst]:
             numbers = float(found[worst]), float(limit[worst])
@@ -229,8 +227,8 @@ class _Search:
         self._present, self._joints, self._cruise = present, joints, cruise
         limits = joints.limits
         here = np.maximum(joints.acceleration, np.abs(present.acceleration))
-        self._acceleration = np.maximum(here, peak_accelerations(coming)) * (1.0 + _SLACK)
-        self._jerk = np.maximum(limits.jerk, peak_jerks(coming)) * (1.0 + _SLACK)
+        self._acceleration = np.maximum(here, peaks(coming, 2)) * (1.0 + _SLACK)
+        self._jerk = np.maximum(limits.jerk, peaks(coming, 3)) * (1.0 + _SLACK)
         self._change = np.maximum(limits.jerk, jerks_over(coming, _KINK)) * (1.0 + _SLACK)
         self._velocity = limits.velocity * (1.0 + _SLACK)
 
@@ -293,11 +291,8 @@ class _Search:
         belt, here = shifted(curve, delay), self._present
         x, pace, rate = float(place[0]) + delay, float(place[1]), float(place[2])
         there = belt.sample(x)
-        offset = (
-            here.position - there.position,
-            here.velocity - there.velocity * pace,
-            here.acceleration - there.acceleration * pace * pace - there.velocity * rate,
-        )
+        apart = here - paced_state(there, pace, rate)
+        offset = apart.position, apart.velocity, apart.acceleration
         ahead = np.array([x, pace - 1.0, rate])
         off = max(float(np.max(np.abs(part))) for part in offset)
         if time < _MOMENT:
@@ -314,9 +309,9 @@ class _Search:
         )
 
     def _violates(self, way: PiecewisePolynomial) -> bool:
-        if (peak_accelerations(way) > self._acceleration).any():
+        if (peaks(way, 2) > self._acceleration).any():
             return True
-        if (peak_jerks(way) > self._jerk).any() or (jerks_over(way, _KINK) > self._change).any():
+        if (peaks(way, 3) > self._jerk).any() or (jerks_over(way, _KINK) > self._change).any():
             return True
         return violation_of(way, self._joints) is not None
 

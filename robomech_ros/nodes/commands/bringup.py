@@ -29,6 +29,29 @@ EXIT_CHILD_FAILED = 1
 # Only arms have a servo to be left out; without one the option is harmless.
 _OF_SERVO = ("no_servo",)
 
+# Options that are texts, empty by default, and those that are switches.
+_TEXTS = {
+    "--robot": "name (see `robomech robots`) or path of a URDF or YAML file; default: wait for the "
+    "topic robot_description",
+    "--base-link": "first link of the chain",
+    "--tip-link": "last link of the chain",
+    "--srdf": "SRDF with groups of joints and named states; the robot starts at its state home. "
+    "Default: the topic robot_description_semantic",
+    "--group": "group whose chain is used",
+    "--namespace": "namespace of all nodes, such as /left",
+    "--joint-limits": "YAML with limits missing from the robot description, such as MoveIt's "
+    "joint_limits.yaml",
+}
+_SWITCHES = {
+    "--dynamic": "simulate drives with mass, friction and effort limits",
+    "--auto-execute": "execute every new plan at once; default: only by "
+    "trajectory_publisher/execute",
+    "--no-servo": "all nodes but the servo",
+    "--calibration": "also start the hand-eye calibration node; set its frames by parameters, see "
+    "`calibration_node --help`",
+    "--view": "also show the robot in a browser; prints the address",
+}
+
 _PART_OF_A_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 # A remap that gives every node the same name.
 _NAME_OF_ALL = re.compile(r"__(node|name):=")
@@ -50,55 +73,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def add_launch_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments that say which nodes there are, and of which robot."""
-    parser.add_argument(
-        "--robot",
-        default="",
-        help="name (see `robomech robots`) or path of a URDF or YAML file; default: wait for the "
-        "topic robot_description",
-    )
-    parser.add_argument("--base-link", default="", help="first link of the chain")
-    parser.add_argument("--tip-link", default="", help="last link of the chain")
-    parser.add_argument(
-        "--srdf",
-        default="",
-        help="SRDF with groups of joints and named states; the robot starts at its state home. "
-        "Default: the topic robot_description_semantic",
-    )
-    parser.add_argument("--group", default="", help="group whose chain is used")
-    parser.add_argument("--namespace", default="", help="namespace of all nodes, such as /left")
+    for option, text in _TEXTS.items():
+        parser.add_argument(option, default="", help=text)
     parser.add_argument(
         "--frame-prefix",
         help="prefix of frames in headers and on /tf; default: the namespace and a slash, such as "
         "left/, or none without a namespace",
     )
     parser.add_argument("--rate", type=number, help="rate of joint_states in Hz (100)")
-    parser.add_argument(
-        "--joint-limits",
-        default="",
-        help="YAML with limits missing from the robot description, such as MoveIt's "
-        "joint_limits.yaml",
-    )
-    parser.add_argument(
-        "--dynamic",
-        action="store_true",
-        help="simulate drives with mass, friction and effort limits",
-    )
     parser.add_argument("--params-file", action="append", default=[], help="YAML with parameters")
-    parser.add_argument(
-        "--auto-execute",
-        action="store_true",
-        help="execute every new plan at once; default: only by trajectory_publisher/execute",
-    )
-    parser.add_argument("--no-servo", action="store_true", help="all nodes but the servo")
-    parser.add_argument(
-        "--calibration",
-        action="store_true",
-        help="also start the hand-eye calibration node; set its frames by parameters, see "
-        "`calibration_node --help`",
-    )
-    parser.add_argument(
-        "--view", action="store_true", help="also show the robot in a browser; prints the address"
-    )
+    for option, text in _SWITCHES.items():
+        parser.add_argument(option, action="store_true", help=text)
     parser.add_argument("--view-port", type=integer, help="page port; 0 takes a free one (8080)")
     parser.add_argument(
         "--view-host", help="address on which the page listens (127.0.0.1: this machine only)"

@@ -27,18 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--samples", type=integer, default=12, help="number of samples, one of which is wrong (12)"
     )
-    parser.add_argument(
-        "--rotation-noise",
-        type=number,
-        default=2e-3,
-        help="standard deviation of each rotation coordinate of the camera, rad (0.002)",
-    )
-    parser.add_argument(
-        "--position-noise",
-        type=number,
-        default=5e-4,
-        help="standard deviation of each position coordinate of the camera, m (0.0005)",
-    )
+    for part, default, unit in (("rotation", 2e-3, "rad"), ("position", 5e-4, "m")):
+        text = f"standard deviation of each {part} coordinate of the camera, {unit} ({default:g})"
+        parser.add_argument(f"--{part}-noise", type=number, default=default, help=text)
     parser.add_argument(
         "--output",
         type=Path,

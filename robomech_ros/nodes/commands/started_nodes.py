@@ -62,10 +62,8 @@ def _looked_at(nodes: Sequence[Node]) -> list[NodeRights]:
             awaited += _descriptions(node)
             if _shares_frames(node):
                 awaited += _others_on_tf(others, node)
-        if any(node.get_name() == "servo" for node in nodes):
-            servo = next(node for node in nodes if node.get_name() == "servo")
-            awaited.append((servo, "reply", f"{servo.get_fully_qualified_name()}/pause_servo"))
-        for node in nodes:
+            if node.get_name() == "servo":
+                awaited.append((node, "reply", f"{node.get_fully_qualified_name()}/pause_servo"))
             if isinstance(node, RvsNode):
                 awaited += [(node, "subscribe", topic) for topic in node.listen_to_markers()]
         deadline = time.monotonic() + _PATIENCE

@@ -119,12 +119,11 @@ def _tell(
     client: DemoClient, task: CalibrationTask, chain: SerialChain, reporter: Reporter, output: Path
 ) -> None:
     """Tell what was found, save and draw it."""
-    last = task.progress[-1]
+    last, answer = task.progress[-1], task.answer
     reporter.heading("summary")
-    reporter.say(task.summary)
+    reporter.say(answer.summary)
     reporter.say("covariance of x y z, then of rotations about x y z (mm and mrad, squared):")
-    scaled = task.covariance * 1e6
-    for row in scaled:
+    for row in 1e6 * np.reshape(answer.covariance, (6, 6)):
         reporter.say(" ".join(f"{value:9.4f}" for value in row))
     distance = float(np.sqrt(last.squared_distance))
     reporter.say(
@@ -139,8 +138,8 @@ def _tell(
         [step.count for step in task.progress],
         np.array([step.error for step in task.progress]),
         np.array([step.covariance for step in task.progress]),
-        residuals=task.residuals,
-        inlier=task.inlier,
+        residuals=np.column_stack((answer.rotation_residuals, answer.position_residuals)),
+        inlier=np.array(answer.inlier),
         title=f"{chain.name}: a camera found with noise, and with one wrong sample",
     )
     reporter.say(f"plot: {picture}")

@@ -121,8 +121,7 @@ class CalibrationTask:
         self._client, self._chain, self._camera = client, chain, camera
         self._scene, self._reporter = scene, reporter
         self.progress: list[Progress] = []
-        self.residuals, self.inlier = np.zeros((0, 2)), np.zeros(0, bool)
-        self.summary, self.covariance = "", np.zeros((6, 6))
+        self.answer: Any = None
 
     def run(self, start: Array, count: int) -> None:
         """Take samples about a posture, shape (n,), and solve.
@@ -135,15 +134,14 @@ class CalibrationTask:
         places, postures = self._reachable(start)
         left = list(range(len(places)))
         self._sample(start)
-        answer: Any = None
         for taken in range(1, count):
             # The first are anywhere, the others where they tell most.
-            choice = 0 if answer is None else int(answer.next_index)
+            choice = 0 if self.answer is None else int(self.answer.next_index)
             self._camera.mistaken = taken == _MISTAKEN
             self._sample(postures[left.pop(choice)])
             if taken + 1 >= _FIRST:
-                answer = self._solve(places[left])
-        self._judge(answer, count)
+                self.answer = self._solve(places[left])
+        self._judge(count)
 
     def _reachable(self, start: Array) -> tuple[Array, Array]:
         """Find poses of the hand from which the target is seen, and postures for them."""
@@ -213,14 +211,11 @@ class CalibrationTask:
         )
         return answer
 
-    def _judge(self, answer: Any, count: int) -> None:
+    def _judge(self, count: int) -> None:
         """Compare the last result with the truth."""
-        self.residuals = np.column_stack((answer.rotation_residuals, answer.position_residuals))
-        self.inlier = np.array(answer.inlier)
-        self.summary, self.covariance = answer.summary, np.reshape(answer.covariance, (6, 6))
-        wrong = [_MISTAKEN] if count > _MISTAKEN else []
-        if list(answer.outliers) != wrong:
-            raise DemoFailedError(f"samples {list(answer.outliers)} were left out, not {wrong}")
+        wrong, left_out = [_MISTAKEN] if count > _MISTAKEN else [], list(self.answer.outliers)
+        if left_out != wrong:
+            raise DemoFailedError(f"samples {left_out} were left out, not {wrong}")
         distance = self.progress[-1].squared_distance
         if distance > _IMPOSSIBLE:
             raise DemoFailedError(

@@ -38,23 +38,28 @@ class DemoClient:
         The running nodes.
     names, units : sequence of str
         The joints that are to be recorded, and ``"rad"`` or ``"m"`` for each.
+
+    Attributes
+    ----------
+    node : Node
+        For more publishers and timers; it spins.
     """
 
     def __init__(self, suite: Suite, names: Sequence[str], units: Sequence[str]) -> None:
         self._suite, self._names, self._units = suite, names, units
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-        self._node = Node("robomech_demo", start_parameter_services=False)
+        self.node = Node("robomech_demo", start_parameter_services=False)
         self._clients: dict[str, Any] = {}
         self._kinds: dict[str, Any] = {}
         self._rows: list[tuple[float, Array, Array]] = []
-        self._node.create_subscription(JointState, "joint_states", self._record, 100)
-        self._spinner = Spinner([self._node])
+        self.node.create_subscription(JointState, "joint_states", self._record, 100)
+        self._spinner = Spinner([self.node])
         self._spinner.start()
 
     def close(self) -> None:
         """End the node."""
         self._spinner.stop()
-        self._node.destroy_node()
+        self.node.destroy_node()
         rclpy.try_shutdown()
 
     def _record(self, message: JointState) -> None:
@@ -63,11 +68,6 @@ class DemoClient:
         stamp = message.header.stamp.sec + message.header.stamp.nanosec * 1e-9
         velocity = np.array(message.velocity) if message.velocity else np.zeros(len(index))
         self._rows.append((stamp, np.array(message.position)[order], velocity[order]))
-
-    @property
-    def node(self) -> Node:
-        """The node, for more publishers and timers; it spins."""
-        return self._node
 
     @property
     def latest(self) -> tuple[float, Array] | None:
@@ -99,7 +99,7 @@ class DemoClient:
     def wait_until_up(self, services: dict[str, Any]) -> None:
         """Wait for services, name to type, and for the first joint state."""
         for name, kind in services.items():
-            self._clients[name], self._kinds[name] = ask(self._node, kind, name), kind
+            self._clients[name], self._kinds[name] = ask(self.node, kind, name), kind
         if not self.wait(lambda: not self._missing(), _START_SECONDS):
             missing = ", ".join(self._missing())
             raise DemoFailedError(f"not up after {_START_SECONDS:g} s: {missing}")

@@ -149,7 +149,6 @@ class DriveTask:
         apart = float(np.abs(self._told[-1][1:3] - true[1:3]).max())
         if apart > _APART:
             raise DemoFailedError(f"odometry is {apart:.3g} m off the simulated base")
-        away, turned = math.hypot(true[1], true[2]), abs(math.remainder(true[3], 2.0 * math.pi))
         self._reporter.say(
             f"{path.name}: back after {path.length:.1f} m, {away * 1e3:.1f} mm and "
             f"{turned * 1e3:.1f} mrad off; never more than {off * 1e3:.1f} mm beside the path; "

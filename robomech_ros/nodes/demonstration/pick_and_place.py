@@ -92,18 +92,14 @@ class PickAndPlace:
         home = self._robot.home()
         self._reporter.heading(f"{HOME}, by its name")
         self.marks.append((self._client.now(), f"{HOME} (RUCKIG)"))
-        leg = self._move(HOME, "RUCKIG", JointState(name=[HOME]), home)
-        self._check(leg, self._robot.pose(home))
-        self.legs.append(leg)
+        self._move(HOME, "RUCKIG", JointState(name=[HOME]), home, self._robot.pose(home))
 
     def _leg(self, name: str, profile: str, T: Array) -> None:
         self._reporter.heading(f"{name} at x y z = {_listed(T[:3, 3])} m")
         goal = self._solve(name, T)
         self.marks.append((self._client.now(), f"{name} ({profile})"))
         named = joint_state(self._robot.joint_names, goal)
-        leg = self._move(name, profile, named, goal)
-        self._check(leg, T)
-        self.legs.append(leg)
+        self._move(name, profile, named, goal, T)
 
     def _along(self, way: TipPath) -> None:
         """Move the tip along a path, to where it ends."""
@@ -126,9 +122,7 @@ class PickAndPlace:
             f"planned {way.path}: {duration:.2f} s, {len(points)} points, all of the path within "
             "the limits of every joint"
         )
-        self._execute(leg, response.trajectory, goal)
-        self._check(leg, T)
-        self.legs.append(leg)
+        self._execute(leg, response.trajectory, goal, T)
 
     def _solve(self, name: str, T: Array) -> Array:
         """Ask for all solutions, and choose the nearest one inside the limits."""
@@ -165,8 +159,8 @@ class PickAndPlace:
         others = tuple(postures[1:MOST_OTHERS])
         self.choices.append(Choice(self._client.now(), name, postures[0].name, others))
 
-    def _move(self, name: str, profile: str, named: JointState, goal: Array) -> Leg:
-        """Plan a motion to a goal, shape (n,), as it is named, and execute it."""
+    def _move(self, name: str, profile: str, named: JointState, goal: Array, T: Array) -> None:
+        """Plan a motion to a goal, shape (n,), as it is named, and execute it to a pose."""
         request = PlanJoint.Request(
             start=self._present_state(),
             goal=named,
@@ -181,25 +175,24 @@ class PickAndPlace:
             f"peak velocity {leg.peak:.0%} of its limit, peak acceleration "
             f"{max(response.peak_acceleration_ratio):.0%}"
         )
-        self._execute(leg, response.trajectory, goal)
-        return leg
+        self._execute(leg, response.trajectory, goal, T)
 
-    def _execute(self, leg: Leg, trajectory: JointTrajectory, goal: Array) -> None:
-        """Execute a motion, and show which part of its duration it has lasted."""
+    def _execute(self, leg: Leg, trajectory: JointTrajectory, goal: Array, T: Array) -> None:
+        """Execute a motion to a pose, and show which part of its duration it has lasted."""
         shown, begun = list(self._robot.shown), self._client.now()
         with self._reporter.progress(leg.name) as show:
 
             def look() -> None:
                 lasted = self._client.now() - begun
-                show(min(lasted / leg.duration, 1.0) if leg.duration else 1.0, self._at(shown))
+                done = min(lasted / leg.duration, 1.0) if leg.duration else 1.0
+                show(done, self._client.present[shown])
 
             patience = leg.duration + _GRACE_SECONDS
             arrived = self._joints_arrived
             self._client.wait_until_at(goal, arrived, patience, look, trajectory)
-            show(1.0, self._at(shown))
-
-    def _at(self, shown: list[int]) -> Array:
-        return self._client.present[shown]
+            show(1.0, self._client.present[shown])
+        self._check(leg, T)
+        self.legs.append(leg)
 
     def _check(self, leg: Leg, T: Array) -> None:
         """Compare where the tip is, by forward kinematics of the joints, with the target."""

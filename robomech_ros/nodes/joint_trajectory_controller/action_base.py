@@ -1,5 +1,6 @@
 """Common part of all actions of the controller: active goals, their cancellation and end."""
 
+import traceback
 from abc import ABC, abstractmethod
 from typing import Any, Generic, TypeVar
 
@@ -8,9 +9,11 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 from rclpy.task import Future
 
+from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.middleware.liveliness import LIVELY
 from robomech_ros.nodes.middleware.queue_depth import serve_action
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 
 # A client may ask for the result this long after the motion has ended, s.
 _RESULT_KEPT = 60
@@ -37,10 +40,13 @@ class ActionBase(ABC, Generic[Motion]):
         More for the action server.
     """
 
+    # What its goals are called in the log.
+    _what: str
+
     def __init__(
         self, node: Node, joints: CommandedJoints, kind: Any, name: str, **options: Any
     ) -> None:
-        self._node = node
+        self._node, self._log = node, ThrottledLog(node.get_logger())
         self._lock = joints.lock
         # Motions by goal; the lock is to be held while it changes.
         self._served: dict[bytes, tuple[ServerGoalHandle, Motion]] = {}
@@ -58,8 +64,16 @@ class ActionBase(ABC, Generic[Motion]):
         )
 
     @abstractmethod
-    async def _execute(self, handle: ServerGoalHandle) -> Any:
-        """Serve a goal to its end; returns the result."""
+    def _start(self, request: Any, ended: Future) -> Motion:
+        """Begin the motion of a goal; sets the future when it is over."""
+
+    @abstractmethod
+    def _refused(self, error: Exception) -> Any:
+        """Make the result of a goal whose motion did not begin; logs a RobomechError."""
+
+    @abstractmethod
+    def _ended(self, outcome: Any) -> tuple[Any, bool, bool]:
+        """Return the result of an outcome, and whether it is success, or a cancellation."""
 
     @abstractmethod
     def _stop(self, motion: Motion) -> bool:
@@ -69,20 +83,24 @@ class ActionBase(ABC, Generic[Motion]):
     def publish_feedback(self) -> None:
         """Tell the clients how far their goals have come; the joints' lock is to be held."""
 
-    async def _until_ended(self, handle: ServerGoalHandle, motion: Motion, ended: Future) -> Any:
-        """Let the client cancel a goal and see how far it has come, until it has ended."""
-        key = _key(handle)
+    async def _execute(self, handle: ServerGoalHandle) -> Any:
+        """Serve a goal to its end; meanwhile the client may cancel it and see how far it is."""
+        key, ended = _key(handle), Future()
+        try:
+            motion = self._start(handle.request, ended)
+        except Exception as error:
+            if not isinstance(error, RobomechError):
+                self._log.error(f"{self._what} failed, please report:\n{traceback.format_exc()}")
+            handle.abort()
+            return self._refused(error)
         with self._lock:
             self._served[key] = handle, motion
         if handle.is_cancel_requested:
             self._cancel(handle)
-        result = await ended
+        outcome = await ended
         with self._lock:
             del self._served[key]
-        return result
-
-    def _conclude(self, handle: ServerGoalHandle, *, reached: bool, cancelled: bool) -> None:
-        """Tell the client how its goal has ended."""
+        result, reached, cancelled = self._ended(outcome)
         if reached:
             handle.succeed()
         elif cancelled and handle.is_cancel_requested:
@@ -91,6 +109,7 @@ class ActionBase(ABC, Generic[Motion]):
             handle.abort()
         if not self._served and not self._idle.done():
             self._idle.set_result(None)
+        return result
 
     def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
         served = self._served.get(_key(handle))

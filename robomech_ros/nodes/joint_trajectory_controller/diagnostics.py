@@ -15,7 +15,8 @@ def robot_condition(robot: SimulatedRobot) -> NodeHealth:
     or if drives were at their limits since the last motion began.
     """
     with robot.lock:
-        values, saturation = _values(robot), robot.saturation()
+        values = _values(robot)
+        saturation = robot.simulated_joints.saturation(robot.joint_names)
         if robot.dynamic:
             values["at effort limits"] = saturation
         wrong = [part for part in (robot.fault, saturation) if part]

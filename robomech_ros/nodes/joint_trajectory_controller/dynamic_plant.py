@@ -51,7 +51,7 @@ class DynamicPlant:
         self, robot: SerialChain | DynamicSystem, settings: ControllerSettings, posture: Array
     ) -> None:
         self._model = dynamic_system(robot)
-        self._at = self._model.drives_at
+        self._at, self.effort = self._model.drives_at, self._model.effort
         self._settings = settings
         self._plant, self._servo = self._servo_with(settings)
         # The kernels are compiled or loaded now, not in the first cycle.
@@ -61,11 +61,6 @@ class DynamicPlant:
         self.drive(at_rest(start), at_rest(start), _PERIOD, None)
         self.assume(posture)
         self.put(start)
-
-    @property
-    def effort(self) -> Array:
-        """Limits of the drives (N m or N), shape (m,); not finite where there is none."""
-        return self._model.effort
 
     def carry(self, settings: ControllerSettings) -> None:
         """Have the robot carry the payload of these settings from now on."""

@@ -4,11 +4,9 @@ Every goal is accepted, and one that is refused is aborted with a text: a reject
 no reason to the client.
 """
 
-import traceback
 from typing import TYPE_CHECKING, Any
 
 from builtin_interfaces.msg import Time
-from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 from rclpy.task import Future
 
@@ -19,7 +17,6 @@ from robomech_ros.nodes.common.cooperative_wait import wake
 from robomech_ros.nodes.joint_trajectory_controller.action_base import ActionBase
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.commands import log_end
-from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.outcomes import Code
 
 if TYPE_CHECKING:
@@ -40,51 +37,46 @@ class GoalServer(ActionBase[TrajectoryGoal]):
         Those of the action: what its goals ask for, and how its results are put.
     """
 
+    _what = "goal"
+
     def __init__(
         self, node: Node, robot: CommandedJoints, messages: "ExecuteMessages | FollowMessages"
     ) -> None:
         self._robot, self._messages = robot, messages
-        self._log = ThrottledLog(node.get_logger())
         name = f"{robot.place}/{messages.name}"
         super().__init__(node, robot, messages.kind, name)
 
-    async def _execute(self, handle: ServerGoalHandle) -> Any:
-        ended: Future = Future()
-        try:
-            goal, note = self._start(handle.request, ended)
-        except Exception as error:
-            if isinstance(error, RobomechError):
-                self._log.warning(f"goal refused: {error}")
-            else:
-                self._log.error(f"goal failed, please report:\n{traceback.format_exc()}")
-            handle.abort()
-            return self._messages.refused(error)
-        result: GoalResult = await self._until_ended(handle, goal, ended)
+    def _refused(self, error: Exception) -> Any:
+        if isinstance(error, RobomechError):
+            self._log.warning(f"goal refused: {error}")
+        return self._messages.refused(error)
+
+    def _ended(self, outcome: tuple[GoalResult, str]) -> tuple[Any, bool, bool]:
+        result, note = outcome
         if result.code:
             log_end(self._log, "goal", result)
         reached, cancelled = result.end is End.REACHED, result.end is End.CANCELLED
-        self._conclude(handle, reached=reached, cancelled=cancelled)
-        return self._messages.ended(result, note)
+        return self._messages.ended(result, note), reached, cancelled
 
-    def _start(self, message: Any, ended: Future) -> tuple[TrajectoryGoal, str]:
-        """Have a goal executed; returns it, and what of the message does not hold."""
+    def _start(self, request: Any, ended: Future) -> TrajectoryGoal:
+        # What of the request does not hold.
         notes: list[str] = []
 
         def tolerances(default: Tolerances) -> Tolerances:
-            found, note = self._messages.tolerances(message, default, self._robot.joint_names)
+            found, note = self._messages.tolerances(request, default, self._robot.joint_names)
             notes.append(note)
             return found
 
         def end(result: GoalResult) -> None:
-            ended.set_result(result)
+            ended.set_result((result, notes[0]))
             wake(self._node)
 
         by = "a newer goal of the action"
-        goal = self._robot.execute(message.trajectory, by, end, tolerances)
+        goal = self._robot.execute(request.trajectory, by, end, tolerances)
         for text in (notes[0], goal.strain):
             if text:
                 self._log.warning(text)
-        return goal, notes[0]
+        return goal
 
     def _stop(self, motion: TrajectoryGoal) -> bool:
         if motion.result is not None:

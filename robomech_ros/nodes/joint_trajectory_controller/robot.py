@@ -81,10 +81,6 @@ class SimulatedRobot(CommandedJoints):
         unlimited = np.flatnonzero(~np.isfinite(self._plant.effort))
         return [self.joint_names[int(joint)] for joint in unlimited]
 
-    def saturation(self) -> str:
-        """Say which drives were at their limits since the last motion began; empty for none."""
-        return self.simulated_joints.saturation(self.joint_names)
-
     def carry(self, settings: ControllerSettings) -> None:
         """Have it carry the payload of these settings from now on."""
         if self._plant is not None:

@@ -146,11 +146,8 @@ def _diff(settings: MobileBaseSettings) -> tuple[RollingBase, WheelJoints]:
     names = ("left_wheel_names", "right_wheel_names")
     for name, given in zip(names, sides, strict=True):
         _count(name, given, len(sides[0]) or 1)
-    separation = _length(settings, "wheel_separation")
-    half, radius = (
-        0.5 * separation * settings.wheel_separation_multiplier,
-        _length(settings, "wheel_radius"),
-    )
+    half = 0.5 * _length(settings, "wheel_separation") * settings.wheel_separation_multiplier
+    radius = _length(settings, "wheel_radius")
     multipliers = (settings.left_wheel_radius_multiplier, settings.right_wheel_radius_multiplier)
     wheels = [
         Wheel(kind="fixed", position=np.array([0.0, y]), radius=radius * factor, name=name)

@@ -69,6 +69,14 @@ def _limits_of_axes() -> Any:
 _LimitsOfAxes: Any = _limits_of_axes()
 
 
+def _length(description: str) -> Any:
+    return parameter(0.0, description, (0.0, 1e3, "m"))
+
+
+def _variances(description: str) -> Any:
+    return parameter((), description, (0.0, 1e9))
+
+
 @dataclass(frozen=True)
 class MobileBaseSettings(_LimitsOfAxes):
     """Parameters of the node."""
@@ -100,8 +108,8 @@ class MobileBaseSettings(_LimitsOfAxes):
     )
     left_wheel_names: tuple[str, ...] = parameter((), "diff: joints of the left wheels")
     right_wheel_names: tuple[str, ...] = parameter((), "diff: joints of the right wheels")
-    wheel_separation: float = parameter(0.0, "diff: distance between the wheels", (0.0, 1e3, "m"))
-    wheel_radius: float = parameter(0.0, "diff, omni: wheel radius", (0.0, 1e3, "m"))
+    wheel_separation: float = _length("diff: distance between the wheels")
+    wheel_radius: float = _length("diff, omni: wheel radius")
     wheel_separation_multiplier: float = parameter(
         1.0, "diff: factor of the separation", (0.0, 1e3)
     )
@@ -109,7 +117,7 @@ class MobileBaseSettings(_LimitsOfAxes):
     right_wheel_radius_multiplier: float = parameter(1.0, "diff: right radius factor", (0.0, 1e3))
     wheel_names: tuple[str, ...] = parameter((), "omni: joints, counter-clockwise, evenly spaced")
     wheel_offset: float = parameter(0.0, "omni: angle x to first wheel", (-10.0, 10.0, "rad"))
-    robot_radius: float = parameter(0.0, "omni: centre to wheel distance", (0.0, 1e3, "m"))
+    robot_radius: float = _length("omni: centre to wheel distance")
     front_left_wheel_command_joint_name: str = parameter("", "mecanum: front left wheel joint")
     front_right_wheel_command_joint_name: str = parameter("", "mecanum: front right wheel joint")
     rear_right_wheel_command_joint_name: str = parameter("", "mecanum: rear right wheel joint")
@@ -123,11 +131,9 @@ class MobileBaseSettings(_LimitsOfAxes):
     kinematics__base_frame_offset__theta: float = parameter(
         0.0, "mecanum: heading of the wheels in the base", (-10.0, 10.0, "rad")
     )
-    kinematics__wheels_radius: float = parameter(0.0, "mecanum: wheel radius", (0.0, 1e3, "m"))
-    kinematics__sum_of_robot_center_projection_on_X_Y_axis: float = parameter(
-        0.0,
-        "mecanum: x plus y of the front left wheel, from the centre of the wheels",
-        (0.0, 1e3, "m"),
+    kinematics__wheels_radius: float = _length("mecanum: wheel radius")
+    kinematics__sum_of_robot_center_projection_on_X_Y_axis: float = _length(
+        "mecanum: x plus y of the front left wheel, from the centre of the wheels"
     )
     traction_joints_names: tuple[str, ...] = parameter(
         (), "bicycle, tricycle, ackermann: joints of the driven rear wheels, right one first"
@@ -135,22 +141,14 @@ class MobileBaseSettings(_LimitsOfAxes):
     steering_joints_names: tuple[str, ...] = parameter(
         (), "bicycle, tricycle, ackermann: joints of the front wheels, right one first"
     )
-    wheelbase: float = parameter(0.0, "bicycle, tricycle, ackermann: axle to axle", (0.0, 1e3, "m"))
-    traction_track_width: float = parameter(
-        0.0, "tricycle, ackermann: distance between the rear wheels", (0.0, 1e3, "m")
+    wheelbase: float = _length("bicycle, tricycle, ackermann: axle to axle")
+    traction_track_width: float = _length("tricycle, ackermann: distance between the rear wheels")
+    steering_track_width: float = _length(
+        "ackermann: distance between the front wheels; 0 = as at the rear"
     )
-    steering_track_width: float = parameter(
-        0.0, "ackermann: distance between the front wheels; 0 = as at the rear", (0.0, 1e3, "m")
-    )
-    traction_wheels_radius: float = parameter(
-        0.0, "bicycle, tricycle, ackermann: wheel radius", (0.0, 1e3, "m")
-    )
-    traction_wheel_radius: float = parameter(
-        0.0, "bicycle: the same, under its name for that drive", (0.0, 1e3, "m")
-    )
-    wheel_track: float = parameter(
-        0.0, "tricycle: old name of traction_track_width", (0.0, 1e3, "m")
-    )
+    traction_wheels_radius: float = _length("bicycle, tricycle, ackermann: wheel radius")
+    traction_wheel_radius: float = _length("bicycle: the same, under its name for that drive")
+    wheel_track: float = _length("tricycle: old name of traction_track_width")
     max_wheel_rate: float = parameter(
         _OFF,
         "Rate limit of each driven wheel; the curvature is kept. NaN = that of the robot",
@@ -184,17 +182,17 @@ class MobileBaseSettings(_LimitsOfAxes):
     )
     tf_frame_prefix_enable: bool = parameter(True, "Add a prefix to all frames")
     tf_frame_prefix: str = parameter("", "Prefix of all frames; empty or '~' = the namespace")
-    pose_covariance_diagonal: tuple[float, ...] = parameter(
-        (), "Pose: x, y, z, roll, pitch, yaw; empty = grows with distance and slip", (0.0, 1e9)
+    pose_covariance_diagonal: tuple[float, ...] = _variances(
+        "Pose: x, y, z, roll, pitch, yaw; empty = grows with distance and slip"
     )
-    twist_covariance_diagonal: tuple[float, ...] = parameter(
-        (), "Twist variances in the same order; empty = those of the wheels", (0.0, 1e9)
+    twist_covariance_diagonal: tuple[float, ...] = _variances(
+        "Twist variances in the same order; empty = those of the wheels"
     )
-    diagonal_covariance__pose: tuple[float, ...] = parameter(
-        (), "omni: same as pose_covariance_diagonal", (0.0, 1e9)
+    diagonal_covariance__pose: tuple[float, ...] = _variances(
+        "omni: same as pose_covariance_diagonal"
     )
-    diagonal_covariance__twist: tuple[float, ...] = parameter(
-        (), "omni: same as twist_covariance_diagonal", (0.0, 1e9)
+    diagonal_covariance__twist: tuple[float, ...] = _variances(
+        "omni: same as twist_covariance_diagonal"
     )
     initial_wheel_position: float = parameter(
         0.0, "Initial position of the simulated wheels", (-1e6, 1e6, "rad")

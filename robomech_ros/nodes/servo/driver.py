@@ -47,6 +47,11 @@ class Driver:
         Whose time it is.
     settings : callable
         Gives the parameters as they are now.
+
+    Attributes
+    ----------
+    stream : StreamPublisher
+        The stream to the controller.
     """
 
     def __init__(
@@ -68,10 +73,10 @@ class Driver:
         self._hold_ups = StallMonitor()
         self._hold_ups.look(clock.now())
         frames = RobotFrames(node, model, monitor, settings)
-        self._stream = StreamPublisher(node, servo, clock, model.chain.joint_names, settings())
-        lead = self._stream.lead
+        self.stream = StreamPublisher(node, servo, clock, model.chain.joint_names, settings())
+        lead = self.stream.lead
         reader = CommandReader(
-            model, frames, monitor, clock, settings, lambda: lead.periods * self._stream.period
+            model, frames, monitor, clock, settings, lambda: lead.periods * self.stream.period
         )
         self._intake = CommandIntake(node, servo, reader, settings, self.wake)
         self._status = StatusPublisher(node, self._intake.refusal)
@@ -81,16 +86,11 @@ class Driver:
         self._joints = TrackingMonitor(
             model.chain, monitor, given.tracking_tolerance, given.tracking_delay
         )
-        self._timer = node.create_timer(self._stream.period, self._tick, clock=clock.clock)
+        self._timer = node.create_timer(self.stream.period, self._tick, clock=clock.clock)
         self._timer.cancel()
         self._idle_timer = node.create_timer(REPEATED, self._tell_at_rest)
         # A timer that has not fired since it was reset would wait until its old time comes again.
         clock.on_jump(lambda by: self._timer.is_canceled() or self._timer.reset())
-
-    @property
-    def topic(self) -> str:
-        """Topic of the controller's input."""
-        return self._stream.topic
 
     def wake(self) -> None:
         """Look again and again, from now on until nothing is to be seen for a while."""
@@ -137,8 +137,8 @@ class Driver:
                 self._intake.attend(True)
             return
         self._servo.hold(self._settings().task_mask)
-        self._stream.catch_up(now)
-        report = self._stream.go_on(now)
+        self.stream.catch_up(now)
+        report = self.stream.go_on(now)
         if report is None:
             return
         self._status.publish(now, report)
@@ -147,15 +147,15 @@ class Driver:
             if self._servo.motion.at_rest:
                 self._servo.end()
             return
-        self._joints.tell(*self._stream.publish(now))
+        self._joints.tell(*self.stream.publish(now))
         if fault := self._joints.fault(now):
             self._let_go(now, fault)
         elif (lag := self._joints.lag(now)) is not None:
-            self._stream.lead.followed(now, lag)
+            self.stream.lead.followed(now, lag)
 
     def _has_said_all(self, now: float) -> bool:
         """Whether nobody commands, and enough messages have shown the plan to stop."""
-        if self._servo.wants_to_move(now) or self._stream.has_news():
+        if self._servo.wants_to_move(now) or self.stream.has_news():
             self._repeats = 0
             return False
         self._repeats += 1
@@ -181,7 +181,7 @@ class Driver:
                 self._tell_fault(now)
                 return False
             self._fault = None
-        self._stream.begin(now, *state)
+        self.stream.begin(now, *state)
         self._joints.begin(now)
         self._repeats = 0
         return True

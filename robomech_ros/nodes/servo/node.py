@@ -70,7 +70,7 @@ class ServoNode(Node):
         serve(self, SetBool, "~/pause_servo", self._pause)
         self.get_logger().info(
             f"ready: {model.chain.name}, {model.chain.n} joints, "
-            f"{settings.publish_rate:g} Hz to '{self._driver.topic}'"
+            f"{settings.publish_rate:g} Hz to '{self._driver.stream.topic}'"
         )
         # The search for the length has loaded more.
         release_clean_pages()

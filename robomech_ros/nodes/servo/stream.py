@@ -40,6 +40,10 @@ class StreamPublisher:
     ----------
     lead : AdaptiveLead
         How many periods the stream is ahead.
+    period : float
+        Time between knots (s).
+    topic : str
+        Topic of the controller's input.
     """
 
     def __init__(
@@ -51,40 +55,31 @@ class StreamPublisher:
         settings: ServoNodeSettings,
     ) -> None:
         self._servo, self._clock, self._names = servo, clock, names
-        self._most, self._period = max_lead(settings), 1.0 / settings.publish_rate
-        self.lead = AdaptiveLead(self._period, settings.lead, self._most)
+        self._most, self.period = max_lead(settings), 1.0 / settings.publish_rate
+        self.lead = AdaptiveLead(self.period, settings.lead, self._most)
         self._logger, self._said = node.get_logger(), False
         # The time of the latest knot (s).
         self._knot = 0.0
         # Where the last message ends (rad or m).
         self._end: Array | None = None
         self._publisher = node.create_publisher(JointTrajectory, settings.command_out_topic, 10)
-
-    @property
-    def topic(self) -> str:
-        """Topic of the controller's input."""
-        return str(self._publisher.topic_name)
-
-    @property
-    def period(self) -> float:
-        """Time between knots (s)."""
-        return self._period
+        self.topic = str(self._publisher.topic_name)
 
     def begin(self, now: float, position: Array, velocity: Array) -> None:
         """Begin where the joints will be at the first knot (rad or m, and per s)."""
-        ahead = self.lead.periods * self._period
+        ahead = self.lead.periods * self.period
         self.lead.begin()
         self._servo.start(position + ahead * velocity, velocity)
         self._knot, self._end = now + ahead, None
 
     def catch_up(self, now: float) -> None:
         """After a delay of the node, brake as the controller already does."""
-        earliest = now + _IN_TIME * self._period
+        earliest = now + _IN_TIME * self.period
         while self._knot < earliest and not self._servo.motion.at_rest:
             self._servo.motion.brake()
-            self._knot += self._period
+            self._knot += self.period
         if self._knot < earliest:
-            self._knot = now + self.lead.periods * self._period
+            self._knot = now + self.lead.periods * self.period
 
     def go_on(self, now: float) -> ServoReport | None:
         """Go on until the stream is as far ahead as it should be; None if it is already.
@@ -92,15 +87,15 @@ class StreamPublisher:
         No more knots are new than a message shows before its latest.
         """
         lead = self.lead.periods
-        report, enough = None, now + (lead + 0.5) * self._period
+        report, enough = None, now + (lead + 0.5) * self.period
         if self._knot < enough:
             # The next knot was due when the one before it was so far ahead.
-            self._hear_lateness(now, now - (self._knot + self._period - lead * self._period))
+            self._hear_lateness(now, now - (self._knot + self.period - lead * self.period))
         for _ in range(lead):
             if self._knot >= enough:
                 break
             report = self._servo.step(now)
-            self._knot += self._period
+            self._knot += self.period
         return report
 
     def _hear_lateness(self, now: float, late: float) -> None:
@@ -136,8 +131,8 @@ class StreamPublisher:
         # The servo shows more knots than needed now.
         samples = Samples(*(part[self._most - lead :] for part in samples))
         samples.times[:] -= samples.times[0]
-        first = self._knot - lead * self._period
-        told = min(now, first - self._period)
+        first = self._knot - lead * self.period
+        told = min(now, first - self.period)
         stamp = Time(nanoseconds=max(self._clock.stamp(told), 0)).to_msg()
         self._publisher.publish(stream_message(self._names, samples, first - told, stamp))
         return first, samples.positions[0]

@@ -10,10 +10,10 @@ import numpy as np
 from robomech_interfaces.srv import PlanCartesian
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.cartesian import CartesianPlan, PathStopLimits, waypoint_path
-from robomech_ros.errors import BadValueError, NonFiniteError
+from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.common.error_codes import answer
 from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
-from robomech_ros.nodes.common.message_fields import check_waypoints
+from robomech_ros.nodes.common.message_fields import check_waypoints, finite_number
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.frames.robot_frames import Positions, RobotFrames
 from robomech_ros.nodes.trajectory_planner.plan_messages import encode_waypoints, named
@@ -151,9 +151,7 @@ def _path_bounds(request: Any, settings: PlannerSettings) -> PathStopLimits:
 
 
 def _positive(request: Any, name: str) -> float:
-    value = float(getattr(request, name))
-    if not math.isfinite(value):
-        raise NonFiniteError(name, value)
+    value = finite_number(name, getattr(request, name))
     least = _LEAST.get(name, 0.0)
     if (value and not value >= least) or value < 0.0:
         expected = f"at least {least:g}" if least else "a positive number"

@@ -1,5 +1,7 @@
 """Motions of chains, all of whose joints trajectories hold."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -9,15 +11,31 @@ from robomech_ros.cartesian import CartesianPlan, plan_along
 from robomech_ros.cartesian.arms import load_inverse_kinematics
 from robomech_ros.kinematics import forward_kinematics, tip_poses
 from robomech_ros.nodes.common.joint_positions import JointPositions
-from robomech_ros.nodes.trajectory_planner.motions import Planned
 from robomech_ros.robots import SerialChain
-from robomech_ros.trajectory import Limits, PosePath
+from robomech_ros.trajectory import Limits, PosePath, SampledPlan
 from robomech_ros.trajectory.plans.fitting_plan import fitting_plan
 from robomech_ros.typing import Array
 
 
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """A motion of the joints of trajectories.
+
+    Attributes
+    ----------
+    sampled : SampledPlan
+    poses : callable
+        Gives the poses (m, 4, 4) of the tip in the base at its samples; it may take long.
+    """
+
+    sampled: SampledPlan
+    poses: Callable[[], Array]
+
+
 class ChainMotions:
     """Plans motions of a chain of n joints, all of which trajectories hold.
+
+    `PlatformMotions` has the same methods.
 
     Parameters
     ----------

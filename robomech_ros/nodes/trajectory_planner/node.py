@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from rclpy.callback_groups import ReentrantCallbackGroup
@@ -38,7 +38,6 @@ from robomech_ros.nodes.trajectory_planner.cartesian_messages import (
     read_path_request,
 )
 from robomech_ros.nodes.trajectory_planner.chain_motions import ChainMotions
-from robomech_ros.nodes.trajectory_planner.motions import JointMotions
 from robomech_ros.nodes.trajectory_planner.plan_messages import (
     OFFERED,
     encode_plan,
@@ -50,6 +49,9 @@ from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings
 from robomech_ros.robots import RobotDescription
 from robomech_ros.trajectory import PROFILES, nearest_turns, sampled_through_points
 from robomech_ros.typing import Array
+
+if TYPE_CHECKING:
+    from robomech_ros.nodes.trajectory_planner.platform_motions import PlatformMotions
 
 _P = TypeVar("_P")
 
@@ -192,7 +194,7 @@ class TrajectoryPlannerNode(Node):
         return start
 
 
-def _motions_of(model: RobotModel, joints: JointPositions) -> JointMotions:
+def _motions_of(model: RobotModel, joints: JointPositions) -> "ChainMotions | PlatformMotions":
     if model.mechanism is None:
         return ChainMotions(model.chain, joints)
     from robomech_ros.nodes.trajectory_planner.platform_motions import PlatformMotions

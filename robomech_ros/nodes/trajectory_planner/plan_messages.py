@@ -1,6 +1,5 @@
 """Decoding of PlanJoint requests, and encoding of plans."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -15,6 +14,7 @@ from robomech_ros.nodes.common.joint_messages import TrajectoryPoints, joint_tra
 from robomech_ros.nodes.common.message_fields import (
     check_waypoints,
     duration_from_seconds,
+    finite_number,
     floats,
     seconds_from_duration,
 )
@@ -174,9 +174,7 @@ def _instants(request: Any, profile: str, duration: float | None) -> list[float]
 
 def _wanted_period(request: Any) -> float:
     """Read the largest time between two points (s) that a request wants; 0 = any."""
-    seconds: float = request.sample_period
-    if not math.isfinite(seconds):
-        raise NonFiniteError("sample_period", seconds)
+    seconds = finite_number("sample_period", request.sample_period)
     if seconds and seconds < SHORTEST_PERIOD:
         expected = f"at least {SHORTEST_PERIOD:g} s, or 0 for the default"
         raise BadValueError("sample_period", seconds, expected)

@@ -52,7 +52,8 @@ class ControllerClient:
         life: LivelinessMonitor,
         monitor: JointStateMonitor,
     ) -> None:
-        self._action, self._life, self._refusals, self._monitor = action, life, refusals, monitor
+        self._action, self._life, self._refusals = action, life, refusals
+        self.positions, self.update_count = monitor.positions, monitor.update_count
         self._publisher = node.create_publisher(
             JointTrajectory, f"{controller}/joint_trajectory", _DEPTH
         )
@@ -94,14 +95,6 @@ class ControllerClient:
     def replaced(self) -> bool:
         """Whether the controller that was sent to last has died, and another process is there."""
         return self._life.has_successor(self._sent_to)
-
-    def positions(self, names: Sequence[str]) -> Array | None:
-        """Return the present positions, rad or m; None if not known."""
-        return self._monitor.positions(names)
-
-    def update_count(self, names: Sequence[str]) -> int:
-        """Return a number that has grown when all these joints were heard of anew."""
-        return self._monitor.update_count(names)
 
     def kinds(self, names: Sequence[str]) -> JointKinds:
         """Say which joints turn without limits; all may as long as the robot is not known.

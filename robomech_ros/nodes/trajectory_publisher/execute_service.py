@@ -11,7 +11,7 @@ from robomech_interfaces.srv import Execute
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.client.execution_request import ExecutionReport, ExecutionRequest
 from robomech_ros.execution.client.position_check import off_goal, off_start
-from robomech_ros.nodes.common.error_codes import NoStateError, answer, code_of
+from robomech_ros.nodes.common.error_codes import NoStateError, answer, guarded
 from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.trajectory_publisher.controller_client import ControllerClient
@@ -52,13 +52,11 @@ class ExecuteService:
         self._transport = answering_transport(settings)
         serve(node, Execute, "~/execute", self._execute, callback_group=ReentrantCallbackGroup())
 
+    @guarded
     async def _execute(self, request: Any, response: Any) -> Any:
         if _asks_for_latest(request.trajectory) and not await self._plans.next_on_its_way():
             return answer(response, Code.PREEMPTED, f"not sent: {CANCELLED}")
-        try:
-            delivery = self._delivery(request.trajectory)
-        except RobomechError as error:
-            return answer(response, code_of(error), str(error))
+        delivery = self._delivery(request.trajectory)
         before = delivery.report is not None and delivery is self._plans.latest
         report = await _end_of(delivery)
         response.duration = duration_from_seconds(report.duration)

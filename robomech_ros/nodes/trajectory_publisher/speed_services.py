@@ -1,16 +1,16 @@
 """The services pause, resume, cancel and set_speed."""
 
-import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from robomech_interfaces.srv import SetSpeed
-from robomech_ros.errors import BadValueError, NonFiniteError, RobomechError
-from robomech_ros.nodes.common.error_codes import answer, code_of
-from robomech_ros.nodes.common.message_fields import duration_from_seconds
+from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.nodes.common.error_codes import answer, guarded
+from robomech_ros.nodes.common.message_fields import duration_from_seconds, finite_number
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 
@@ -45,34 +45,31 @@ class SpeedServices:
         self._dispatcher = loop.dispatcher
         self._loop, self._cancel_program = loop, cancel_program
         self._give_up_requests = give_up_requests
-        serve(node, Trigger, "~/pause", self._pause)
-        serve(node, Trigger, "~/resume", self._resume)
-        serve(node, Trigger, "~/cancel", self._cancel)
+        for name, act in (
+            ("pause", self._pause),
+            ("resume", self._resume),
+            ("cancel", self._cancel),
+        ):
+            serve(node, Trigger, f"~/{name}", partial(_said, act))
         serve(node, SetSpeed, "~/set_speed", self._set_speed)
 
-    def _pause(self, request: Any, response: Any) -> Any:
+    def _pause(self) -> tuple[bool, str]:
         if self._dispatcher.paused:
-            return _said(response, True, "paused already")
-        try:
-            self._dispatcher.pause(self._loop.clock.now())
-        except RobomechError as error:
-            return _said(response, False, str(error))
+            return True, "paused already"
+        self._dispatcher.pause(self._loop.clock.now())
         moves = self._dispatcher.current is not None
         what = "the robot stops on its path" if moves else "nothing is under way"
-        return _said(response, True, f"{what}; what comes waits for resume")
+        return True, f"{what}; what comes waits for resume"
 
-    def _resume(self, request: Any, response: Any) -> Any:
+    def _resume(self) -> tuple[bool, str]:
         if not self._dispatcher.paused:
-            return _said(response, False, "nothing to resume: not paused")
-        try:
-            self._dispatcher.resume(self._loop.clock.now())
-        except RobomechError as error:
-            return _said(response, False, str(error))
+            return False, "nothing to resume: not paused"
+        self._dispatcher.resume(self._loop.clock.now())
         self._loop.watch()
         moves = self._dispatcher.current is not None
-        return _said(response, True, "the robot moves on" if moves else "nothing was waiting")
+        return True, "the robot moves on" if moves else "nothing was waiting"
 
-    def _cancel(self, request: Any, response: Any) -> Any:
+    def _cancel(self) -> tuple[bool, str]:
         ran = self._cancel_program(f"program {CANCELLED}")
         count = self._give_up_requests() + self._dispatcher.cancel(
             CANCELLED, self._loop.clock.now()
@@ -81,14 +78,15 @@ class SpeedServices:
         what = f"{count} trajectories dropped; the robot stops on its path"
         if not count:
             what = "the program is dropped" if ran else "nothing was under way or waiting"
-        return _said(response, True, what)
+        return True, what
 
+    @guarded
     def _set_speed(self, request: Any, response: Any) -> Any:
-        now = self._loop.clock.now()
-        try:
-            self._dispatcher.set_speed(_checked(request.speed), now)
-        except RobomechError as error:
-            return answer(response, code_of(error), str(error))
+        now, speed = self._loop.clock.now(), finite_number("speed", request.speed)
+        if not _SLOWEST <= speed <= 1.0:
+            hint = f"from {_SLOWEST:g} up to 1, a part of the planned speed (~/pause stops)"
+            raise BadValueError("speed", speed, hint)
+        self._dispatcher.set_speed(speed, now)
         current = self._dispatcher.current
         if current is not None and not self._dispatcher.paused:
             left = max(current.sent_at + current.lasts - now, 0.0)
@@ -96,16 +94,10 @@ class SpeedServices:
         return answer(response)
 
 
-def _checked(speed: float) -> float:
-    if not math.isfinite(speed):
-        raise NonFiniteError("speed", speed)
-    if not _SLOWEST <= speed <= 1.0:
-        hint = f"from {_SLOWEST:g} up to 1, a part of the planned speed (~/pause stops)"
-        raise BadValueError("speed", speed, hint)
-    return speed
-
-
-def _said(response: Any, success: bool, message: str) -> Any:
-    response.success = success
-    response.message = message
+def _said(act: Callable[[], tuple[bool, str]], request: Any, response: Any) -> Any:
+    """Answer a Trigger with what an act gives, or with the text of its error."""
+    try:
+        response.success, response.message = act()
+    except RobomechError as error:
+        response.message = str(error)
     return response

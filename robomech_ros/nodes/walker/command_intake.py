@@ -48,15 +48,11 @@ class CommandIntake:
         self._log, self._walker, self._duration = ThrottledLog(node.get_logger()), walker, duration
         self.commanded, self.refusal, self.refused = False, "", 0
         self.twists = TwistInput(node, "cmd_vel", self._follow, clock)
-        readers: list[tuple[type, str, Callable[[Any], None]]] = [
-            (Pose, "body_pose", self._pose),
-            (String, "~/gait", lambda message: walker.command_gait(message.data)),
+        gaits = Inbox(node, String, "~/gait", _DEPTH)
+        self._readers: list[tuple[Inbox, Callable[[Any], None]]] = [
+            (Inbox(node, Pose, "body_pose", _DEPTH), self._pose),
+            (gaits, lambda message: walker.command_gait(message.data)),
         ]
-        self._readers = [
-            (Inbox(node, kind, name, _DEPTH, lambda: None), read) for kind, name, read in readers
-        ]
-        for inbox, _ in self._readers:
-            inbox.attend(False)
 
     def take(self, stands: bool) -> None:
         """Give what has come since the last look; one that does not stand takes twists only."""
@@ -69,7 +65,9 @@ class CommandIntake:
                         raise BadValueError("the robot", "not up", "one that stands: send a twist")
                     read(message)
                 except RobomechError as error:
-                    self._refuse(f"command on '{inbox.topic}' refused: {error}")
+                    self.refusal = f"command on '{inbox.topic}' refused: {error}"
+                    self.refused += 1
+                    self._log.warning(self.refusal)
                 else:
                     self.refusal = ""
 
@@ -86,11 +84,6 @@ class CommandIntake:
         answer = self._walker.command_pose([*T[:3, 3], roll, pitch, yaw], self._duration)
         if answer.status != Code.NONE:
             raise PoseRefusedError(answer.status, answer.reason)
-
-    def _refuse(self, text: str) -> None:
-        self.refusal = text
-        self.refused += 1
-        self._log.warning(text)
 
 
 class PoseRefusedError(RobomechError):

@@ -4,13 +4,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from robomech_ros.execution.controller.curve_parts import (
-    jerks_over,
-    paced,
-    peak_accelerations,
-    peak_jerks,
-    shifted,
-)
+from robomech_ros.execution.controller.curve_parts import jerks_over, paced, peaks, shifted
 from robomech_ros.execution.controller.late_start import ScheduleShift, extend_schedule
 from robomech_ros.execution.joints import Joints
 from robomech_ros.robots import load_robot
@@ -56,14 +50,14 @@ def test_another_pace_has_no_steps_where_the_curve_has_none():
         np.testing.assert_allclose(found.position, there.position, atol=1e-7)
         exact = there.acceleration * pace**2 + there.velocity * rate
         np.testing.assert_allclose(found.acceleration, exact, atol=2e-2)
-    assert (jerks_over(way, CYCLE) <= 1.01 * peak_jerks(way)).all()
+    assert (jerks_over(way, CYCLE) <= 1.01 * peaks(way, 3)).all()
 
 
 def test_another_pace_keeps_the_steps_of_the_curve():
     """No quintic swings beyond the accelerations on both sides of a step."""
     curve = shifted(two_pieces(-2.0), -0.05)
     way = paced(curve, np.array([-1e-3, 0.0, 0.0, 0.0, 0.0, 0.0]), 0.2)
-    assert peak_accelerations(way) == pytest.approx([1.0], abs=1e-3)
+    assert peaks(way, 2) == pytest.approx([1.0], abs=1e-3)
     assert jerks_over(way, CYCLE) == pytest.approx([1000.0], rel=0.01)
 
 

@@ -1,10 +1,8 @@
 """Serves an action that commands the gripper."""
 
-import traceback
 from typing import Any
 
 from rclpy.action import GoalResponse
-from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 from rclpy.task import Future
 
@@ -16,7 +14,6 @@ from robomech_ros.nodes.common.error_codes import code_of
 from robomech_ros.nodes.joint_trajectory_controller.action_base import ActionBase
 from robomech_ros.nodes.joint_trajectory_controller.gripper.command_messages import GripperMessages
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper
-from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.outcomes import name_of
 
 # As ros2_control's gripper controllers call it.
@@ -41,9 +38,10 @@ class CommandServer(ActionBase[FingerMotion]):
         Those of the action.
     """
 
+    _what = "gripper command"
+
     def __init__(self, node: Node, gripper: Gripper, place: str, messages: GripperMessages) -> None:
         self._gripper, self._messages = gripper, messages
-        self._log = ThrottledLog(node.get_logger())
         name = f"{place}/{_NAME}"
         super().__init__(node, gripper, messages.kind, name, goal_callback=self._accept)
 
@@ -66,26 +64,19 @@ class CommandServer(ActionBase[FingerMotion]):
             self._gripper.counts.refuse(code, str(error), "a command to the gripper")
         self._log.error(f"gripper command refused ({code} {name_of(code)}): {error}")
 
-    async def _execute(self, handle: ServerGoalHandle) -> Any:
-        ended: Future = Future()
-        try:
-            motion = self._start(handle.request, ended)
-        except Exception as error:
-            handle.abort()
-            if isinstance(error, RobomechError):
-                self._refuse(error)
-            else:
-                self._log.error(f"gripper command failed, please report:\n{traceback.format_exc()}")
-            return self._messages.kind.Result()
-        end, result = await self._until_ended(handle, motion, ended)
-        stalled_well = end is FingerEnd.STALLED and self._gripper.allow_stalling
-        reached, cancelled = end is FingerEnd.REACHED or stalled_well, end is FingerEnd.CANCELLED
-        self._conclude(handle, reached=reached, cancelled=cancelled)
-        return result
+    def _refused(self, error: Exception) -> Any:
+        if isinstance(error, RobomechError):
+            self._refuse(error)
+        return self._messages.kind.Result()
 
-    def _start(self, goal: Any, ended: Future) -> FingerMotion:
+    def _ended(self, outcome: tuple[FingerEnd, Any]) -> tuple[Any, bool, bool]:
+        end, result = outcome
+        stalled_well = end is FingerEnd.STALLED and self._gripper.allow_stalling
+        return result, end is FingerEnd.REACHED or stalled_well, end is FingerEnd.CANCELLED
+
+    def _start(self, request: Any, ended: Future) -> FingerMotion:
         gripper = self._gripper
-        command = self._read(goal)
+        command = self._read(request)
 
         def end(how: FingerEnd, text: str) -> None:
             said = f": {text}" if text else ""
