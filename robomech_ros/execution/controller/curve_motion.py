@@ -47,10 +47,6 @@ class CurveMotion:
         """Return the state at a time (s) of a goal's curve, while the pace changes by `rate`."""
         return paced_state(goal.curve.sample(time), self.pace, rate)
 
-    def state_ahead(self, goal: TrajectoryGoal, ahead: float) -> State:
-        """Return the state on the curve of a goal some time (s) from now, at the present pace."""
-        return self.state_at(goal, goal.time + self.pace * ahead)
-
     def go_on(self, goal: TrajectoryGoal, span: float) -> None:
         """Follow the curve of a goal for `span` (s)."""
         rate = self._advance(goal, self.scale, span)

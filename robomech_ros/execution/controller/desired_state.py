@@ -51,10 +51,11 @@ def desired_state(follower: TrajectoryFollower, ahead: float) -> State:
         if ahead < 0.0:
             raise _too_early(ahead, "the robot is being stopped")
         return _while_stopping(follower, goal, ahead)
-    if goal.time + pace * ahead < 0.0:
+    time = goal.time + pace * ahead
+    if time < 0.0:
         began = goal.time / pace
         raise _too_early(ahead, f"the trajectory under way began {began:.6g} s ago")
-    return follower.motion.state_ahead(goal, ahead)
+    return follower.motion.state_at(goal, time)
 
 
 def _while_stopping(follower: TrajectoryFollower, goal: TrajectoryGoal, ahead: float) -> State:

@@ -140,7 +140,8 @@ class TrajectoryFollower:
             waypoints, delay = replace(waypoints, times=waypoints.times + delay), 0.0
         present = self.desired
         if delay > 0.0 and self.active is not None and self.phase is Phase.MOVING:
-            present = self.motion.state_ahead(self.active, delay)
+            time = self.active.time + self.motion.pace * delay
+            present = self.motion.state_at(self.active, time)
         way = self._find_entry_path(waypoints, present, late, self.now, streamed)
         strain = self._strain(waypoints, present, late) if judged else ""
         if way.blocked:

@@ -51,7 +51,6 @@ def run(args: argparse.Namespace) -> int:
     def demonstration() -> None:
         from robomech_ros.nodes.demonstration import calibration_session as session
 
-        options = session.DemoOptions(args.robot, args.type, args.samples, noise)
-        session.demonstrate_calibration(options, args.output)
+        session.demonstrate_calibration(args.robot, args.type, args.samples, noise, args.output)
 
     return run_demonstration("calibrate-demo", "calibration", demonstration)

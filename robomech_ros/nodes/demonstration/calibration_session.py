@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import time
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -33,9 +32,10 @@ from robomech_ros.robots import SerialChain, load_description
 from robomech_ros.rvs import write_calibration
 
 
-@dataclass(frozen=True)
-class DemoOptions:
-    """Options of the demonstration.
+def demonstrate_calibration(
+    robot: str, calibration_type: str, samples: int, noise: tuple[float, float], output: Path
+) -> None:
+    """Find a simulated camera with a simulated robot, and tell how near the truth that is.
 
     Parameters
     ----------
@@ -46,20 +46,6 @@ class DemoOptions:
     samples : int
     noise : tuple of float
         Deviation of each coordinate of the camera's rotations (rad) and positions (m).
-    """
-
-    robot: str
-    calibration_type: str
-    samples: int
-    noise: tuple[float, float]
-
-
-def demonstrate_calibration(wanted: DemoOptions, output: Path) -> None:
-    """Find a simulated camera with a simulated robot, and tell how near the truth that is.
-
-    Parameters
-    ----------
-    wanted : DemoOptions
     output : Path
         Folder for the picture and the files of the calibration.
 
@@ -69,40 +55,42 @@ def demonstrate_calibration(wanted: DemoOptions, output: Path) -> None:
         A step failed; the text says which and why.
     """
     reporter = Reporter()
-    which = Which(wanted.robot)
+    which = Which(robot)
     chain, notice = chain_with_limits(which)
     if notice:
         reporter.say(notice)
     output = output.resolve()
-    mount = MOUNT_OF_TYPE[wanted.calibration_type]
+    mount = MOUNT_OF_TYPE[calibration_type]
     reporter.heading(f"{chain.name}: where is the camera? ({mount})")
     on_tf = find_spec("tf2_msgs") is not None
     began = time.perf_counter()
-    commands = _commands(which, wanted, output, on_tf)
+    commands = _commands(which, calibration_type, output, on_tf)
     with running_client(commands, chain.joint_names, chain.units) as (suite, client):
         client.wait_until_up(SERVICES)
         up = time.perf_counter()
         reporter.say(f"up after {up - began:.1f} s, {suite.says}")
         reporter.say(
-            f"the camera's noise: {wanted.noise[1] * 1e3:g} mm and {wanted.noise[0] * 1e3:g} "
+            f"the camera's noise: {noise[1] * 1e3:g} mm and {noise[0] * 1e3:g} "
             f"mrad in each coordinate; it speaks {'on /tf' if on_tf else 'on topics'}, and "
             "once takes the target for one that is turned by 90 degrees"
         )
         start, _ = pick_and_place(chain)
         scene = scene_of(chain, start, mount == "eye-in-hand")
-        camera = SimulatedCamera(client, chain, scene, wanted.noise, on_tf)
+        camera = SimulatedCamera(client, chain, scene, noise, on_tf)
         task = CalibrationTask(client, chain, camera, scene, reporter)
-        task.run(start, wanted.samples)
+        task.run(start, samples)
         _tell(client, task, chain, reporter, output)
         reporter.say(_page(client, which, chain, mount, output))
         reporter.say(f"everything worked, in {time.perf_counter() - up:.1f} s")
 
 
-def _commands(which: Which, wanted: DemoOptions, output: Path, on_tf: bool) -> dict[str, list[str]]:
+def _commands(
+    which: Which, calibration_type: str, output: Path, on_tf: bool
+) -> dict[str, list[str]]:
     options = LaunchOptions(which.robot, servo=False, calibration=True)
     commands = options.commands()
     parameters = {
-        "calibration_type": wanted.calibration_type,
+        "calibration_type": calibration_type,
         "tracking_base_frame": CAMERA,
         "tracking_marker_frame": MARKER,
         "name": "calibration",

@@ -16,31 +16,19 @@ CARRYING: dict[str, Any] = {_SERVICE: SetParametersAtomically}
 TRACKED = 0.02
 
 
-class Load:
-    """A mass at the tip of the simulated robot that the controller of its drives does not know of.
+def carry(client: DemoClient, mass: float) -> None:
+    """Have the robot carry a mass (kg) that the controller of its drives does not know of.
 
-    Parameters
-    ----------
-    client : DemoClient
-        Connected to the running suite.
-    mass : float
-        kg; 0 = nothing is carried.
+    It takes the place of what the robot carries.
+
+    Raises
+    ------
+    DemoFailedError
+        The robot cannot carry it.
     """
-
-    def __init__(self, client: DemoClient, mass: float) -> None:
-        self._client, self.mass = client, mass
-
-    def carry(self, mass: float) -> None:
-        """Have the robot carry a mass (kg), instead of what it carries.
-
-        Raises
-        ------
-        DemoFailedError
-            The robot cannot carry it.
-        """
-        value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=mass)
-        parameter = Parameter(name="payload_mass", value=value)
-        request = SetParametersAtomically.Request(parameters=[parameter])
-        result = self._client.ask(_SERVICE, request).result
-        if not result.successful:
-            raise DemoFailedError(f"payload of {mass:g} kg: {result.reason}")
+    value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=mass)
+    parameter = Parameter(name="payload_mass", value=value)
+    request = SetParametersAtomically.Request(parameters=[parameter])
+    result = client.ask(_SERVICE, request).result
+    if not result.successful:
+        raise DemoFailedError(f"payload of {mass:g} kg: {result.reason}")

@@ -10,7 +10,7 @@ from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.demonstration.client import DemoClient
 from robomech_ros.nodes.demonstration.demo_robots import DemoRobot
-from robomech_ros.nodes.demonstration.load import TRACKED, Load
+from robomech_ros.nodes.demonstration.load import TRACKED, carry
 from robomech_ros.nodes.demonstration.report import Leg, Reporter, TipPath
 from robomech_ros.nodes.demonstration.suite import DemoFailedError
 from robomech_ros.robots.semantic import HOME
@@ -38,16 +38,16 @@ class PickAndPlace:
     robot : DemoRobot
     reporter : Reporter
         Where to tell what happens.
-    load : Load, optional
-        What a robot that drives move carries from pick to place; None = it goes exactly where it is
-        told.
+    payload : float, optional
+        The mass (kg) that a robot moved by drives carries from pick to place; None = it goes
+        exactly where it is told.
     """
 
     def __init__(
-        self, client: DemoClient, robot: DemoRobot, reporter: Reporter, load: Load | None = None
+        self, client: DemoClient, robot: DemoRobot, reporter: Reporter, payload: float | None = None
     ) -> None:
-        self._client, self._robot, self._reporter, self._load = client, robot, reporter, load
-        self._joints_arrived, self._arrived = _DRIVEN if load is not None else _EXACT
+        self._client, self._robot, self._reporter, self._payload = client, robot, reporter, payload
+        self._joints_arrived, self._arrived = _DRIVEN if payload is not None else _EXACT
         self.legs: list[Leg] = []
         self.choices: list[Choice] = []
         self.marks: list[tuple[float, str]] = []
@@ -63,17 +63,17 @@ class PickAndPlace:
         pick, place = self._robot.targets()
         over, on = self._robot.path_to_place(pick, place), self._robot.path_onward(place)
         self._leg("pick", "RUCKIG", pick)
-        if self._load is not None:
-            self._load.carry(self._load.mass)
+        if self._payload is not None:
+            carry(self._client, self._payload)
             self._reporter.say(
-                f"picked {self._load.mass:g} kg, unknown to the controller of the drives"
+                f"picked {self._payload:g} kg, unknown to the controller of the drives"
             )
         if over is None:
             self._leg("place", "POLY345", place)
         else:
             self._along(over)
-        if self._load is not None:
-            self._load.carry(0.0)
+        if self._payload is not None:
+            carry(self._client, 0.0)
             self._reporter.say(
                 f"every joint stayed within {TRACKED:g} rad or m of its path: the controller would "
                 "have ended the motion (path_tolerance)"

@@ -10,7 +10,7 @@ from robomech_ros.dynamics import mass_matrix
 from robomech_ros.nodes.demonstration.client import EXECUTE, DemoClient, running_client
 from robomech_ros.nodes.demonstration.demo_robots import DemoArm, DemoRobot
 from robomech_ros.nodes.demonstration.limits import Which, chain_with_limits
-from robomech_ros.nodes.demonstration.load import CARRYING, TRACKED, Load
+from robomech_ros.nodes.demonstration.load import CARRYING, TRACKED
 from robomech_ros.nodes.demonstration.pick_and_place import PickAndPlace
 from robomech_ros.nodes.demonstration.report import Reporter, write_page
 from robomech_ros.nodes.process.launch_options import LaunchOptions
@@ -69,8 +69,7 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
     with running_client(commands, *joints) as (suite, client):
         client.wait_until_up(_SERVICES if payload is None else _SERVICES | CARRYING)
         reporter.say(f"up after {time.perf_counter() - begun:.1f} s, {suite.says}")
-        load = None if payload is None else Load(client, payload)
-        task = PickAndPlace(client, robot, reporter, load)
+        task = PickAndPlace(client, robot, reporter, payload)
         if which.srdf:
             task.stands_at_home()
         task.run()

@@ -27,15 +27,11 @@ class Suite:
     log: Path
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the nodes."""
-        return tuple(self.group.processes)
-
-    @property
     def says(self) -> str:
         """Its processes and their domain, in words."""
-        each = "each a process" if len(self.names) > 1 else "a process"
-        return f"{each} of its own in ROS domain {self.domain}: {', '.join(self.names)}"
+        names = self.group.processes
+        each = "each a process" if len(names) > 1 else "a process"
+        return f"{each} of its own in ROS domain {self.domain}: {', '.join(names)}"
 
     def check(self) -> None:
         """Raise where a node has ended.

@@ -140,18 +140,18 @@ class TrajectoryPlannerNode(Node):
     @guarded
     async def _plan_joint(self, request: Any, response: Any) -> Any:
         settings = self._table.settings
-        wanted = read_plan_request(request, self._limits, settings)
+        via, wanted = read_plan_request(request, self._limits, settings)
         goal, posture = self._motions.read_goal(request.goal)
         start = await self._start(request.start, settings)
-        given = plan_points(self._motions.commanded(start), wanted.via, goal, self._limits)
+        given = plan_points(self._motions.commanded(start), via, goal, self._limits)
         free = self._limits.continuous & (not request.keep_turns)
         points, turns = nearest_turns(given, free)
-        options = {**wanted.options, **settings.most, "usual_period": settings.sample_period}
+        options = {**wanted, **settings.most, "usual_period": settings.sample_period}
         plan = partial(self._motions.through, points, start, posture, options)
-        found = await self._planned(plan, beside=len(wanted.via) > 0)
+        found = await self._planned(plan, beside=len(via) > 0)
         self._plans.publish_waiting()
         response.turns = turns[-1].tolist()
-        encode_plan(found.sampled, self._limits, wanted.options, self._points, response)
+        encode_plan(found.sampled, self._limits, wanted, self._points, response)
         if not request.answer_only:
             self._plans.publish_soon(response.trajectory, found.poses)
         return answer(response)

@@ -1,7 +1,6 @@
 """Decoding of PlanJoint requests, and encoding of plans."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -38,23 +37,9 @@ _OWN_INSTANTS = ("ruckig", "time_optimal")
 _SCALES = ("velocity_scale", "acceleration_scale", "jerk_scale")
 
 
-@dataclass(frozen=True)
-class PlanRequest:
-    """Content of a PlanJoint request, apart from its start and goal.
-
-    Attributes
-    ----------
-    via : ndarray, shape (m, n)
-        Points to pass on the way, rad or m.
-    options : dict
-        Keywords of `fitting_plan`: `wanted_period`, and those of `through_points`.
-    """
-
-    via: Array
-    options: dict[str, Any]
-
-
-def read_plan_request(request: Any, limits: Limits, settings: PlannerSettings) -> PlanRequest:
+def read_plan_request(
+    request: Any, limits: Limits, settings: PlannerSettings
+) -> tuple[Array, dict[str, Any]]:
     """Read a PlanJoint request except its start and goal.
 
     Parameters
@@ -66,6 +51,13 @@ def read_plan_request(request: Any, limits: Limits, settings: PlannerSettings) -
     settings : PlannerSettings
         Whose max_duration, max_waypoints and limit_margin count.
 
+    Returns
+    -------
+    via : ndarray, shape (m, n)
+        Points to pass on the way, rad or m.
+    options : dict
+        Keywords of `fitting_plan`: `wanted_period`, and those of `through_points`.
+
     Raises
     ------
     RobomechError
@@ -75,7 +67,7 @@ def read_plan_request(request: Any, limits: Limits, settings: PlannerSettings) -
     options = _plan_options(request, settings.max_duration)
     options |= {name: options[name] * (1.0 - settings.limit_margin) for name in _SCALES}
     via = _via_points(request, limits, settings.max_waypoints)
-    return PlanRequest(via, options | {"wanted_period": _wanted_period(request)})
+    return via, options | {"wanted_period": _wanted_period(request)}
 
 
 def named(what: str, number: int, names: Mapping[int, str]) -> str:

@@ -136,7 +136,3 @@ class ControllerClient:
         if start is None or place is None:
             return False
         return bool(np.max(np.abs(place - start)) > STILL)
-
-    def destroy(self) -> None:
-        """Give up the action client; once is enough."""
-        self._action.destroy()

@@ -48,7 +48,7 @@ class TrajectoryPublisherNode(Node):
         settings, clock = table.settings, MotionClock(self)
         transport = answering_transport(settings)
         limits = settings.max_points, settings.max_duration
-        action = ActionTransport(
+        self._action = action = ActionTransport(
             self,
             settings.controller,
             action_goals(transport),
@@ -120,8 +120,8 @@ class TrajectoryPublisherNode(Node):
 
     def destroy_node(self) -> None:
         """Destroy the node and, what rclpy leaves out, its action client."""
-        if hasattr(self, "_link"):
-            self._link.destroy()
+        if hasattr(self, "_action"):
+            self._action.destroy()
         if hasattr(self, "_programs"):
             self._programs.destroy()
         super().destroy_node()

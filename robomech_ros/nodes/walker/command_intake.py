@@ -83,11 +83,5 @@ class CommandIntake:
         yaw, pitch, roll = euler_angles_from_matrix(T[:3, :3], "ZYX")
         answer = self._walker.command_pose([*T[:3, 3], roll, pitch, yaw], self._duration)
         if answer.status != Code.NONE:
-            raise PoseRefusedError(answer.status, answer.reason)
-
-
-class PoseRefusedError(RobomechError):
-    """A pose of the trunk would tip the robot, or overstretch a leg."""
-
-    def __init__(self, code: Code, reason: str) -> None:
-        super().__init__(f"{code.value} {name_of(code)}: {reason}")
+            code = answer.status
+            raise RobomechError(f"{code.value} {name_of(code)}: {answer.reason}")

@@ -208,9 +208,7 @@ def _check_places(settings: ControllerSettings) -> None:
 
 def _limits(joints: Sequence[Joint]) -> Limits:
     kinds = ("velocity", "acceleration", "jerk", "lower", "upper")
-    rows: dict[str, Any] = {
-        kind: np.array([getattr(joint, kind) for joint in joints]) for kind in kinds
-    }
+    rows: dict[str, Any] = {kind: [getattr(joint, kind) for joint in joints] for kind in kinds}
     units = tuple(joint.unit for joint in joints)
     return Limits(tuple(joint.name for joint in joints), **rows, units=units)
 
