@@ -127,15 +127,13 @@ def _optional(name: str, purpose: str) -> Finding:
 
 
 def _middleware() -> Finding:
-    what = "middleware"
-    wanted = os.environ.get("RMW_IMPLEMENTATION", "")
     try:
         from rclpy.utilities import get_rmw_implementation_identifier
 
-        return Finding(what, True, str(get_rmw_implementation_identifier()))
+        return Finding("middleware", True, str(get_rmw_implementation_identifier()))
     except ImportError as error:
-        mend = "unset RMW_IMPLEMENTATION" if wanted else SET_UP
-        return Finding(what, False, " ".join(str(error).split()), mend)
+        mend = "unset RMW_IMPLEMENTATION" if os.environ.get("RMW_IMPLEMENTATION") else SET_UP
+        return Finding("middleware", False, " ".join(str(error).split()), mend)
 
 
 def _kernels() -> Finding:
@@ -208,13 +206,12 @@ def _lost_datagram(group: str = "") -> OSError | None:
 
 
 def _shared_memory() -> Finding:
-    what = "shared memory"
     if left := dead_ports():
         ports = ", ".join(map(str, left))
         found = f"killed processes left ports of Fast DDS, on which messages may be lost: {ports}"
         mend = "fastdds shm clean; without that tool, end all nodes and rm /dev/shm/*fastdds*"
-        return Finding(what, None, found, mend)
-    return Finding(what, True, "no ports left of killed processes")
+        return Finding("shared memory", None, found, mend)
+    return Finding("shared memory", True, "no ports left of killed processes")
 
 
 def _domain() -> Finding:

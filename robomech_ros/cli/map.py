@@ -85,6 +85,9 @@ def run(args: argparse.Namespace) -> int:
     chain = load_description(args.robot).chain(args.base_link or None, args.tip_link or None)
     lower, upper = _box(chain, args)
     shape = args.shape if args.shape or args.spacing is not None else _POINTS
+    same: dict[str, Any] = {
+        name: getattr(args, name) for name in ("spacing", "length", "part", "workers", "scheduler")
+    }
     started, busy = time.perf_counter(), time.process_time()
     try:
         with _bar() as progress:
@@ -92,16 +95,12 @@ def run(args: argparse.Namespace) -> int:
                 chain,
                 lower,
                 upper,
-                spacing=args.spacing,
                 shape=shape,
                 orientations=_orientations(args),
                 respect_limits=not args.ignore_limits,
-                length=args.length,
-                part=args.part,
                 file=args.output,
-                workers=args.workers,
-                scheduler=args.scheduler,
                 progress=progress,
+                **same,
             )
     except KeyboardInterrupt:
         print(f"robomech map: {_kept(args.output, chain)}", file=sys.stderr)

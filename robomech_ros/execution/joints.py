@@ -41,7 +41,7 @@ class State:
         )
 
 
-def paced_state(sample: Sample, pace: float, rate: float) -> State:
+def paced_state(sample: Sample, pace: float | Array, rate: float | Array) -> State:
     """Return the state on a curve that is followed at a pace, which changes at a rate (1/s)."""
     acceleration = sample.acceleration * pace * pace + sample.velocity * rate
     return State(sample.position, sample.velocity * pace, acceleration)

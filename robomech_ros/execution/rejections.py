@@ -48,8 +48,7 @@ class TrajectoryOverError(TrajectoryRefusedError):
     """
 
     def __init__(self, late: float, lasts: float) -> None:
-        self.late = float(late)
-        self.lasts = float(lasts)
+        self.late, self.lasts = float(late), float(lasts)
         super().__init__(
             f"the trajectory ended {self.late - self.lasts:.6g} s ago: its stamp is "
             f"{self.late:.6g} s old and it lasts {self.lasts:.6g} s"
@@ -79,11 +78,8 @@ class StartMismatchError(TrajectoryRefusedError):
     def __init__(
         self, joint: str, start: float, present: float, tolerance: float, unit: str = ""
     ) -> None:
-        self.joint = joint
-        self.start = float(start)
-        self.present = float(present)
-        self.tolerance = float(tolerance)
-        self.unit = unit
+        self.joint, self.unit, self.tolerance = joint, unit, float(tolerance)
+        self.start, self.present = float(start), float(present)
         apart = abs(self.start - self.present)
         super().__init__(start_mismatch(joint, self.start, self.present, apart, tolerance, unit))
 

@@ -42,7 +42,7 @@ class LinePath:
         self.twist, self._weights, self._way = way.twist, way.weights, way
         self._laying = way.lay()
         self._postures = _POSTURES
-        self._tables: tuple[Array, Array, Array, Array] | None = None
+        self._tables: tuple[Array, ...] | None = None
         # Of how many nodes the tables are, and where the way came out of a singularity.
         self._tabled = 0
         self._out = np.inf if way.leaving else -np.inf
@@ -118,14 +118,12 @@ class LinePath:
             place += float(along @ (q - here[0])) / float(along @ slope[0])
         return place
 
-    def _table(self) -> tuple[Array, Array, Array, Array]:
+    def _table(self) -> tuple[Array, ...]:
         nodes = self._way.nodes
         if self._tables is None or len(nodes) != self._tabled:
             self._tabled = len(nodes)
-            self._tables = (
-                np.array([node.place for node in nodes]),
-                np.array([node.q for node in nodes]),
-                np.array([node.direction for node in nodes]),
-                np.array([node.rate for node in nodes]),
+            names = ("place", "q", "direction", "rate")
+            self._tables = tuple(
+                np.array([getattr(node, name) for node in nodes]) for name in names
             )
         return self._tables

@@ -163,7 +163,7 @@ class Servo:
             self._twists.end()
             # On the plan that is known already: who has it needs no more messages.
             stream.brake()
-            return self._standing(now)
+            return self.idle(now, stream.position)
         if isinstance(command, PoseCommand):
             position, velocity = stream.position, stream.velocity
             stop = stream.samples().positions[-1]
@@ -182,13 +182,8 @@ class Servo:
         return self.motion.samples()
 
     def idle(self, now: float, position: Array) -> ServoReport:
-        """Report without a stream, for joints somewhere (rad or m)."""
-        return self._standing(now, self._resolver.condition_number(position))
-
-    def _standing(self, now: float, condition: float | None = None) -> ServoReport:
-        number = condition
-        if number is None:
-            number = self._resolver.condition_number(self.motion.position)
+        """Report that no command is followed, for joints somewhere (rad or m)."""
+        number = self._resolver.condition_number(position)
         if self.paused:
             return ServoReport(ServoCondition.PAUSED, 0.0, number, (), "paused")
         if self.command is None:

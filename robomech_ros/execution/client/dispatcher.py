@@ -11,7 +11,7 @@ from robomech_ros.execution.client.active_execution import ActiveExecution
 from robomech_ros.execution.client.controller_interface import ControllerInterface
 from robomech_ros.execution.client.dispatch_settings import DispatchSettings
 from robomech_ros.execution.client.execution_queue import ExecutionQueue
-from robomech_ros.execution.client.execution_request import ExecutionReport, ExecutionRequest, Stage
+from robomech_ros.execution.client.execution_request import ExecutionReport, ExecutionRequest
 from robomech_ros.execution.client.position_check import off_start
 from robomech_ros.execution.client.speed_scaler import too_slow
 from robomech_ros.execution.motion_result import MotionResult
@@ -207,7 +207,7 @@ class Dispatcher:
 
     def _end(self, delivery: ExecutionRequest, verdict: MotionResult) -> None:
         code, text = verdict
-        duration = self._now - delivery.begun_at if delivery.stage is Stage.SENT else 0.0
+        duration = 0.0 if delivery.begun_at is None else self._now - delivery.begun_at
         if delivery is self.current:
             self._active = None
         if code:

@@ -22,14 +22,6 @@ class Transport(Enum):
         return self is not Transport.TOPIC
 
 
-class Stage(Enum):
-    """Stage of a delivery."""
-
-    QUEUED = "queued"
-    SENT = "sent"
-    ENDED = "ended"
-
-
 @dataclass(frozen=True)
 class ExecutionReport:
     """How a delivery ended.
@@ -71,8 +63,8 @@ class ExecutionRequest:
         Whether it is sent at another pace than planned, by its waypoints instead of `trajectory`.
     paced_on_way : bool
         Whether its pace was changed after it had begun.
-    begun_at : float
-        When it was sent first, s; `sent_at` is when its pace was changed last.
+    begun_at : float or None
+        When it was sent first, s; None before; `sent_at` is when its pace was changed last.
     """
 
     trajectory: Any
@@ -83,9 +75,8 @@ class ExecutionRequest:
     paced: bool = False
     paced_on_way: bool = False
     due: float | None = None
-    stage: Stage = Stage.QUEUED
     sent_at: float = 0.0
-    begun_at: float = 0.0
+    begun_at: float | None = None
     report: ExecutionReport | None = None
     _listeners: list[Callable[[ExecutionReport], None]] = field(default_factory=list)
 
@@ -108,7 +99,7 @@ class ExecutionRequest:
 
     def depart(self, now: float) -> None:
         """Be sent now (s)."""
-        self.stage, self.begun_at = Stage.SENT, now
+        self.begun_at = now
         self.await_stamp(now)
 
     def await_stamp(self, now: float) -> None:
@@ -123,8 +114,8 @@ class ExecutionRequest:
             self.due -= by
 
     def waits(self, now: float) -> bool:
-        """Whether it was sent and is to begin later than now (s)."""
-        return self.stage is Stage.SENT and now < self.sent_at + self.delay
+        """Whether what was sent is to begin later than now (s)."""
+        return now < self.sent_at + self.delay
 
     def listen(self, listener: Callable[[ExecutionReport], None]) -> None:
         """Report once, when it has ended."""
@@ -141,5 +132,5 @@ class ExecutionRequest:
 
     def end(self, report: ExecutionReport) -> None:
         """Set the report and tell it."""
-        self.stage, self.report = Stage.ENDED, report
+        self.report = report
         self.tell(report)

@@ -1,7 +1,6 @@
 """Waypoints of a trajectory at another pace than planned."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -9,7 +8,6 @@ from robomech_ros.execution.joints import paced_state
 from robomech_ros.execution.time_scaling import TimeScaling
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.waypoints import Waypoints
-from robomech_ros.typing import Array
 
 # Time between points while the pace changes, and what points are apart at least, s.
 _PERIOD = 0.02
@@ -52,20 +50,15 @@ def paced_waypoints(
     """
     over = float(scaling.times[-1])
     times = [*np.arange(0.0, over - _NEAREST, _PERIOD), over]
-    after = [scaling.after(time) for time in times]
-    states = [
-        paced_state(curve.sample(min(place, curve.breaks[-1])), pace, rate)
-        for place, pace, rate in after
-    ]
-    rows = [
-        np.array([getattr(state, field) for state in states])
-        for field in ("position", "velocity", "acceleration")
-    ]
+    after = np.array([scaling.after(time) for time in times])
+    sample = curve.sample(np.minimum(after[:, 0], curve.breaks[-1]))
+    state = paced_state(sample, after[:, 1:2], after[:, 2:])
+    rows = [state.position, state.velocity, state.acceleration]
     rows[2][:-1] = math.nan
     if not scaling.pace:
         rows[1][-1], rows[2][-1] = 0.0, math.nan
-        return _joined(np.array(times) + lead, rows, None)
-    place = after[-1][0]
+        return Waypoints(np.array(times) + lead, *rows)
+    place = after[-1, 0]
     left = waypoints.times > place + _NEAREST * scaling.pace
     rest = slowed_waypoints(waypoints.part(left), scaling.pace)
     if not left.any():
@@ -73,22 +66,13 @@ def paced_waypoints(
         times[-1] = max(times[-1], float(times[-1]) + (curve.breaks[-1] - place) / scaling.pace)
         rows[0][-1] = waypoints.positions[-1]
         rows[1][-1], rows[2][-1] = 0.0, math.nan
-        return _joined(np.array(times) + lead, rows, None)
+        return Waypoints(np.array(times) + lead, *rows)
     since = lead + times[-1] - place / scaling.pace
-    later = replace(rest, times=rest.times + since)
-    return _joined(np.array(times) + lead, rows, later)
-
-
-def _joined(times: Array, rows: list[Array], later: Waypoints | None) -> Waypoints:
-    """Put waypoints behind others; rows of NaN stand for what they lack."""
-    if later is None:
-        return Waypoints(times, *rows)
-    lacking = np.full_like(later.positions, math.nan)
-    velocities = lacking if later.velocities is None else later.velocities
-    accelerations = lacking if later.accelerations is None else later.accelerations
-    return Waypoints(
-        np.concatenate([times, later.times]),
-        np.vstack([rows[0], later.positions]),
-        np.vstack([rows[1], velocities]),
-        np.vstack([rows[2], accelerations]),
+    lacking = np.full_like(rest.positions, math.nan)
+    # Rows of NaN stand for what the rest lacks.
+    later = (rest.positions, rest.velocities, rest.accelerations)
+    joined = (
+        np.vstack([row, lacking if values is None else values])
+        for row, values in zip(rows, later, strict=True)
     )
+    return Waypoints(np.concatenate([np.array(times) + lead, rest.times + since]), *joined)

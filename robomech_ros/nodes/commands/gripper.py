@@ -32,10 +32,8 @@ def run(args: argparse.Namespace) -> int:
     from robomech_ros.nodes.commands.service_client import NoAnswerError
 
     if find_spec("control_msgs") is None:
-        hint = (
-            "control_msgs, which defines GripperCommand, is not installed; 'make setup' builds it"
-        )
-        print(f"robomech gripper: {hint}", file=sys.stderr)
+        lacking = "control_msgs, which defines GripperCommand, is not installed"
+        print(f"robomech gripper: {lacking}; 'make setup' builds it", file=sys.stderr)
         return EXIT_REFUSED
     from robomech_ros.nodes.commands.gripper_client import move_gripper
 

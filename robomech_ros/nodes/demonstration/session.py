@@ -1,6 +1,7 @@
 """One run of the demonstration, from the start of the nodes to the plot."""
 
 import time
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -86,10 +87,7 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
 
 
 def _commands(which: Which, dynamic: bool) -> dict[str, list[str]]:
-    options = LaunchOptions(
-        which.robot, srdf=which.srdf, group=which.group, dynamic=dynamic, servo=False
-    )
-    commands = options.commands()
+    commands = LaunchOptions(**asdict(which), dynamic=dynamic, servo=False).commands()
     if dynamic:
         commands["joint_trajectory_controller"] += ["-p", f"path_tolerance:={TRACKED}"]
     return commands

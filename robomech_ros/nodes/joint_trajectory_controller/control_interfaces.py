@@ -31,19 +31,13 @@ class ControlInterfaces:
             from robomech_ros.nodes.joint_trajectory_controller.follow_messages import (
                 FollowMessages,
             )
-            from robomech_ros.nodes.joint_trajectory_controller.state_topics import (
-                ControllerState,
-                SpeedScaling,
-                StateQuery,
-            )
+            from robomech_ros.nodes.joint_trajectory_controller.state_topics import StateTopics
         except ImportError as error:
             if getattr(error, "name", "") != "control_msgs":
                 node.get_logger().warning(f"no follow_joint_trajectory: {error}")
             return
         self.servers.append(GoalServer(node, robot, FollowMessages(robot.joint_names)))
-        self._state = ControllerState(node, robot)
-        SpeedScaling(node, robot)
-        StateQuery(node, robot, clock)
+        self._state = StateTopics(node, robot, clock)
 
     def publish(self) -> None:
         """Publish controller_state."""

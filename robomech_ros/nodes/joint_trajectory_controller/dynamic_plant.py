@@ -1,6 +1,7 @@
 """The simulated robot moved by its drives, with its mass, its friction and its load."""
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -142,16 +143,10 @@ class DynamicPlant:
         mass, com = _load(settings)
         load = Body(mass, np.array(com), np.zeros((3, 3)))
         plant = self._model.with_payload(load) if mass else self._model
-        return plant, ControlledArm(
-            self._model,
-            plant,
-            control=settings.dynamic_control,
-            bandwidth=settings.dynamic_bandwidth,
-            damping=settings.dynamic_damping,
-            observer=settings.dynamic_observer,
-            period=_PERIOD,
-            gravity=settings.gravity,
-        )
+        names = ("control", "bandwidth", "damping", "observer")
+        options: dict[str, Any] = {name: getattr(settings, f"dynamic_{name}") for name in names}
+        options |= {"period": _PERIOD, "gravity": settings.gravity}
+        return plant, ControlledArm(self._model, plant, **options)
 
 
 def _load(settings: ControllerSettings) -> tuple[float, tuple[float, ...]]:

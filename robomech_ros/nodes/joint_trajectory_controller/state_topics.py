@@ -21,33 +21,38 @@ from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 _DEPTH = 10
 
 
-class ControllerState:
-    """Publishes desired and actual joint states while somebody subscribes.
+class StateTopics:
+    """Publishes states while somebody subscribes, and answers where the joints should be.
+
+    Clients also say here at which part of its speed trajectories are followed.
 
     Parameters
     ----------
     node : Node
-        Owner of the publisher.
+        Owner of topics and service.
     robot : CommandedJoints
         What moves.
+    clock : MotionClock
+        Its time.
     """
 
-    def __init__(self, node: Node, robot: CommandedJoints) -> None:
-        self._robot = robot
-        self._follower = robot.follower
-        self._message = JointTrajectoryControllerState(joint_names=robot.joint_names)
-        self._publisher = node.create_publisher(
-            JointTrajectoryControllerState, "~/controller_state", _DEPTH
-        )
+    def __init__(self, node: Node, robot: CommandedJoints, clock: MotionClock) -> None:
+        self._robot, self._clock = robot, clock
+        self._log = ThrottledLog(node.get_logger())
+        kind = JointTrajectoryControllerState
+        self._message = kind(joint_names=robot.joint_names)
+        self._publisher = node.create_publisher(kind, "~/controller_state", _DEPTH)
+        node.create_subscription(SpeedScalingFactor, "~/speed_scaling_input", self._scale, _DEPTH)
+        serve(node, QueryTrajectoryState, "~/query_state", self._answer)
 
     def publish(self) -> None:
         """Publish the present state; the robot's lock is to be held."""
         if not self._publisher.get_subscription_count():
             return
-        message, desired, actual = self._message, self._follower.desired, self._follower.actual
-        goal = self._follower.active
+        message, follower = self._message, self._robot.follower
+        desired, actual, goal = follower.desired, follower.actual, follower.active
         time = duration_from_seconds(goal.time if goal is not None else 0.0)
-        message.speed_scaling_factor = self._follower.motion.scale
+        message.speed_scaling_factor = follower.motion.scale
         stamp = message.header.stamp
         stamp.sec, stamp.nanosec = self._robot.stamp()
         message.reference = point_from_state(desired, time)
@@ -58,24 +63,7 @@ class ControllerState:
         message.output.time_from_start = time
         self._publisher.publish(message)
 
-
-class SpeedScaling:
-    """Lets clients say at which part of its speed trajectories are followed.
-
-    Parameters
-    ----------
-    node : Node
-        Owner of the subscription.
-    robot : CommandedJoints
-        What moves.
-    """
-
-    def __init__(self, node: Node, robot: CommandedJoints) -> None:
-        self._robot = robot
-        self._log = ThrottledLog(node.get_logger())
-        node.create_subscription(SpeedScalingFactor, "~/speed_scaling_input", self._take, _DEPTH)
-
-    def _take(self, message: SpeedScalingFactor) -> None:
+    def _scale(self, message: SpeedScalingFactor) -> None:
         if not 0.0 <= message.factor <= 1.0:
             text = f"speed scaling factor is {message.factor}, expected from 0 (pause) to 1"
             self._log.error(text)
@@ -83,24 +71,6 @@ class SpeedScaling:
         with self._robot.lock:
             self._robot.advance()
             self._robot.follower.motion.scale = message.factor
-
-
-class StateQuery:
-    """Answers where the joints should be at a time.
-
-    Parameters
-    ----------
-    node : Node
-        Owner of the service.
-    robot : CommandedJoints
-        What moves.
-    clock : MotionClock
-        Its time.
-    """
-
-    def __init__(self, node: Node, robot: CommandedJoints, clock: MotionClock) -> None:
-        self._robot, self._clock = robot, clock
-        serve(node, QueryTrajectoryState, "~/query_state", self._answer)
 
     def _answer(self, request: Any, response: Any) -> Any:
         response.name = self._robot.joint_names

@@ -55,8 +55,7 @@ class BasePublication:
         # The driven wheels in the order of their joints, for commands.
         order = np.flatnonzero(base.simulated.driven).tolist()
         self._commanded = [order.index(number) for number in self._wheels if number in order]
-        of_pose, of_twist = _constant_covariances(settings, base)
-        self._of_pose, self._of_twist = of_pose, of_twist
+        self._of_pose, self._of_twist = _constant_covariances(settings, base)
         self._joint_states = node.create_publisher(JointState, "joint_states", _DEPTH)
         self._odometry = node.create_publisher(Odometry, base.interface.odometry, _DEPTH)
         self._truth = node.create_publisher(PoseStamped, "~/simulated_base", _DEPTH)

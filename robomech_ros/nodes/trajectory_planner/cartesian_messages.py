@@ -136,15 +136,9 @@ def _check_near(k: int, pose: Array) -> None:
 def _path_bounds(request: Any, settings: PlannerSettings) -> PathStopLimits:
     """Read what ends a path; zeros stand for the node's parameters of the same names."""
     named("at_singularity", request.at_singularity, _AT_SINGULARITY)
-    condition, step, revolute, prismatic = (
-        _positive(request, name) or getattr(settings, name)
-        for name in (
-            "condition_limit",
-            "max_step",
-            "revolute_jump_threshold",
-            "prismatic_jump_threshold",
-        )
-    )
+    names = ("condition_limit", "max_step", "revolute_jump_threshold", "prismatic_jump_threshold")
+    bounds = (_positive(request, name) or getattr(settings, name) for name in names)
+    condition, step, revolute, prismatic = bounds
     if request.at_singularity == PlanCartesian.Request.SLOW:
         condition = math.inf
     return PathStopLimits(condition, step, revolute, prismatic)

@@ -196,13 +196,7 @@ def encode_waypoints(
     points: Waypoints, joint_names: Sequence[str], messages: TrajectoryPoints
 ) -> JointTrajectory:
     """Make the trajectory message of waypoints that have velocities and accelerations."""
-    assert points.velocities is not None
-    assert points.accelerations is not None
-    return joint_trajectory(
-        joint_names,
-        points.times,
-        points.positions,
-        points.velocities,
-        points.accelerations,
-        messages,
-    )
+    velocities: Any = points.velocities
+    accelerations: Any = points.accelerations
+    rows = points.times, points.positions, velocities, accelerations
+    return joint_trajectory(joint_names, *rows, points=messages)

@@ -20,6 +20,11 @@ _POSES_KEPT = 500
 class PlanPublication:
     """Publishes trajectories, and the paths that they let the tip take.
 
+    To make and send a path takes longer than to plan: before anybody listens it is not done, and
+    who listens first gets the latest.  From then on every path is published, so that who comes
+    later finds no path of an earlier plan.  Pose messages are used again: to make one takes longer
+    than to fill it, and a message that is published has been copied.
+
     Parameters
     ----------
     node : Node
@@ -29,10 +34,16 @@ class PlanPublication:
     """
 
     def __init__(self, node: Node, model: RobotModel) -> None:
-        self._node = node
+        self._node, self._base = node, model.base_frame
         self._trajectories = node.create_publisher(JointTrajectory, "~/planned_trajectory", LATCHED)
-        self._path = PlannedPath(node, model.base_frame)
+        on_match = PublisherEventCallbacks(matched=self._matched)
+        self._paths = node.create_publisher(
+            Path, "~/planned_path", LATCHED, event_callbacks=on_match
+        )
         self._waiting: tuple[JointTrajectory, Callable[[], Array]] | None = None
+        self._poses: list[PoseStamped] = []
+        self._unsent: Callable[[], Array] | None = None
+        self._heard = False
 
     def publish_soon(self, trajectory: JointTrajectory, poses: Callable[[], Array]) -> None:
         """Publish a plan after the answer has left, before the next one is encoded.
@@ -56,41 +67,8 @@ class PlanPublication:
         trajectory, poses = self._waiting
         self._waiting = None
         self._trajectories.publish(trajectory)
-        self._path.show(poses)
-
-
-class PlannedPath:
-    """Publishes the path of the tip in the base link, for one plan after the other.
-
-    To make and send a path takes longer than to plan: before anybody listens it is not done, and
-    who listens first gets the latest.  From then on every path is published, so that who comes
-    later finds no path of an earlier plan.  Pose messages are used again: to make one takes longer
-    than to fill it, and a message that is published has been copied.
-
-    Parameters
-    ----------
-    node : Node
-        Gets the topic ``planned_path`` under its own name.
-    base : str
-        Frame of the robot's base.
-    """
-
-    def __init__(self, node: Node, base: str) -> None:
-        self._base = base
-        self._poses: list[PoseStamped] = []
-        self._unsent: Callable[[], Array] | None = None
-        self._heard = False
-        self._publisher = node.create_publisher(
-            Path,
-            "~/planned_path",
-            LATCHED,
-            event_callbacks=PublisherEventCallbacks(matched=self._matched),
-        )
-
-    def show(self, poses: Callable[[], Array]) -> None:
-        """Publish the path of the latest plan, whose poses (m, 4, 4) a callable gives."""
         self._unsent = poses
-        self._send_if_heard(self._publisher.get_subscription_count())
+        self._send_if_heard(self._paths.get_subscription_count())
 
     def _matched(self, matched: Any) -> None:
         self._send_if_heard(matched.current_count)
@@ -99,7 +77,7 @@ class PlannedPath:
         """Publish the latest path, if not done yet, once somebody subscribes."""
         self._heard = self._heard or listeners > 0
         if self._heard and self._unsent is not None:
-            self._publisher.publish(self._along(self._unsent()))
+            self._paths.publish(self._along(self._unsent()))
             self._unsent = None
 
     def _along(self, transforms: Array) -> Path:

@@ -82,17 +82,16 @@ def message_from_delivery(delivery: ExecutionRequest, now: int) -> JointTrajecto
     if delivery.paced_on_way:
         header.stamp = _stamp(now, delivery.delay)
     waypoints = delivery.waypoints
-    message = JointTrajectory(header=header, joint_names=list(delivery.names))
-    for k, time in enumerate(waypoints.times.tolist()):
-        message.points.append(
-            JointTrajectoryPoint(
-                positions=floats(waypoints.positions[k]),
-                velocities=_row(waypoints.velocities, k),
-                accelerations=_row(waypoints.accelerations, k),
-                time_from_start=duration_from_seconds(time),
-            )
+    points = [
+        JointTrajectoryPoint(
+            positions=floats(waypoints.positions[k]),
+            velocities=_row(waypoints.velocities, k),
+            accelerations=_row(waypoints.accelerations, k),
+            time_from_start=duration_from_seconds(time),
         )
-    return message
+        for k, time in enumerate(waypoints.times.tolist())
+    ]
+    return JointTrajectory(header=header, joint_names=list(delivery.names), points=points)
 
 
 def _stamp(now: int, delay: float) -> Time:

@@ -14,8 +14,9 @@
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,9 @@ from robomech_ros.robots.documents.guarded_yaml import (
     describe_value,
     parse_yaml,
 )
+
+# Positions (rad or m) by the names of postures.
+_Positions = dict[str, tuple[float, ...]]
 
 _PROFILE = "poly345"
 _OPTIONS = ("profile", "duration", "velocity_scale", "acceleration_scale", "jerk_scale")
@@ -101,41 +105,34 @@ def read_program(path: Path, chain: SerialChain, semantic: SemanticDescription) 
     if type(cycles) is not int or not 0 <= cycles <= _MOST_CYCLES:
         expected = f"a whole number from 0 (until cancelled) on to {_MOST_CYCLES}"
         raise _unexpected(where, "cycles", cycles, expected)
-    postures = _Postures(_postures(given.get("postures", {}), where, chain), chain, semantic)
+    own = _postures(given.get("postures", {}), where, chain)
+    find = partial(_posture, own, chain, semantic)
     steps = given["steps"]
     if not isinstance(steps, list) or not steps:
         raise RobotDescriptionError(where, "steps is no list with at least one step")
-    read = [_step(step, f"{where}: step {k + 1}", postures) for k, step in enumerate(steps)]
+    read = [_step(step, f"{where}: step {k + 1}", find) for k, step in enumerate(steps)]
     if not any(step.posture for step in read):
         raise RobotDescriptionError(where, "no step moves")
     return Program(tuple(read), cycles)
 
 
-@dataclass(frozen=True)
-class _Postures:
-    """Named postures of the robot; names in the program take precedence."""
-
-    given: Mapping[str, tuple[float, ...]]
-    chain: SerialChain
-    semantic: SemanticDescription
-
-    def positions(self, name: str, where: str) -> tuple[float, ...]:
-        """Find a posture (rad or m)."""
-        if name in self.given:
-            return self.given[name]
-        known = self.semantic.postures(self.chain)
-        if name not in known:
-            names = ", ".join(dict.fromkeys([*self.given, *known]))
-            raise RobotDescriptionError(
-                where, f"no posture {describe_value(name)}; there are {names}"
-            )
-        try:
-            return tuple(self.semantic.posture(self.chain, name).tolist())
-        except RobomechError as error:
-            raise RobotDescriptionError(where, str(error)) from None
+def _posture(
+    given: _Positions, chain: SerialChain, semantic: SemanticDescription, name: str, where: str
+) -> tuple[float, ...]:
+    """Find a posture (rad or m); one that the program gives takes precedence."""
+    if name in given:
+        return given[name]
+    known = semantic.postures(chain)
+    if name not in known:
+        names = ", ".join(dict.fromkeys([*given, *known]))
+        raise RobotDescriptionError(where, f"no posture {describe_value(name)}; there are {names}")
+    try:
+        return tuple(semantic.posture(chain, name).tolist())
+    except RobomechError as error:
+        raise RobotDescriptionError(where, str(error)) from None
 
 
-def _postures(given: object, where: str, chain: SerialChain) -> dict[str, tuple[float, ...]]:
+def _postures(given: object, where: str, chain: SerialChain) -> _Positions:
     if not isinstance(given, dict):
         raise RobotDescriptionError(where, "postures is no mapping of names to positions")
     return {
@@ -157,7 +154,7 @@ def _positions(given: object, where: str, chain: SerialChain) -> tuple[float, ..
     return tuple(float(value) for value in given)
 
 
-def _step(given: object, where: str, postures: _Postures) -> Step:
+def _step(given: object, where: str, find: Callable[[str, str], tuple[float, ...]]) -> Step:
     if isinstance(given, dict) and "wait" in given:
         wait = check_keys(given, where, ("wait",), ())["wait"]
         if not _is_number(wait) or not 0.0 <= wait <= _LONGEST_WAIT:
@@ -165,7 +162,7 @@ def _step(given: object, where: str, postures: _Postures) -> Step:
         return Step(wait=float(wait))
     step = check_keys(given, where, ("move",), _OPTIONS)
     name = str(step["move"])
-    positions = postures.positions(name, where)
+    positions = find(name, where)
     from robomech_ros.trajectory import PROFILES  # compiled code, which takes long to load
 
     options = {"profile": _PROFILE, **{key: step[key] for key in _OPTIONS if key in step}}

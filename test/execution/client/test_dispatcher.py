@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from dispatch_cases import NAMES, delivery
 
-from robomech_ros.execution.client.execution_request import ExecutionRequest, Stage, Transport
+from robomech_ros.execution.client.execution_request import ExecutionRequest, Transport
 from robomech_ros.execution.client.position_check import joint_distance
 from robomech_ros.trajectory import Waypoints
 
@@ -18,7 +18,7 @@ def test_sends_and_sees_the_robot_arrive(robot, dispatcher):
     dispatcher.step(0.5)
     robot.at = one.goal.copy()
     dispatcher.step(1.0)
-    assert one.stage is Stage.SENT
+    assert one.begun_at is not None and one.report is None
     dispatcher.step(1.05)
     assert (one.report.code, one.report.text) == (0, "")
     assert one.report.duration == pytest.approx(1.05)
