@@ -263,12 +263,8 @@ class LineLaying:
         middle = Node(0.0, half, self._resolver.heading(half, twist, self.leaving), self.weights)
         q = last.q + step * middle.direction
         yield
-        node = Node(
-            last.place + step,
-            q,
-            self._resolver.heading(q, self.twist(q), self.leaving),
-            self.weights,
-        )
+        heading = self._resolver.heading(q, self.twist(q), self.leaving)
+        node = Node(last.place + step, q, heading, self.weights)
         straight = float((self.weights**2 * last.direction) @ node.direction)
         if straight < _BENT or not node.heading.possible or not middle.rate:
             return None

@@ -273,9 +273,8 @@ class TrajectoryFollower:
     def _begin_waiting(self, goal: TrajectoryGoal) -> None:
         self.waiting = None
         try:
-            way = self._find_entry_path(
-                goal.waypoints, self.desired, goal.late, goal.begin, goal.streamed
-            )
+            at = goal.late, goal.begin, goal.streamed
+            way = self._find_entry_path(goal.waypoints, self.desired, *at)
         except RobomechError as error:
             text = f"when its time had come: {error}"
             goal.finish(End.ABORTED, Code.REJECTED, text, self.actual.position)

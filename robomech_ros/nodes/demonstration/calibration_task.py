@@ -196,11 +196,8 @@ class CalibrationTask:
         position_first = np.reshape(answer.covariance, (6, 6))
         covariance = np.empty((6, 6))
         covariance[np.ix_(POSITION_FIRST, POSITION_FIRST)] = position_first
-        now = Progress(
-            count=len(answer.inlier),
-            error=pose_error(found, self._scene.camera),
-            covariance=covariance,
-        )
+        error = pose_error(found, self._scene.camera)
+        now = Progress(count=len(answer.inlier), error=error, covariance=covariance)
         self.progress.append(now)
         angle, distance = (float(np.linalg.norm(part)) for part in (now.error[:3], now.error[3:]))
         wrong = ", ".join(map(str, answer.outliers))

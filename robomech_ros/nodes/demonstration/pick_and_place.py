@@ -199,9 +199,8 @@ class PickAndPlace:
         request = SolveFK.Request(states=[self._present_state()])
         response = self._client.call("kinematics/solve_fk", request)
         error = pose_error(T, matrix_from_pose(response.poses[0].pose))
-        leg.orientation_error, leg.position_error = (
-            float(np.linalg.norm(part)) for part in (error[:3], error[3:])
-        )
+        norms = np.linalg.norm(error.reshape(2, 3), axis=1)
+        leg.orientation_error, leg.position_error = norms.tolist()
         text = (
             f"{leg.name}: the tip is off by {leg.position_error * 1e3:.2e} mm and "
             f"{leg.orientation_error:.2e} rad"

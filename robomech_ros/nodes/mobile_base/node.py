@@ -123,10 +123,8 @@ class MobileBaseNode(Node):
     def _condition(self) -> NodeHealth:
         base, slip = self._base, self._base.odometry.slip
         limits = ", ".join((*base.motion.saturated, *base.simulated.saturated))
-        moves = bool(base.motion.twist.any())
-        summary = ("moves" if moves else "stands") + (
-            ", without commands" if base.timed_out else ""
-        )
+        summary = "moves" if base.motion.twist.any() else "stands"
+        summary += ", without commands" if base.timed_out else ""
         trouble = self._intake.refusal or (f"limited by {limits}" if limits else "")
         if slip > _SLIPS:
             trouble = trouble or f"wheels slip by {slip:.3g} m/s"

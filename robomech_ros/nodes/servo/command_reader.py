@@ -107,9 +107,8 @@ class CommandReader:
             speeds = ways / duration
         if np.isfinite(ways).all() and not np.isfinite(speeds).all():
             raise BadValueError("duration", duration, "a time in which the displacements can be")
-        return JointCommand(
-            self._joint_speeds(names, speeds.tolist(), "displacements", scaled=False), until
-        )
+        rates = self._joint_speeds(names, speeds.tolist(), "displacements", scaled=False)
+        return JointCommand(rates, until)
 
     def _joint_speeds(
         self, names: Sequence[str], values: Sequence[float], what: str, *, scaled: bool

@@ -71,9 +71,8 @@ class SpeedServices:
 
     def _cancel(self) -> tuple[bool, str]:
         ran = self._cancel_program(f"program {CANCELLED}")
-        count = self._give_up_requests() + self._dispatcher.cancel(
-            CANCELLED, self._loop.clock.now()
-        )
+        count = self._give_up_requests()
+        count += self._dispatcher.cancel(CANCELLED, self._loop.clock.now())
         self._loop.watch()
         what = f"{count} trajectories dropped; the robot stops on its path"
         if not count:
