@@ -3,6 +3,7 @@
 import numpy as np
 
 from robomech_ros.cartesian.path_models import PathModel
+from robomech_ros.numerics.nonlinear import bisected
 from robomech_ros.trajectory import JointPath, Limits, PathCut, PathTracking, PathTrackingStatus
 from robomech_ros.trajectory.paths.path_cuts import PLACES
 from robomech_ros.typing import Array
@@ -67,10 +68,8 @@ def _last_fast_place(joints: JointPath, limits: Limits) -> float:
     if not len(fast) or fast[-1] == PLACES:
         return joints.length
     low, high = float(places[fast[-1]]), joints.length
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        if _speeds(joints, np.array([middle]), limits)[0] >= least:
-            low = middle
-        else:
-            high = middle
-    return low
+
+    def is_fast(s: float) -> bool:
+        return bool(_speeds(joints, np.array([s]), limits)[0] >= least)
+
+    return float(bisected(low, high, is_fast, _HALVINGS)[0])

@@ -59,15 +59,22 @@ def grasp_matrix(contacts: Sequence[Contact], origin: ArrayLike) -> Array:
 
 
 def _columns(contact: Contact, r: Array) -> Array:
+    there = np.eye(3 if contact.planar else 6)
     if contact.planar:
-        full = np.array([[-r[1], r[0]], [1.0, 0.0], [0.0, 1.0]])
+        there[1:, 0] = -r[1], r[0]
     else:
-        full = np.vstack([cross_product_matrix(r) + 0.0, np.eye(3)])
+        there[3:, :3] = cross_product_matrix(-r) + 0.0
+    return transmitted(contact, there).T
+
+
+def transmitted(contact: Contact, twists: Array) -> Array:
+    """Return the components of twists (6, k), or (3, k) in the plane, that a contact hands on."""
+    turns, moves = np.split(twists, [len(twists) // 2])
     if contact.model == "frictionless":
-        return (full @ contact.normal)[:, None]
+        return (contact.normal @ moves)[None]
     if contact.model == "soft":
-        return np.hstack([full, np.concatenate([contact.normal, np.zeros(3)])[:, None]])
-    return full
+        return np.concatenate([moves, (contact.normal @ turns)[None]])
+    return moves
 
 
 def internal_forces(contacts: Sequence[Contact]) -> Array:

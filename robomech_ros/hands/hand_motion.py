@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.hands.contacts import Contact, as_origin, centre
-from robomech_ros.hands.grasp_map import grasp_matrix, null_space
+from robomech_ros.hands.grasp_map import grasp_matrix, null_space, transmitted
 from robomech_ros.hands.hand import Hand, fingers_of, hand_posture
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import bias_acceleration, jacobian, point_jacobian
@@ -88,7 +88,7 @@ def hand_jacobian(
     for contact, k in zip(given, owners, strict=True):
         whole = point_jacobian(hand.fingers[k], parts[k], _point(hand, k, parts[k], contact))
         block = np.zeros((contact.size, hand.n))
-        block[:, starts[k] : starts[k + 1]] = _rows(contact, whole)
+        block[:, starts[k] : starts[k + 1]] = transmitted(contact, whole)
         rows.append(block)
     return np.vstack(rows)
 
@@ -97,15 +97,6 @@ def _point(hand: Hand, k: int, q: Array, contact: Contact) -> Array:
     """Return a contact in the frame of the last link of a finger."""
     T = forward_kinematics(hand.fingers[k], q)
     return T[:3, :3].T @ (contact.position - T[:3, 3])
-
-
-def _rows(contact: Contact, twists: Array) -> Array:
-    """Return the components of twists (6, ...) at a contact that it hands on."""
-    if contact.model == "frictionless":
-        return (contact.normal @ twists[3:])[None]
-    if contact.model == "soft":
-        return np.concatenate([twists[3:], (contact.normal @ twists[:3])[None]])
-    return twists[3:]
 
 
 def grasp_mobility(
@@ -123,9 +114,8 @@ def grasp_mobility(
     Prattichizzo and Trinkle, Grasping, in: Springer Handbook of Robotics, 2nd ed. 2016, section
     38.3.
     """
-    given, _ = fingers_of(hand, contacts, fingers)
-    J = hand_jacobian(hand, q, given, fingers=fingers)
-    G = grasp_matrix(given, centre(given))
+    J = hand_jacobian(hand, q, contacts, fingers=fingers)
+    G = grasp_matrix(contacts, centre(contacts))
     together = null_space(np.hstack([G.T, -J]))
     moved, s, _ = np.linalg.svd(together[:6], full_matrices=False)
     inner = null_space(G)
@@ -162,12 +152,9 @@ def finger_rates(
     slip : float
         What is left of the velocity at the contacts (m/s): 0 where the fingers can follow.
     """
-    given, _ = fingers_of(hand, contacts, fingers)
-    t = _six("twist", twist)
-    point = as_origin(np.zeros(3) if origin is None else origin, given)
-    J = hand_jacobian(hand, q, given, fingers=fingers)
-    wanted = grasp_matrix(given, point).T @ t
-    return _least_squares(J, wanted)
+    J, t = hand_jacobian(hand, q, contacts, fingers=fingers), _six("twist", twist)
+    G = grasp_matrix(contacts, np.zeros(3) if origin is None else origin)
+    return _least_squares(J, G.T @ t)
 
 
 def object_twist(
@@ -196,11 +183,9 @@ def object_twist(
     slip : float
         What is left of the velocity at the contacts (m/s): 0 where the rates agree.
     """
-    given, _ = fingers_of(hand, contacts, fingers)
-    point = as_origin(np.zeros(3) if origin is None else origin, given)
-    moved = hand_jacobian(hand, q, given, fingers=fingers) @ hand_posture(hand, rates, "rates")
-    G = grasp_matrix(given, point)
-    return _least_squares(G.T, moved)
+    J = hand_jacobian(hand, q, contacts, fingers=fingers)
+    G = grasp_matrix(contacts, np.zeros(3) if origin is None else origin)
+    return _least_squares(G.T, J @ hand_posture(hand, rates, "rates"))
 
 
 def finger_accelerations(

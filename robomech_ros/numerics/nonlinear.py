@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -222,3 +223,14 @@ def _residual(f: Function, x: Array) -> Array:
     if residual.ndim != 1:
         raise WrongSizeError("f(x)", residual.shape, "(m,)")
     return residual.copy()
+
+
+def bisected(
+    low: Array | float, high: Array | float, holds: Callable[[Any], ArrayLike], halvings: int
+) -> tuple[Any, Any]:
+    """Halve intervals, numbers or arrays (k,), of which a condition holds at the low ends only."""
+    for _ in range(halvings):
+        middle = 0.5 * (low + high)
+        below = holds(middle)
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return low, high

@@ -49,6 +49,9 @@ class RollingBase:
     wheels : tuple of Wheel
     driven, steered, casters : tuple of str
         Names of the wheels that are.
+    steered_wheels : list of Wheel
+    driven_rows : ndarray, shape (k, 3)
+        Rates of the driven wheels (rad/s) by twists, with steering angles of 0.
     mobility : Mobility
         Degrees of mobility and of steerability.
     radii, driven_radii : ndarray
@@ -102,17 +105,17 @@ class RollingBase:
         self.radii = np.array([wheel.radius for wheel in self.wheels])
         self.driven_radii = self.radii[self._drives]
         self._headings = np.array([wheel.heading for wheel in self.wheels])
-        self._steered = [wheel for wheel in self.wheels if wheel.kind == "steered"]
+        self.steered_wheels = [wheel for wheel in self.wheels if wheel.kind == "steered"]
         fixed = [wheel for wheel in self.wheels if wheel.kind == "fixed"]
         self.axle = axle_of(fixed[0]) if fixed else None
         self.curvatures = (-math.inf, math.inf)
         if self.axle is not None:
-            self.curvatures = curvature_range(self._steered, self.axle)
+            self.curvatures = curvature_range(self.steered_wheels, self.axle)
         else:
-            check_span(self._steered)
+            check_span(self.steered_wheels)
         self._fixed_rows = self.measured_rows()
-        self._driven_rows = self.rate_rows()[self._drives]
-        self._solver = None if self._steered else np.linalg.pinv(self._fixed_rows)
+        self.driven_rows = self.rate_rows()[self._drives]
+        self._solver = None if self.steered_wheels else np.linalg.pinv(self._fixed_rows)
 
     def feasible(self, twist: ArrayLike) -> Array:
         """Return the twist that the wheels can give and that is nearest to a command.
@@ -160,8 +163,8 @@ class RollingBase:
             A wheel would have to be steered beyond its limits.
         """
         given = self._checked_twist(twist)
-        if not self._steered and steering is None:
-            return np.asarray(given @ self._driven_rows.T)
+        if not self.steered_wheels and steering is None:
+            return np.asarray(given @ self.driven_rows.T)
         angles = self._rolling_directions(self.steering_angles(given, steering))
         return self._rolled(given, angles)[..., self._drives]
 
@@ -220,7 +223,7 @@ class RollingBase:
         """
         given, start = bounded("twist", twist, 3), self._steering(near)
         shared_batch(("twist", given), ("steering", start))
-        return steering_for(self._steered, given, start)
+        return steering_for(self.steered_wheels, given, start)
 
     def caster_rates(self, twist: ArrayLike, brackets: ArrayLike) -> Array:
         """Compute the rates of the casters' brackets, relative to the base.
@@ -353,5 +356,5 @@ class RollingBase:
         return given
 
     def _steering(self, steering: ArrayLike | None) -> Array:
-        count = len(self._steered)
+        count = len(self.steered_wheels)
         return np.zeros(count) if steering is None else bounded("steering", steering, count)

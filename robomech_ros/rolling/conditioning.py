@@ -68,7 +68,7 @@ def isotropy(base: RollingBase) -> Isotropy:
     if not isinstance(base, RollingBase) or base.mobility.type != "(3,0)":
         kind = f"one of type {base.mobility.type}" if isinstance(base, RollingBase) else base
         raise BadValueError("base", kind, "a base of type (3,0), on omnidirectional wheels")
-    K = base.rate_rows()[np.array([bool(wheel.driven) for wheel in base.wheels])]
+    K = base.driven_rows
     A = K.T @ K
     B = np.linalg.inv(A)
     own, others = A[0, 0], A[1, 1] + A[2, 2]
@@ -76,4 +76,4 @@ def isotropy(base: RollingBase) -> Isotropy:
     length = float((own * inverse_others / (others * inverse_own)) ** 0.25)
     product = (own / length**2 + others) * (inverse_own * length**2 + inverse_others)
     condition = float(np.sqrt(product) / 3.0)
-    return Isotropy(K, length, condition, abs(condition - 1.0) <= _ISOTROPIC)
+    return Isotropy(K.copy(), length, condition, abs(condition - 1.0) <= _ISOTROPIC)

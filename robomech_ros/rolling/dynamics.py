@@ -84,8 +84,7 @@ class RollingDynamics:
             raise WrongSizeError("wheels", len(wheels), len(base.wheels))
         self.base, self.platform, self.wheels = base, platform, tuple(wheels)
         self.free = free_twists(base.axle)
-        driven = np.array([bool(wheel.driven) for wheel in base.wheels])
-        self.drives = np.asarray(base.rate_rows()[driven] @ self.free)
+        self.drives = base.driven_rows @ self.free
         pairs = zip(base.wheels, wheels, strict=True)
         self.max_torques = np.array([body.max_torque for wheel, body in pairs if wheel.driven])
         self._least_norm = np.linalg.pinv(self.drives.T)

@@ -127,8 +127,7 @@ class CommandLimiter:
             for limit, over in ((pivot[3], pivot[3] - angle), (pivot[4], angle - pivot[4])):
                 if over > 0.0:
                     raise LimitExceededError("steering angle", name, angle, limit, "rad")
-        headings = [wheel.heading for wheel in self.base.wheels if wheel.kind == "steered"]
-        world = angles + np.array(headings)
+        world = angles + np.array([wheel.heading for wheel in self.base.steered_wheels])
         directions = np.stack([np.cos(world), np.sin(world)], axis=-1)
         zero = np.zeros(3)
         return BaseMotion(zero, zero, angles, (), zero, directions)
@@ -244,7 +243,7 @@ class CommandLimiter:
         return np.array(rows, dtype=np.float64)
 
     def _packed_pivots(self) -> Array:
-        wheels = [wheel for wheel in self.base.wheels if wheel.kind == "steered"]
+        wheels = self.base.steered_wheels
         packed = np.zeros((len(wheels), kernels.PIVOT_COLUMNS))
         for row, wheel in zip(packed, wheels, strict=True):
             turn = wheel.max_steering_rate * self.period

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -136,7 +136,7 @@ def rolling_description(
     """
     check_kind("base", base, RollingBase, "a RollingBase")
     joints = WheelJoints.of(base) if joints is None else joints
-    names = _Names(base_link, joints.names)
+    names = _Names(base_link, {base_link}, {*joints.names})
     axles = [_axles(number, wheel, joints) for number, wheel in enumerate(base.wheels)]
     parts = _placing(0.3 * float(base.radii.max()), names) if placed else []
     parts.append(_platform(base, [axle.place for wheel in axles for axle in wheel], base_link))
@@ -158,23 +158,16 @@ class _Axle(NamedTuple):
     ahead: float
 
 
-class _Names:
-    """Names of links and joints that are free."""
+class _Names(NamedTuple):
+    """The link of the base, and the names of links and joints that are taken."""
 
-    def __init__(self, base_link: str, joints: Iterable[str]) -> None:
-        self.base_link = base_link
-        self._links, self._joints = {base_link}, {*joints}
-
-    def link(self, wanted: str) -> str:
-        """Take the name of a link, with ``_`` behind it where it is taken."""
-        return _free(wanted, self._links)
-
-    def joint(self, wanted: str) -> str:
-        """Take the name of a joint in the same way."""
-        return _free(wanted, self._joints)
+    base_link: str
+    links: set[str]
+    joints: set[str]
 
 
 def _free(name: str, taken: set[str]) -> str:
+    """Take a name, with ``_`` behind it where it is taken."""
     while name in taken:
         name += "_"
     taken.add(name)
@@ -200,7 +193,8 @@ def _placing(radius: float, names: _Names) -> list[str]:
     disc = _visual("cylinder", {"radius": radius, "length": 1e-3}, (0, 0, 0), _ROLLER)
     far = {"lower": -_FAR, "upper": _FAR, "effort": 0.0, "velocity": 0.0}
     x, y, heading = BASE_JOINTS
-    odom, x_link, y_link = names.link("odom"), names.link(f"{x}_link"), names.link(f"{y}_link")
+    links = ("odom", f"{x}_link", f"{y}_link")
+    odom, x_link, y_link = (_free(link, names.links) for link in links)
     return [
         _link(odom, disc),
         _joint(x, "prismatic", (odom, x_link), (1, 0, 0), limits=far),
@@ -235,7 +229,7 @@ def _wheel(
         limits = None
         if math.isfinite(low) and math.isfinite(high):
             limits = {"lower": low, "upper": high, "effort": 0.0, "velocity": 0.0}
-        holder = names.link(f"{name}_holder")
+        holder = _free(f"{name}_holder", names.links)
         kind = "continuous" if limits is None else "revolute"
         ends, (x, y) = (names.base_link, holder), wheel.position.tolist()
         yield _joint(pivot, kind, ends, (0, 0, 1), (x, y, 0.0), turned, limits)
@@ -245,8 +239,8 @@ def _wheel(
     for axle in axles:
         x, y = (axle.ahead - wheel.trail, 0.0) if pivot else axle.place
         place = (x, y, wheel.radius)
-        joint = axle.joint or names.joint(name)
-        link = names.link(f"{joint}_link")
+        joint = axle.joint or _free(name, names.joints)
+        link = _free(f"{joint}_link", names.links)
         kind = "continuous" if axle.joint else "fixed"
         yield _joint(joint, kind, (holder, link), (0, 1, 0), place, turned)
         yield _link(link, *_rolling_bodies(wheel))

@@ -130,10 +130,8 @@ if TYPE_CHECKING:
         SpeedLimit as SpeedLimit,
         TorqueLimits as TorqueLimits,
     )
-    from robomech_ros.trajectory.timing.path_timing import (
-        TimeOptimal as TimeOptimal,
-        time_optimal as time_optimal,
-    )
+    from robomech_ros.trajectory.timing.path_timing import time_optimal as time_optimal
+    from robomech_ros.trajectory.timing.speed_profile import TimeOptimal as TimeOptimal
     from robomech_ros.trajectory.timing.time_optimal_motions import (
         TimeOptimalMotion as TimeOptimalMotion,
         TimeOptimalThrough as TimeOptimalThrough,

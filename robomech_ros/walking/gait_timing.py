@@ -8,6 +8,7 @@ from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.walking import gait_step
 from robomech_ros._kernels.walking.gait_step import Pattern, State, Step, StepReport
 from robomech_ros.errors import BadValueError
+from robomech_ros.numerics.nonlinear import bisected
 from robomech_ros.typing import Array
 from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.stride import GRAVITY, Stride
@@ -63,15 +64,13 @@ def sway_cycle(stride: Stride) -> float:
     changes = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * way
     tilt = (level[11] + level[14]) / GRAVITY
     needed = stride.bound + stride.settings[3] + stride.spare + stride.lean
+
     # The shift grows with the square of the frequency, and the margin falls: it is concave.
-    low, high = 0.0, 1e6
-    for _ in range(_HALVINGS):
-        square = 0.5 * (low + high)
-        margins = stability_margin(centres - tilt * square * changes, feet)
-        low, high = (square, high) if np.min(margins) >= needed else (low, square)
-    if low == 0.0:
-        return 0.0
-    return float(1.0 / (np.sqrt(low) * stride.settings[4]))
+    def is_stable(square: float) -> bool:
+        return bool(np.min(stability_margin(centres - tilt * square * changes, feet)) >= needed)
+
+    square, _ = bisected(0.0, 1e6, is_stable, _HALVINGS)
+    return float(1.0 / (np.sqrt(square) * stride.settings[4])) if square > 0.0 else 0.0
 
 
 def fastest_twist(stride: Stride) -> Array:

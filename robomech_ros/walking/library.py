@@ -143,15 +143,8 @@ def _leg_of_axes(row: Mapping[str, Any], name: str, trunk: str, place: str) -> S
     ]
     foot = assembled(np.eye(3), _numbers(row["foot"], f"{place}: foot", 3))
     chain = chain_of_axes(name, axes, foot, f"{name}_foot")
-    named = {chain.base: trunk}
-    frames = tuple(
-        replace(
-            frame,
-            name=named.get(frame.name, frame.name),
-            parent=named.get(frame.parent, frame.parent),
-        )
-        for frame in chain.frames
-    )
+    first, second, *others = chain.frames
+    frames = (replace(first, name=trunk), replace(second, parent=trunk), *others)
     return replace(chain, base=trunk, frames=frames, velocity=np.array(speeds))
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from robomech_ros.numerics.nonlinear import bisected
 from robomech_ros.trajectory.paths.arc_length import by_unit_speed, dot
 from robomech_ros.trajectory.paths.curve import Curve, as_curve
 from robomech_ros.trajectory.paths.curve_arguments import as_parameters
@@ -157,19 +158,11 @@ def _carried_normals(curve: Curve, u: Array, tangents: Array) -> Array:
         axes = np.eye(3)[np.argmin(np.abs(tangents), axis=-1)]
         return _carried(axes, tangents, tangents)
     before = np.searchsorted(known, u) - 1
-    source = _edge(curve, known[np.maximum(before, 0)], u)
+    # The nearest curved places.
+    first = known[np.maximum(before, 0)]
+    source, _ = bisected(first, u, lambda places: _normals(curve, places)[2], _HALVINGS)
     from_tangents, normals, _ = _normals(curve, source)
     return _carried(normals, from_tangents, tangents)
-
-
-def _edge(curve: Curve, curved: Array, straight: Array) -> Array:
-    """Halve towards the straight places; give the nearest curved ones."""
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (curved + straight)
-        bends = _normals(curve, middle)[2]
-        curved = np.where(bends, middle, curved)
-        straight = np.where(bends, straight, middle)
-    return curved
 
 
 def _normals(curve: Curve, u: Array) -> tuple[Array, Array, BoolArray]:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.numerics.nonlinear import bisected
 from robomech_ros.spatial.arrays import check_kind
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.curve_arguments import as_parameters
@@ -165,10 +166,7 @@ def _speeds_at(law: Trajectory, coordinates: Array) -> Array:
     if not len(coordinates):
         return coordinates
     low, high = np.zeros(len(coordinates)), np.full(len(coordinates), law.duration)
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        reached = law.sample(middle).position[:, 0] >= coordinates
-        low, high = np.where(reached, low, middle), np.where(reached, middle, high)
+    high = bisected(low, high, lambda t: law.sample(t).position[:, 0] < coordinates, _HALVINGS)[1]
     return law.sample(high).velocity[:, 0]
 
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from robomech_ros.numerics.nonlinear import bisected
 from robomech_ros.trajectory.curves.bounds import first_above, hull
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.paths.joint_path import JointPath
@@ -37,13 +38,11 @@ def last_valid_coordinate(
         return None
     high = float(places[bad[0]])
     low = float(places[max(int(bad[0]) - 1, 0)])
-    for _ in range(_HALVINGS if bad[0] else 0):
-        middle = 0.5 * (low + high)
-        if wrong(joints.derivatives(np.array([middle]))[0])[0]:
-            high = middle
-        else:
-            low = middle
-    return low
+
+    def good(s: float) -> bool:
+        return not wrong(joints.derivatives(np.array([s]))[0])[0]
+
+    return float(bisected(low, high, good, _HALVINGS if bad[0] else 0)[0])
 
 
 def limit_cut(joints: JointPath, limits: Limits) -> PathCut | None:

@@ -16,29 +16,22 @@ _SHORTEST = 1e-6
 class PathTrackingStatus(Enum):
     """How far a joint path follows a pose path, and why not farther."""
 
-    COMPLETE = "complete"
-    NO_START = "no posture at the start"
-    LOST = "no posture"
-    JUMP = "only by a jump"
-    SINGULAR = "singular"
-    LIMIT = "beyond a joint limit"
-    REJECTED = "against a condition of the caller"
+    COMPLETE = "complete", Code.NONE
+    NO_START = "no posture at the start", Code.IK_LOST
+    LOST = "no posture", Code.IK_LOST
+    JUMP = "only by a jump", Code.JUMP
+    SINGULAR = "singular", Code.SINGULAR
+    LIMIT = "beyond a joint limit", Code.LIMIT
+    REJECTED = "against a condition of the caller", Code.REJECTED
 
-    @property
-    def code(self) -> Code:
-        """Its number in the table of outcomes."""
-        return _CODES[self]
+    _value_: str
+    code: Code
 
-
-_CODES = {
-    PathTrackingStatus.COMPLETE: Code.NONE,
-    PathTrackingStatus.NO_START: Code.IK_LOST,
-    PathTrackingStatus.LOST: Code.IK_LOST,
-    PathTrackingStatus.JUMP: Code.JUMP,
-    PathTrackingStatus.SINGULAR: Code.SINGULAR,
-    PathTrackingStatus.LIMIT: Code.LIMIT,
-    PathTrackingStatus.REJECTED: Code.REJECTED,
-}
+    def __new__(cls, text: str, code: Code) -> PathTrackingStatus:
+        """Make a status of its text and its number in the table of outcomes."""
+        status = object.__new__(cls)
+        status._value_, status.code = text, code
+        return status
 
 
 class PathCut(NamedTuple):

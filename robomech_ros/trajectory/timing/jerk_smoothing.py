@@ -32,7 +32,7 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS, along_line
 from robomech_ros.trajectory.timing.path_sections import jump
 from robomech_ros.trajectory.timing.path_speed import fastest
-from robomech_ros.trajectory.timing.speed_profile import PathLimits, SpeedProfile, Timed
+from robomech_ros.trajectory.timing.speed_profile import PathLimits, SpeedProfile, TimeOptimal
 from robomech_ros.typing import Array
 
 # Windows that are tried, as multiples of the largest ratio of acceleration to jerk limit; in each
@@ -51,7 +51,7 @@ _POWER, _LEAST_PART = 1.5, 1e-3
 _IN_WINDOW, _IN_ALL, _MOST = 12, 300, 20_000
 
 
-def smoothed(path: PiecewisePolynomial, limits: PathLimits, jerk: Array) -> Timed:
+def smoothed(path: PiecewisePolynomial, limits: PathLimits, jerk: Array) -> TimeOptimal:
     """Pass a path from rest to rest in nearly the shortest time within limits of jerk (n,) as well.
 
     The path has a continuous second derivative; the limits are without torques.
@@ -61,7 +61,7 @@ def smoothed(path: PiecewisePolynomial, limits: PathLimits, jerk: Array) -> Time
         return _double_s(path, limits, jerk)
     bounded = replace(limits, square=_jerk_bound(path, jerk))
     longest = float((limits.acceleration / jerk).max())
-    best: Timed | None = None
+    best: TimeOptimal | None = None
     worse = 0
     for part in _WINDOWS:
         window = part * longest
@@ -85,7 +85,7 @@ def _is_straight(path: PiecewisePolynomial) -> bool:
     return not bent and not jump(path, 1).any()
 
 
-def _double_s(path: PiecewisePolynomial, limits: PathLimits, jerk: Array) -> Timed:
+def _double_s(path: PiecewisePolynomial, limits: PathLimits, jerk: Array) -> TimeOptimal:
     """Pass a straight path by the double-S profile, exactly."""
     start, slope = path.coefficients[:2, 0]
     way = np.abs(slope) * path.duration
@@ -97,11 +97,13 @@ def _double_s(path: PiecewisePolynomial, limits: PathLimits, jerk: Array) -> Tim
     coefficients[0] += start - path.breaks[0] * slope
     ends = law.sample(law.breaks)
     speeds = np.maximum(ends.velocity[:, 0], 0.0)
-    timed = Timed(PiecewisePolynomial(law.breaks, coefficients), ends.position[:, 0], speeds)
+    timed = TimeOptimal(PiecewisePolynomial(law.breaks, coefficients), ends.position[:, 0], speeds)
     return timed.within(limits.velocity, limits.acceleration, jerk)
 
 
-def _kept(path: PiecewisePolynomial, limits: PathLimits, jerk: Array, attempt: "_Attempt") -> Timed:
+def _kept(
+    path: PiecewisePolynomial, limits: PathLimits, jerk: Array, attempt: "_Attempt"
+) -> TimeOptimal:
     """Turn an attempt into a motion that keeps to all limits."""
     mean = attempt.clock.mean(attempt.instants)
     timed = _along(path, attempt.instants, mean)
@@ -227,22 +229,20 @@ def _instants(clock: _Clock) -> Array:
     wanted = np.unique(wanted[(wanted >= 0.0) & (wanted <= duration)])
     apart = 0.2 * even[1]
     wanted = wanted[np.append(True, np.diff(wanted) > apart)]
-    near = np.abs(even - wanted[np.clip(np.searchsorted(wanted, even), 0, len(wanted) - 1)])
-    before = np.clip(np.searchsorted(wanted, even) - 1, 0, len(wanted) - 1)
-    near = np.minimum(near, np.abs(even - wanted[before]))
+    near = np.abs(even - wanted[np.searchsorted(0.5 * (wanted[1:] + wanted[:-1]), even)])
     inner = (even > apart) & (even < duration - apart) & (near > apart)
     last = wanted[wanted < duration - apart]
     return np.unique(np.concatenate([last, even[inner], [duration]]))
 
 
-def _along(path: PiecewisePolynomial, instants: Array, mean: Array) -> Timed:
+def _along(path: PiecewisePolynomial, instants: Array, mean: Array) -> TimeOptimal:
     """Lay quintic pieces through the motion of the joints at the given instants."""
     place = path.sample(np.clip(mean[0], path.breaks[0], path.breaks[-1]))
     rate, bow = mean[1][:, None], mean[2][:, None]
     velocity = place.velocity * rate
     acceleration = place.acceleration * rate * rate + place.velocity * bow
     pieces = interpolant(instants, place.position, velocity, acceleration)
-    return Timed(pieces, mean[0], mean[1])
+    return TimeOptimal(pieces, mean[0], mean[1])
 
 
 @dataclass(frozen=True, eq=False)

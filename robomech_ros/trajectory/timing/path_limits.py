@@ -55,7 +55,7 @@ class SpeedLimit:
             raise BadValueError("speed limit", limit, expected)
         object.__setattr__(self, "limit", limit)
         if not _is_function(self.rate):
-            object.__setattr__(self, "rate", _interpolated("rate of a speed limit", self.rate))
+            object.__setattr__(self, "rate", _interpolated(self.rate))
 
     def powers(self, nodes: Array) -> Array:
         """Return the rate over the limit in every cell, in powers of sigma, shape (m, 5)."""
@@ -101,7 +101,8 @@ class TorqueLimits:
         object.__setattr__(self, "lower", lower)
         object.__setattr__(self, "upper", upper)
         if not _is_function(self.coefficients):
-            object.__setattr__(self, "coefficients", _table(self.coefficients, len(lower)))
+            columns = _interpolated_columns(self.coefficients, len(lower))
+            object.__setattr__(self, "coefficients", columns)
 
     @property
     def count(self) -> int:
@@ -151,41 +152,34 @@ def _in_powers(values: Array) -> Array:
     return np.ascontiguousarray(values @ _QUARTIC.T)
 
 
-def _interpolated(what: str, given: object) -> Callable[[Array], Array]:
-    expected = "a callable, or a pair of arrays: path coordinates and rates"
-    if not isinstance(given, tuple | list) or len(given) != 2:
-        raise BadValueError(what, given, expected)
-    where = _coordinates(what, given[0])
-    values = as_finite(what, given[1], ())
-    if values.shape != where.shape:
-        raise WrongSizeError(what, values.shape, where.shape)
-    return lambda s: np.interp(s, where, values)
-
-
-def _coordinates(what: str, given: npt.ArrayLike) -> Array:
-    where = as_finite(f"path coordinates of the {what}", given, ())
+def _tables(
+    what: str, given: object, expected: str, names: Sequence[str], tail: tuple[int, ...]
+) -> tuple[Array, list[Array]]:
+    """Check path coordinates (m,), and named tables (m, *tail) of values there."""
+    if not isinstance(given, tuple | list) or len(given) != len(names) + 1:
+        raise BadValueError(what, given, f"a callable, or {expected}")
+    where = as_finite(f"path coordinates of the {what}", given[0], ())
     if where.ndim != 1 or len(where) < 2 or not (np.diff(where) > 0.0).all():
         expected = "at least two increasing path coordinates"
         raise BadValueError(f"path coordinates of the {what}", where.tolist(), expected)
-    return where
-
-
-def _table(given: object, count: int) -> Callable[[Array], tuple[Array, ...]]:
-    what = "coefficients of torque limits"
-    if not isinstance(given, tuple | list) or len(given) != 4:
-        raise BadValueError(what, given, "a callable, or four arrays: path coordinates, a, b and c")
-    where = _coordinates(what, given[0])
     tables = []
-    for name, values in zip("abc", given[1:], strict=True):
-        table = as_finite(f"{name} of torque limits", values, ())
-        if table.shape != (len(where), count):
-            raise WrongSizeError(f"{name} of torque limits", table.shape, (len(where), count))
-        tables.append(table)
+    for name, values in zip(names, given[1:], strict=True):
+        tables.append(as_finite(name, values, ()))
+        if tables[-1].shape != (len(where), *tail):
+            raise WrongSizeError(name, tables[-1].shape, (len(where), *tail))
+    return where, tables
 
-    def interpolate(s: Array) -> tuple[Array, ...]:
-        return tuple(
-            np.stack([np.interp(s, where, column) for column in table.T], axis=1)
-            for table in tables
-        )
 
-    return interpolate
+def _interpolated(given: object) -> Callable[[Array], Array]:
+    what, expected = "rate of a speed limit", "a pair of arrays: path coordinates and rates"
+    where, (rates,) = _tables(what, given, expected, [what], ())
+    return lambda s: np.interp(s, where, rates)
+
+
+def _interpolated_columns(given: object, count: int) -> Callable[[Array], tuple[Array, ...]]:
+    what, expected = "coefficients of torque limits", "four arrays: path coordinates, a, b and c"
+    names = [f"{name} of torque limits" for name in "abc"]
+    where, tables = _tables(what, given, expected, names, (count,))
+    return lambda s: tuple(
+        np.stack([np.interp(s, where, column) for column in table.T], axis=1) for table in tables
+    )

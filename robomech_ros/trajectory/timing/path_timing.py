@@ -20,14 +20,12 @@ reachability analysis", IEEE Transactions on Robotics 34(3), 2018.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_single
-from robomech_ros.trajectory.curves.compiled_sampling import PiecewiseMotion
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, lasting_pieces
 from robomech_ros.trajectory.limits import JointLimits, Limits
@@ -35,33 +33,13 @@ from robomech_ros.trajectory.timing.jerk_smoothing import smoothed
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits, checked_list
 from robomech_ros.trajectory.timing.path_sections import checked_path, sections
 from robomech_ros.trajectory.timing.path_speed import fastest
-from robomech_ros.trajectory.timing.speed_profile import PathLimits, Timed
+from robomech_ros.trajectory.timing.speed_profile import PathLimits, TimeOptimal
 from robomech_ros.trajectory.tolerances import SHORTEST_TRAJECTORY
 from robomech_ros.typing import Array
 
 # The pieces in time of a time-optimal motion give back the accelerations of the path up to this
 # part.
 TIMING_ACCURACY = 1e-7
-
-
-@dataclass(frozen=True, eq=False)
-class TimeOptimal(PiecewiseMotion):
-    """A motion along a path.
-
-    Attributes
-    ----------
-    pieces : PiecewisePolynomial
-        The motion: quintic polynomials of time, which follow the path with an error far below its
-        accelerations' share of `TIMING_ACCURACY`, and meet it where they meet.
-    coordinates : ndarray, shape (p + 1,)
-        Path coordinates where the p pieces begin and end.
-    speeds : ndarray, shape (p + 1,)
-        Rates of the path coordinate there, in path coordinate over s.
-    """
-
-    pieces: PiecewisePolynomial
-    coordinates: Array
-    speeds: Array
 
 
 def time_optimal(
@@ -151,7 +129,9 @@ def time_optimal(
     return _joined(motions, curve)
 
 
-def _shortest(part: PiecewisePolynomial, allowed: PathLimits, begin: float, end: float) -> Timed:
+def _shortest(
+    part: PiecewisePolynomial, allowed: PathLimits, begin: float, end: float
+) -> TimeOptimal:
     profile = fastest(part, allowed, begin, end)
     timed = profile.timed(allowed.acceleration_scales, TIMING_ACCURACY)
     return timed.within(allowed.velocity, allowed.acceleration)
@@ -164,29 +144,22 @@ def _checked_speeds(given: object) -> tuple[float, float]:
     return float(speeds[0]), float(speeds[1])
 
 
-def _joined(motions: list[Timed], curve: PiecewisePolynomial) -> TimeOptimal:
+def _joined(motions: list[TimeOptimal], curve: PiecewisePolynomial) -> TimeOptimal:
     """Put the motions through all sections one after the other; stand still where there is none."""
     if not motions:
         coefficients = curve.coefficients[:1, :1].copy()
         times = np.array([0.0, SHORTEST_TRAJECTORY])
         pieces = PiecewisePolynomial(times, coefficients)
         return TimeOptimal(pieces, curve.breaks[[0, -1]], np.zeros(2))
+    end = motions[-1]
     starts: Array = np.cumsum([0.0, *(motion.pieces.duration for motion in motions)])
     instants = [m.pieces.breaks[:-1] + start for m, start in zip(motions, starts, strict=False)]
     pieces, lasting = lasting_pieces(
         np.append(np.concatenate(instants), starts[-1]),
         np.concatenate([m.pieces.coefficients for m in motions], axis=1),
     )
-    end = motions[-1].coordinates[-1], motions[-1].speeds[-1]
-    coordinates, speeds = (
-        np.append(np.concatenate(values)[lasting], last)
-        for values, last in zip(
-            ([m.coordinates[:-1] for m in motions], [m.speeds[:-1] for m in motions]),
-            end,
-            strict=True,
-        )
-    )
-    joined = Timed(pieces, coordinates, speeds)
+    kept = np.append(lasting, True)
+    coordinates = np.concatenate([m.coordinates[:-1] for m in motions] + [end.coordinates[-1:]])
+    speeds = np.concatenate([m.speeds[:-1] for m in motions] + [end.speeds[-1:]])
     slower = max(SHORTEST_TRAJECTORY / float(starts[-1]), 1.0)
-    joined = joined.stretched(slower)
-    return TimeOptimal(joined.pieces, joined.coordinates, joined.speeds)
+    return TimeOptimal(pieces, coordinates[kept], speeds[kept]).stretched(slower)

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from robomech_ros._kernels.timing import peaks as time_peaks, pieces as time_pieces
+from robomech_ros.trajectory.curves.compiled_sampling import PiecewiseMotion
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, lasting_pieces
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
 from robomech_ros.typing import Array, IntArray
@@ -93,7 +94,7 @@ class SpeedProfile:
         """Duration in s."""
         return float(time_pieces.total_time(self.spans, self.bends, self.squares))
 
-    def timed(self, scales: Array, accuracy: float) -> Timed:
+    def timed(self, scales: Array, accuracy: float) -> TimeOptimal:
         """Turn the profile into a motion whose accelerations are right within `accuracy`.
 
         It counts in parts of one over `scales` (n,); where that is 0 in those of the joint's peak.
@@ -107,7 +108,7 @@ class SpeedProfile:
         time_pieces.piece_counts(*given, scales, accuracy, counts)
         return self._in_pieces(counts)
 
-    def _in_pieces(self, counts: IntArray) -> Timed:
+    def _in_pieces(self, counts: IntArray) -> TimeOptimal:
         """Divide each cell into a number of pieces, shape (m,)."""
         total = int(counts.sum())
         times, coordinates, speeds = np.empty((3, total + 1))
@@ -116,26 +117,29 @@ class SpeedProfile:
         time_pieces.write_pieces(*given, counts, times, coordinates, speeds, coefficients)
         kept = np.ones(total + 1, bool)
         pieces, kept[:-1] = lasting_pieces(times, coefficients)
-        return Timed(pieces, coordinates[kept] + self.nodes[0], speeds[kept])
+        return TimeOptimal(pieces, coordinates[kept] + self.nodes[0], speeds[kept])
 
 
 @dataclass(frozen=True, eq=False)
-class Timed:
+class TimeOptimal(PiecewiseMotion):
     """A motion along a path.
 
     Attributes
     ----------
     pieces : PiecewisePolynomial
-        All joints over time, p pieces.
-    coordinates, speeds : ndarray, shape (p + 1,)
-        Path coordinate, and its rate, where the pieces begin and end.
+        The motion: quintic polynomials of time, which follow the path with an error far below its
+        accelerations' share of `TIMING_ACCURACY`, and meet it where they meet.
+    coordinates : ndarray, shape (p + 1,)
+        Path coordinates where the p pieces begin and end.
+    speeds : ndarray, shape (p + 1,)
+        Rates of the path coordinate there, in path coordinate over s.
     """
 
     pieces: PiecewisePolynomial
     coordinates: Array
     speeds: Array
 
-    def within(self, *limits: Array) -> Timed:
+    def within(self, *limits: Array) -> TimeOptimal:
         """Stretch the time until velocity, acceleration (and jerk) keep to limits (n,) each.
 
         All peaks are found between the samples as well.
@@ -148,10 +152,10 @@ class Timed:
                 slower = max(slower, (peak + _ROUNDING) ** (1.0 / order))
         return self.stretched(slower)
 
-    def stretched(self, factor: float) -> Timed:
+    def stretched(self, factor: float) -> TimeOptimal:
         """Take longer by a factor, everywhere."""
         if factor == 1.0:
             return self
         kept = np.append(np.diff(self.pieces.breaks * factor) > 0.0, True)
         pieces = self.pieces.stretched(factor)
-        return Timed(pieces, self.coordinates[kept], self.speeds[kept] / factor)
+        return TimeOptimal(pieces, self.coordinates[kept], self.speeds[kept] / factor)

@@ -22,7 +22,8 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import fitted
 from robomech_ros.trajectory.limits import Limits, Rate
 from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS
-from robomech_ros.trajectory.timing.path_timing import TimeOptimal, time_optimal
+from robomech_ros.trajectory.timing.path_timing import time_optimal
+from robomech_ros.trajectory.timing.speed_profile import TimeOptimal
 from robomech_ros.typing import Array
 
 # Shortest time (s) in which an acceleration rises from zero to its limit, where no jerk limit says

@@ -38,7 +38,8 @@ from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.timing.driven_path import DrivenPath, DrivenRobot, Dynamics, Friction
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
 from robomech_ros.trajectory.timing.path_sections import checked_path
-from robomech_ros.trajectory.timing.path_timing import TimeOptimal, time_optimal
+from robomech_ros.trajectory.timing.path_timing import time_optimal
+from robomech_ros.trajectory.timing.speed_profile import TimeOptimal
 from robomech_ros.trajectory.tolerances import PATH_STANDSTILL
 from robomech_ros.typing import Array
 
