@@ -9,7 +9,9 @@ from robomech_ros.typing import Array
 
 def moved(pose: Array, step: Array) -> Array:
     """Move poses (..., 3), x y heading, by steps (..., 3) of a constant twist times its time."""
-    a, b = _shares(step[..., 0])
+    turn, half = step[..., 0], 0.5 * step[..., 0]
+    # sin(t) / t and (1 - cos(t)) / t, which is sin(t / 2) sin(t / 2) / (t / 2).
+    a, b = np.sinc(turn / np.pi), np.sin(half) * np.sinc(half / np.pi)
     x, y = a * step[..., 1] - b * step[..., 2], b * step[..., 1] + a * step[..., 2]
     c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
     return np.stack(
@@ -24,9 +26,3 @@ def slope_by_pose(heading: float, step: Array) -> Array:
     slope = np.eye(3)
     slope[:2, 2] = -way[1], way[0]
     return slope
-
-
-def _shares(turn: Array) -> tuple[Array, Array]:
-    """sin(t) / t and (1 - cos(t)) / t, which is sin(t / 2) sin(t / 2) / (t / 2)."""
-    half = 0.5 * turn
-    return np.sinc(turn / np.pi), np.sin(half) * np.sinc(half / np.pi)

@@ -14,7 +14,6 @@ from robomech_ros.rolling.argument_checks import bounded, one_vector
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.constraints import direction_rows
 from robomech_ros.rolling.limits import AXES, MotionLimits
-from robomech_ros.rolling.steering import forward_row
 from robomech_ros.spatial.arrays import check_kind, real_within
 from robomech_ros.typing import Array
 
@@ -101,7 +100,7 @@ class CommandLimiter:
         # A base that can turn on the spot need not stop to drive the other way.
         forward = np.zeros(3)
         if base.axle is not None and np.isfinite(base.curvatures).any():
-            forward = forward_row(base.axle)
+            forward = direction_rows(base.axle[None, :2], base.axle[2:])[0]
         self._forward = np.array([*forward, time])
         self._pivots = self._packed_pivots()
         self._bounds = self._packed_bounds()

@@ -108,12 +108,6 @@ def free_twists(axle: Array | None) -> Array:
     return np.array([[1.0, 0.0], [axle[1], c], [-axle[0], s]])
 
 
-def forward_row(axle: Array) -> Array:
-    """Return the row (3,) that makes the velocity forward of a twist, at the axle."""
-    c, s = math.cos(axle[2]), math.sin(axle[2])
-    return np.array([axle[0] * s - axle[1] * c, c, s])
-
-
 def curvature_range(wheels: Sequence[Wheel], axle: Array) -> tuple[float, float]:
     """Find the turns per metre (rad/m) that steered wheels allow a base with one fixed axle (3,).
 

@@ -75,7 +75,9 @@ def cubic_spline(
     # The back is the front of the mirrored spline.
     mirrored = upper[::-1], diagonal[::-1], lower[::-1], right[::-1]
     _end_rows(ends, x[-1] - x[-2], s[::-1], -rates[1], mirrored)
-    second = _solved(lower, diagonal, upper, right)
+    from scipy.linalg.lapack import dgtsv  # 20 MB that only who makes splines shall load
+
+    second = np.asarray(dgtsv(lower, diagonal, upper, right)[3])
     if ends == "rest":
         x, s, second = _with_knot_from_rest(x, s, second)
         turned = _with_knot_from_rest(-x[::-1], s[::-1], second[::-1])
@@ -92,13 +94,6 @@ def _periodic(x: Array, s: Array) -> PiecewisePolynomial:
     lower, middle, upper = (row[:, None, None] for row in (before, diagonal, spans))
     second = solve_cyclic_block_tridiagonal(lower, middle, upper, right[:, None])[:, 0]
     return _pieces(x, s, np.concatenate([second, second[:1]]))
-
-
-def _solved(lower: Array, diagonal: Array, upper: Array, right: Array) -> Array:
-    """Solve tridiagonal equations for all columns of the right side."""
-    from scipy.linalg.lapack import dgtsv  # 20 MB that only who makes splines shall load
-
-    return np.asarray(dgtsv(lower, diagonal, upper, right)[3])
 
 
 def _interior(x: Array, s: Array) -> tuple[Array, ...]:

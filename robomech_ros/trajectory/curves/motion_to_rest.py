@@ -56,14 +56,22 @@ class MotionThrough(MotionToRest):
     knots: Array
 
 
-def settled(sample: Sample, t: npt.ArrayLike, pieces: PiecewisePolynomial, goal: Array) -> Sample:
-    """Put a sample at the end of its curve, or later, at rest at the goal (n,) exactly."""
-    ended = np.asarray(t, dtype=np.float64).ravel() >= pieces.breaks[-1]
+def settled(
+    sample: Sample,
+    t: npt.ArrayLike,
+    pieces: PiecewisePolynomial,
+    goal: Array,
+    velocity: Array | float = 0.0,
+    acceleration: Array | float = 0.0,
+) -> Sample:
+    """Put a sample at the end of its curve in a state exactly, and a later one at rest there."""
+    instants = np.asarray(t, dtype=np.float64).ravel()
+    now, ended = instants == pieces.breaks[-1], instants >= pieces.breaks[-1]
     if sample.position.ndim == 1:
-        ended = ended[0]
+        now, ended = now[0], ended[0]
     sample.position[ended] = goal
-    sample.velocity[ended] = 0.0
-    sample.acceleration[ended] = 0.0
+    sample.velocity[now] = velocity
+    sample.acceleration[now] = acceleration
     return sample
 
 

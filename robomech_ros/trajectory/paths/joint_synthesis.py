@@ -62,7 +62,9 @@ def joint_spline(
     kind = as_ends(ends)
     check_follows(path, joints)
     as_arm(arm)
-    count = _count(poses, kind, len(joints.stops))
+    least = (4 if kind == "periodic" else 2) + 3 * len(joints.stops)
+    expected = f"a whole number from {least} to {_MOST_POSES}"
+    count = whole_number("poses", poses, expected, least, _MOST_POSES)
     if kind == "periodic" and len(joints.stops):
         raise BadValueError("ends", ends, "clamped or natural, since the path has stops")
     edges = np.concatenate([[0.0], joints.stops, [joints.length]])
@@ -131,9 +133,3 @@ def _part(
         ]
         rates = np.stack(firsts)
     return cubic_spline(knots, values, ends, rates)
-
-
-def _count(poses: object, ends: Ends, stops: int) -> int:
-    least = (4 if ends == "periodic" else 2) + 3 * stops
-    expected = f"a whole number from {least} to {_MOST_POSES}"
-    return whole_number("poses", poses, expected, least, _MOST_POSES)

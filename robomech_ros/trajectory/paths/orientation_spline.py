@@ -6,7 +6,6 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import shaped_array
 from robomech_ros.spatial.rotations.axis_angle import (
     matrix_from_rotation_vector,
     rotation_vector_from_matrix,
@@ -20,7 +19,7 @@ from robomech_ros.trajectory.paths.orientation import (
     as_rotations,
     turns_between,
 )
-from robomech_ros.trajectory.paths.spline_curves import as_ends
+from robomech_ros.trajectory.paths.spline_curves import as_ends, checked_end_rates
 from robomech_ros.trajectory.tolerances import COINCIDENT
 from robomech_ros.typing import Array
 
@@ -76,7 +75,12 @@ def orientation_spline(
     if kind == "periodic":
         given = _closed(given)
     turns = turns_between("rotations", given)
-    system = _System(np.diff(parameters), turns, kind, _end_rates(end_rates, kind, given))
+    expected = "angular velocities, since the ends are clamped"
+    at_ends = checked_end_rates(end_rates, kind, (2, 3), expected)
+    if at_ends is not None:
+        # In the axes of their knots.
+        at_ends = applied(np.swapaxes(given[[0, -1]], -1, -2), at_ends)
+    system = _System(np.diff(parameters), turns, kind, at_ends)
     rates = system.solution()
     h = system.h[:, None]
     end = applied(system.to_vector, rates[1:])
@@ -175,18 +179,6 @@ def _closed(rotations: Array) -> Array:
         what = f"angle (rad) from rotations[0] to rotations[{len(rotations) - 1}]"
         raise BadValueError(what, angle, "0, for a motion that closes")
     return np.concatenate([rotations[:-1], rotations[:1]])
-
-
-def _end_rates(given: npt.ArrayLike | None, ends: Ends, rotations: Array) -> Array | None:
-    """Check angular velocities at the ends; give them in the axes of their knots."""
-    if ends != "clamped":
-        if given is not None:
-            raise BadValueError("end_rates", given, f"none, since the ends are {ends}")
-        return None
-    if given is None:
-        raise BadValueError("end_rates", None, "angular velocities, since the ends are clamped")
-    rates = shaped_array("end_rates", given, (2, 3))
-    return applied(np.swapaxes(rotations[[0, -1]], -1, -2), rates)
 
 
 def _body_rate_matrix(theta: Array) -> Array:

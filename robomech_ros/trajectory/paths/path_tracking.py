@@ -104,7 +104,9 @@ def track_path(
     if allowed < LEAST_TOLERANCE:
         raise BadValueError("tolerance", allowed, f"at least {LEAST_TOLERANCE:g}")
     limit = as_positive("condition_limit", condition_limit, math.inf)
-    within = None if limits is None else _limits_of(limits, len(q))
+    within = None if limits is None else Limits.of(limits)
+    if within is not None and len(within.joint_names) != len(q):
+        raise WrongSizeError("joints of limits", len(within.joint_names), len(q))
     begin = _start(path, arm, q, within)
     if begin is None:
         reason = "the arm has no posture for the pose at the start of the path"
@@ -114,13 +116,6 @@ def track_path(
         return tracking
     cut = limit_cut(tracking.path, within)
     return tracking if cut is None or cut.s >= tracking.reached else tracking.cut(cut)
-
-
-def _limits_of(limits: JointLimits | Any, joints: int) -> Limits:
-    known = Limits.of(limits)
-    if len(known.joint_names) != joints:
-        raise WrongSizeError("joints of limits", len(known.joint_names), joints)
-    return known
 
 
 def _tracked(

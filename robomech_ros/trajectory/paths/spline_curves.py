@@ -75,7 +75,7 @@ def spline_curve(
     if kind == "periodic":
         close(places)
     parameters = _knots(knots, places)
-    rates = _end_rates(end_rates, kind, (2, 3) if order == 3.0 else (2, 2, 3))
+    rates = checked_end_rates(end_rates, kind, (2, 3) if order == 3.0 else (2, 2, 3))
     if order == 3.0:
         return PolynomialCurve(cubic_spline(parameters, places, kind, rates))
     return PolynomialCurve(quintic_spline(parameters, places, kind, rates))
@@ -107,12 +107,17 @@ def _knots(given: str | npt.ArrayLike, points: Array) -> Array:
     return knots
 
 
-def _end_rates(given: npt.ArrayLike | None, ends: Ends, shape: tuple[int, ...]) -> Array | None:
-    if given is None:
-        if ends == "clamped":
-            expected = "derivatives at the ends, since they are clamped"
-            raise BadValueError("end_rates", None, expected)
-        return None
+def checked_end_rates(
+    given: npt.ArrayLike | None,
+    ends: Ends,
+    shape: tuple[int, ...],
+    expected: str = "derivatives at the ends, since they are clamped",
+) -> Array | None:
+    """Check rates at both ends, which clamped ends have and no others."""
     if ends != "clamped":
-        raise BadValueError("end_rates", given, f"none, since the ends are {ends}")
+        if given is not None:
+            raise BadValueError("end_rates", given, f"none, since the ends are {ends}")
+        return None
+    if given is None:
+        raise BadValueError("end_rates", None, expected)
     return shaped_array("end_rates", given, shape)

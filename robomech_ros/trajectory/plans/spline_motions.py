@@ -153,7 +153,8 @@ def spline_through(
         for what, given in (("duration", duration), ("at", at)):
             if given is not None:
                 raise BadValueError(what, given, "none, where times are given")
-        knots = _knots(times, len(places))
+        knots = shaped_array("times", times, (len(places),)).copy()
+        check_increasing("times", knots, " s")
         with np.errstate(all="ignore"):
             spline = _spline(places, knots, ends, degree, rates)
         if not np.isfinite(spline.pieces.coefficients).all():
@@ -203,12 +204,6 @@ def _slopes(slopes: npt.ArrayLike | None, ends: str, n: int, timed: bool) -> Arr
     if ends != "clamped" or not timed:
         raise BadValueError("slopes", slopes, "none, except for clamped ends with times")
     return shaped_array("slopes", slopes, (2, n))
-
-
-def _knots(times: npt.ArrayLike, count: int) -> Array:
-    knots = shaped_array("times", times, (count,)).copy()
-    check_increasing("times", knots, " s")
-    return knots
 
 
 def _spline(places: Array, knots: Array, ends: CubicEnds, degree: int, slopes: Array) -> Spline:

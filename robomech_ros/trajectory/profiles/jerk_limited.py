@@ -122,15 +122,13 @@ class JerkLimited:
             least = max(least, duration)
         begin, end = (velocity, acceleration), (rest, rest)
         phases, pieces = planned_between(start, goal, limits, least, begin, end)
-        planned = cls(start, goal, limits, phases)
-        if duration is not None:
-            planned._check_duration(duration, phases.alone, limits)
-            if not moving and duration > planned.duration:
-                planned = cls(start, goal, limits, phases.slowed(duration / planned.duration))
+        check_in_time(duration, pieces, phases.alone, limits)
         if moving:
             check_rates(pieces, limits)
             check_positions(pieces, start, limits)
-        return planned
+        elif duration is not None and duration > phases.duration:
+            phases = phases.slowed(duration / phases.duration)
+        return cls(start, goal, limits, phases)
 
     @property
     def duration(self) -> float:
@@ -160,18 +158,14 @@ class JerkLimited:
         # What Ruckig gives cannot be copied or stored, its phases can.
         return vars(self) | {"course": self.phases}
 
-    def _check_duration(self, wanted: float, alone: Array, limits: Limits) -> None:
-        """Refuse where Ruckig needed longer than wanted."""
-        slack = DURATION_ROUNDING * (1.0 + wanted)
-        if self.duration <= max(wanted, SHORTEST_TRAJECTORY) + slack:
-            return
-        raise too_short(wanted, self.pieces, alone, limits)
 
-
-def too_short(
-    wanted: float, pieces: PiecewisePolynomial, alone: Array, limits: Limits
-) -> DurationTooShortError:
-    """Make the error that names the slowest joint, and the limits that it reaches on a curve."""
+def check_in_time(
+    wanted: float | None, pieces: PiecewisePolynomial, alone: Array, limits: Limits
+) -> None:
+    """Refuse a curve that takes longer than wanted (s); name its slowest joint, and its limits."""
+    least = max(wanted or 0.0, SHORTEST_TRAJECTORY)
+    if wanted is None or pieces.duration <= least + DURATION_ROUNDING * (1.0 + least):
+        return
     joint = int(np.argmax(alone))
     low, high = extremes(pieces)
     binding = []
@@ -180,7 +174,7 @@ def too_short(
         if peak > (1.0 - LIMIT_SLACK) * getattr(limits, rate)[joint]:
             binding.append(rate)
     names = " and ".join(binding) or "jerk"
-    return DurationTooShortError(wanted, pieces.duration, limits.joint_names[joint], names)
+    raise DurationTooShortError(wanted, pieces.duration, limits.joint_names[joint], names)
 
 
 def check_state(end: str, limits: Limits, velocity: Array, acceleration: Array) -> None:

@@ -9,14 +9,18 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.trajectory.curves.compiled_sampling import PiecewiseMotion, sample_many
-from robomech_ros.trajectory.curves.motion_to_rest import check_positions, check_rates
+from robomech_ros.trajectory.curves.motion_to_rest import check_positions, check_rates, settled
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import checked_duration
 from robomech_ros.trajectory.joint_points import check_numbers, joint_values
 from robomech_ros.trajectory.limits import RATES, JointLimits, Limits
-from robomech_ros.trajectory.profiles.jerk_limited import check_state, planned_between, too_short
+from robomech_ros.trajectory.profiles.jerk_limited import (
+    check_in_time,
+    check_state,
+    planned_between,
+)
 from robomech_ros.trajectory.sample import Sample
-from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, SHORTEST_TRAJECTORY
+from robomech_ros.trajectory.tolerances import SHORTEST_TRAJECTORY
 from robomech_ros.typing import Array
 
 
@@ -42,15 +46,7 @@ class StateToState(PiecewiseMotion):
 
         Before the start and after the end the joints are at rest there.
         """
-        sample = sample_many(self.pieces, t)
-        instants = np.asarray(t, dtype=np.float64).ravel()
-        now, over = instants == self.duration, instants >= self.duration
-        if sample.position.ndim == 1:
-            now, over = now[0], over[0]
-        sample.position[over] = self.final.position
-        sample.velocity[now] = self.final.velocity
-        sample.acceleration[now] = self.final.acceleration
-        return sample
+        return settled(sample_many(self.pieces, t), t, self.pieces, *self.final[:3])
 
 
 def state_to_state(
@@ -129,8 +125,7 @@ def state_to_state(
     wanted = checked_duration(duration)
     least = max(wanted or 0.0, SHORTEST_TRAJECTORY)
     phases, pieces = planned_between(start, goal, allowed, least, begin, end)
-    if wanted is not None and pieces.duration > least + DURATION_ROUNDING * (1 + least):
-        raise too_short(wanted, pieces, phases.alone, allowed)
+    check_in_time(wanted, pieces, phases.alone, allowed)
     check_rates(pieces, allowed)
     check_positions(pieces, start, allowed)
     return StateToState(Sample(goal, *end, np.zeros(n)), pieces)

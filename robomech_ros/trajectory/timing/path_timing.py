@@ -105,7 +105,10 @@ def time_optimal(
         raise WrongSizeError("joints of the path", curve.joints, len(known.joint_names))
     speeds = checked_list("speed_limits", speed_limits, SpeedLimit)
     torques = checked_list("torque_limits", torque_limits, TorqueLimits)
-    begin, end = _checked_speeds(path_speed)
+    ends = as_single("path_speed", path_speed, (2,))
+    if not (ends >= 0.0).all():
+        raise BadValueError("path_speed", ends.tolist(), "two speeds, zero or above")
+    begin, end = ends.tolist()
     known.require(*(("velocity",) if torques else ("velocity", "acceleration")))
     known.check_start(curve.coefficients[0, 0])
     check_positions(curve, curve.coefficients[0, 0], known)
@@ -125,23 +128,10 @@ def time_optimal(
             motions.append(smoothed(part, allowed, known.jerk))
         else:
             first, last = k == 0, k == len(parts) - 1
-            motions.append(_shortest(part, allowed, begin * first, end * last))
+            profile = fastest(part, allowed, begin * first, end * last)
+            timed = profile.timed(allowed.acceleration_scales, TIMING_ACCURACY)
+            motions.append(timed.within(allowed.velocity, allowed.acceleration))
     return _joined(motions, curve)
-
-
-def _shortest(
-    part: PiecewisePolynomial, allowed: PathLimits, begin: float, end: float
-) -> TimeOptimal:
-    profile = fastest(part, allowed, begin, end)
-    timed = profile.timed(allowed.acceleration_scales, TIMING_ACCURACY)
-    return timed.within(allowed.velocity, allowed.acceleration)
-
-
-def _checked_speeds(given: object) -> tuple[float, float]:
-    speeds = as_single("path_speed", given, (2,))  # type: ignore[arg-type]
-    if not (speeds >= 0.0).all():
-        raise BadValueError("path_speed", speeds.tolist(), "two speeds, zero or above")
-    return float(speeds[0]), float(speeds[1])
 
 
 def _joined(motions: list[TimeOptimal], curve: PiecewisePolynomial) -> TimeOptimal:

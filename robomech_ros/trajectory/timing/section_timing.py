@@ -102,14 +102,23 @@ def _along_law(section: PathSection, law: Law) -> PiecewisePolynomial:
     """Let the path coordinate follow a law, as fast as joints and other speeds may be."""
     tau = _instants(law, _FEWEST)
     while True:
-        unit = _unit_motion(section, law, tau)
-        coarse = (_deviations(unit, section, law) > _ON_PATH) & (unit.spans > _NEAREST)
+        s, v, a = _coordinates(section, law, tau)
+        q, first, second, _ = section.joints.derivatives(s[:, 0])
+        q[-1] = section.joints.derivatives(section.high)[0]
+        unit = interpolant(tau, q, first * v, second * v**2 + first * a)
+        middle = 0.5 * (tau[1:] + tau[:-1])
+        between, rates, _ = _coordinates(section, law, middle)
+        exact = section.joints.derivatives(between[:, 0])[0]
+        off = np.abs(unit.sample(middle).position - exact).max(axis=1)
+        coarse = (off > _ON_PATH) & (unit.spans > _NEAREST)
         # Rounding and corners of the path would let this go on for ever.
         if not coarse.any() or len(tau) + coarse.sum() > _MOST:
             break
-        tau = np.sort(np.concatenate([tau, 0.5 * (tau[1:] + tau[:-1])[coarse]]))
+        tau = np.sort(np.concatenate([tau, middle[coarse]]))
     curve = fitted(unit, section.limits)
-    least = _least_duration(section, law, unit.breaks)
+    places, rates = np.concatenate([s, between])[:, 0], np.concatenate([v, rates])[:, 0]
+    used = [float(np.max(one.rate(places) * rates)) / one.limit for one in section.speeds]
+    least = max(used, default=0.0)
     return curve.stretched(max(least / curve.duration, 1.0))
 
 
@@ -130,32 +139,6 @@ def _coordinates(section: PathSection, law: Law, tau: Array) -> tuple[Array, ...
     rates = law.rates(tau)
     velocity, acceleration = section.length * rates.velocity, section.length * rates.acceleration
     return section.at(done)[:, None], velocity[:, None], acceleration[:, None]
-
-
-def _unit_motion(section: PathSection, law: Law, tau: Array) -> PiecewisePolynomial:
-    """Interpolate the joints over a duration of 1, by exact values and rates at instants (m,)."""
-    s, v, a = _coordinates(section, law, tau)
-    q, first, second, _ = section.joints.derivatives(s[:, 0])
-    q[-1] = section.joints.derivatives(section.high)[0]
-    return interpolant(tau, q, first * v, second * v**2 + first * a)
-
-
-def _deviations(unit: PiecewisePolynomial, section: PathSection, law: Law) -> Array:
-    """How far (rad or m) the joints are off the path in the middle between instants, (m - 1,)."""
-    middle = 0.5 * (unit.breaks[1:] + unit.breaks[:-1])
-    exact = section.joints.derivatives(_coordinates(section, law, middle)[0][:, 0])[0]
-    return np.abs(unit.sample(middle).position - exact).max(axis=1)
-
-
-def _least_duration(section: PathSection, law: Law, instants: Array) -> float:
-    """Shortest time (s) for a section in which other speeds are kept."""
-    tau = np.sort(np.concatenate([instants, 0.5 * (instants[1:] + instants[:-1])]))
-    s, v, _ = _coordinates(section, law, tau)
-    return max((_largest(speed, s[:, 0], v[:, 0]) for speed in section.speeds), default=0.0)
-
-
-def _largest(speed: SpeedLimit, s: Array, v: Array) -> float:
-    return float(np.max(np.asarray(speed.rate(s)) * v)) / speed.limit
 
 
 def _jerk_limited(section: PathSection) -> PiecewisePolynomial:

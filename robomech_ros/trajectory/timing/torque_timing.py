@@ -116,7 +116,10 @@ def torque_limited(
     driven = DrivenPath(curve, inverse_dynamics, friction)
     if curve.joints != len(known.joint_names):
         raise WrongSizeError("joints of the path", curve.joints, len(known.joint_names))
-    timed = _timed(known, driven.drives)
+    # The drives, and other joints whose rates have limits.
+    limited = np.isfinite(known.velocity) | np.isfinite(known.acceleration)
+    limited[driven.drives] = True
+    timed = np.flatnonzero(limited).tolist()
     known.only(timed).require("velocity")
     efforts = _efforts(limits, known, driven.drives, effort)
     check_positions(curve, curve.coefficients[0, 0], known)
@@ -151,13 +154,6 @@ def torque_limited(
         expected = f"torques that {_ROUNDS} rounds bring within their limits"
         raise BadValueError("largest torque in parts of its limit", 1.0 + excess, expected)
     return model.of_drives(best)
-
-
-def _timed(known: Limits, drives: list[int]) -> list[int]:
-    """Which joints are timed: the drives, and others whose rates have limits."""
-    limited = np.isfinite(known.velocity) | np.isfinite(known.acceleration)
-    limited[drives] = True
-    return [int(k) for k in np.flatnonzero(limited)]
 
 
 @dataclass(frozen=True, eq=False)
