@@ -25,11 +25,20 @@ def dead_end(tracking: PathTracking, robot: PathModel, limits: Limits) -> PathCu
     joints = tracking.path
     if joints is None or tracking.status not in _BY_ITSELF:
         return None
-    s, left_out = _last_fast_place(joints, limits), ""
+    places = np.linspace(0.0, joints.length, PLACES + 1)
+    speeds = _speeds(joints, places, limits)
+    slowest = min(SLOWEST, _PART_OF_FASTEST * float(speeds.max()))
+
+    def is_fast(s: float) -> bool:
+        return bool(_speeds(joints, np.array([s]), limits)[0] >= slowest)
+
+    fast, s, left_out = np.flatnonzero(speeds >= slowest), joints.length, ""
+    if len(fast) and fast[-1] < PLACES:
+        s = float(bisected(places[fast[-1]], s, is_fast, _HALVINGS)[0])
     if s < joints.length:
         left_out = (
             f"; the last {joints.length - s:.2g} m, on which the joints allow less than "
-            f"{_slowest(joints, limits):.2g} m/s, are left out"
+            f"{slowest:.2g} m/s, are left out"
         )
     text = _beyond(tracking, robot.limits, robot.singular_part(joints)) + left_out
     return PathCut(s, tracking.status, text, tracking.joint)
@@ -54,22 +63,3 @@ def _speeds(joints: JointPath, places: Array, limits: Limits) -> Array:
     with np.errstate(divide="ignore"):
         fastest: Array = np.min(limits.velocity / rates, axis=-1)
     return fastest
-
-
-def _slowest(joints: JointPath, limits: Limits) -> float:
-    places = np.linspace(0.0, joints.length, PLACES + 1)
-    return min(SLOWEST, _PART_OF_FASTEST * float(_speeds(joints, places, limits).max()))
-
-
-def _last_fast_place(joints: JointPath, limits: Limits) -> float:
-    """Find the last place (m) where the path is not pointlessly slow."""
-    places, least = np.linspace(0.0, joints.length, PLACES + 1), _slowest(joints, limits)
-    fast = np.flatnonzero(_speeds(joints, places, limits) >= least)
-    if not len(fast) or fast[-1] == PLACES:
-        return joints.length
-    low, high = float(places[fast[-1]]), joints.length
-
-    def is_fast(s: float) -> bool:
-        return bool(_speeds(joints, np.array([s]), limits)[0] >= least)
-
-    return float(bisected(low, high, is_fast, _HALVINGS)[0])

@@ -158,14 +158,9 @@ def follow_path(
     if tracking.status is PathTrackingStatus.COMPLETE:
         return PathFollowingResult(robot, path, values, tracking, None)
     joint = None if tracking.joint is None else robot.limits.joint_names[tracking.joint]
-    index = 0
-    if tracking.path is not None:
-        index = _on_the_way_to(path, tracking.reached)
-    text = (
-        tracking.reason
-        if path.waypoints is None
-        else f"before waypoints[{index}], {tracking.reason}"
-    )
+    index = 0 if tracking.path is None else _on_the_way_to(path, tracking.reached)
+    text = f"before waypoints[{index}], " if path.waypoints is not None else ""
+    text += tracking.reason
     stop = StopReason(index, joint, tracking.status, text)
     return PathFollowingResult(robot, path, values, tracking, stop)
 
@@ -188,7 +183,11 @@ def waypoint_fraction(followed: PathFollowingResult, waypoints: ArrayLike) -> fl
         0 to 1.
     """
     check_kind("followed", followed, PathFollowingResult, "a PathFollowingResult")
-    poses = _as_poses(waypoints)
+    shape = as_pose(waypoints, what="waypoints").shape
+    if len(shape) != 3 or not shape[0]:
+        raise WrongSizeError("waypoints", shape, "(m, 4, 4) with m at least 1")
+    # With their rounding.
+    poses = np.asarray(waypoints, dtype=np.float64)
     if followed.stop is None:
         return 1.0
     timed = followed.start[None, list(followed.robot.timed)]
@@ -210,14 +209,6 @@ def _as_start(robot: PathModel, start: ArrayLike) -> Array:
     else:
         values = as_finite("start", start, (n,))
     return shaped_array("start", values, (n,))
-
-
-def _as_poses(waypoints: ArrayLike) -> Array:
-    """Check waypoints, and give them with their rounding."""
-    shape = as_pose(waypoints, what="waypoints").shape
-    if len(shape) != 3 or not shape[0]:
-        raise WrongSizeError("waypoints", shape, "(m, 4, 4) with m at least 1")
-    return np.asarray(waypoints, dtype=np.float64)
 
 
 def _cut(tracking: PathTracking, robot: PathModel, bounds: PathStopLimits) -> PathTracking:

@@ -51,7 +51,9 @@ def link_speed_limit(
     check_chain(chain)
     check_chain(link)
     check_kind("joints", joints, JointPath, "a JointPath")
-    names, known = chain.joint_names, _positions(standing)
+    check_kind("standing", standing, Mapping | None, "positions by the names of joints")
+    names, given = chain.joint_names, dict(standing or {})
+    known = {name: as_number(f"position of joint {name!r}", given[name]) for name in given}
     for name in link.joint_names:
         if name not in names and name not in known:
             raise UnknownJointError(name, (*names, *known))
@@ -68,9 +70,3 @@ def link_speed_limit(
         return np.linalg.norm(velocity, axis=1)
 
     return SpeedLimit(rate, as_positive("speed", speed))
-
-
-def _positions(standing: Mapping[str, float] | None) -> dict[str, float]:
-    check_kind("standing", standing, Mapping | None, "positions by the names of joints")
-    known = dict(standing or {})
-    return {name: as_number(f"position of joint {name!r}", known[name]) for name in known}

@@ -94,8 +94,11 @@ class Contact:
             array.setflags(write=False)
         object.__setattr__(self, "position", position)
         object.__setattr__(self, "normal", normal)
+        expected = f"a number from 0 to {_MOST_FRICTION:g}"
         for field in ("friction", "torsional"):
-            object.__setattr__(self, field, _share(field, getattr(self, field)))
+            what, value = f"{field} of the contact", getattr(self, field)
+            value = finite_within(what, value, expected, 0.0, _MOST_FRICTION)
+            object.__setattr__(self, field, value)
 
     @property
     def planar(self) -> bool:
@@ -138,11 +141,6 @@ class Contact:
             return (*place, *along, *across, flat, flat, torsional)
         (x, y), (nx, ny) = self.position.tolist(), self.normal.tolist()
         return (x, y, 0.0, nx, ny, 0.0, -ny, nx, 0.0, 0.0, 0.0, 0.0, flat, 0.0, 0.0)
-
-
-def _share(field: str, value: object) -> float:
-    expected = f"a number from 0 to {_MOST_FRICTION:g}"
-    return finite_within(f"{field} of the contact", value, expected, 0.0, _MOST_FRICTION)
 
 
 def as_contacts(contacts: Sequence[Contact]) -> tuple[Contact, ...]:

@@ -176,9 +176,8 @@ def _seed(hand: Hand, seed: ArrayLike | None) -> Array:
 
 
 def _distinct(owners: tuple[int, ...]) -> tuple[int, ...]:
-    for one in owners:
-        if owners.count(one) > 1:
-            raise BadValueError("fingers", list(owners), "each finger once: a finger has one tip")
+    if len(set(owners)) < len(owners):
+        raise BadValueError("fingers", list(owners), "each finger once: a finger has one tip")
     return owners
 
 

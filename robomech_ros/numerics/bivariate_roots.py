@@ -106,7 +106,7 @@ def bivariate(
 def _solved(problem: GridProblem, tolerance: float) -> Bivariate:
     pair = problem.pair
     starts = problem.starts()
-    ends, reached = problem.refined(starts, list(pair), problem.limit())
+    ends, reached = problem.refined(starts, list(pair), 4.0 * problem.cell)
     crossings = problem.distinct(ends[reached < tolerance], list(pair), tolerance)
     everything = list(range(len(problem.scale)))
     roots, left = problem.refined(crossings, everything, problem.cell)

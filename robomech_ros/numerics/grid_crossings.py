@@ -37,14 +37,6 @@ _ROUNDING = 1e-12
 _FEWEST, _MOST = 8, 4096
 
 
-def zero_curves(x: Array, y: Array, values: Array) -> tuple[Array, ...]:
-    """Follow the curves on which an equation vanishes, by its values (n, m) on a grid."""
-    from contourpy import LineType, contour_generator
-
-    lines = contour_generator(x, y, values.T, line_type=LineType.Separate).lines(0.0)
-    return tuple(np.asarray(line, float) for line in lines)
-
-
 def shared_cells(first: Array, second: Array, *, wrap: bool) -> BoolArray:
     """Tell which cells of a grid, or their neighbours, two curves may both run through.
 
@@ -131,17 +123,19 @@ class GridProblem:
 
     def curves(self) -> tuple[tuple[Array, ...], ...]:
         """Follow the two curves on the grid."""
-        return tuple(zero_curves(*self.axes, self.values[k]) for k in self.pair)
+        from contourpy import LineType, contour_generator
+
+        found = (
+            contour_generator(*self.axes, self.values[k].T, line_type=LineType.Separate).lines(0.0)
+            for k in self.pair
+        )
+        return tuple(tuple(np.asarray(line, float) for line in lines) for lines in found)
 
     def starts(self) -> Array:
         """Return the middles of the cells that both curves may run through, shape (n, 2)."""
         first, second = (self.values[k] for k in self.pair)
         cells = shared_cells(first, second, wrap=False)[:-1, :-1]
         return self.low + (np.argwhere(cells) + 0.5) * self.cell
-
-    def limit(self) -> Array:
-        """How far a crossing may be from the cell in which its refinement begins."""
-        return 4.0 * self.cell
 
     def part(self, points: Array, chosen: list[int]) -> Array:
         """Return some equations at points (n, 2) in parts of their scale, shape (n, m)."""

@@ -142,11 +142,7 @@ class Walker:
         speed: float = 1.0,
     ) -> None:
         check_kind("robot", robot, LeggedRobot, "a LeggedRobot")
-        missing = [
-            name
-            for name, speed in zip(robot.joint_names, robot.velocity, strict=True)
-            if not np.isfinite(speed)
-        ]
+        missing = np.array(robot.joint_names)[~np.isfinite(robot.velocity)].tolist()
         if missing:
             raise MissingLimitsError("velocity", missing)
         self.robot = robot

@@ -70,7 +70,9 @@ class PiecewisePolynomial:
         """
         values = self.coefficients
         for _ in range(order):
-            values = _differentiated(values)
+            if len(values) == 1:
+                return np.zeros_like(values)
+            values = values[1:] * np.arange(1.0, len(values))[:, None, None]
         return values
 
     def of_joints(self, joints: Sequence[int]) -> PiecewisePolynomial:
@@ -157,12 +159,6 @@ def joined(curves: Sequence[PiecewisePolynomial]) -> PiecewisePolynomial:
         np.append(np.concatenate(breaks), starts[-1]), np.concatenate(padded, axis=1)
     )
     return pieces
-
-
-def _differentiated(coefficients: Array) -> Array:
-    if len(coefficients) == 1:
-        return np.zeros_like(coefficients)
-    return coefficients[1:] * np.arange(1.0, len(coefficients))[:, None, None]
 
 
 def _horner(coefficients: Array, elapsed: Array) -> Array:

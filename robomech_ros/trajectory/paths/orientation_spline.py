@@ -101,7 +101,11 @@ class _System:
 
     def __init__(self, h: Array, turns: Array, ends: Ends, rates: Array | None) -> None:
         self.h, self.turns, self.ends, self.rates = h, turns, ends, rates
-        self.to_body = _body_rate_matrix(turns)
+        # From the rate of a rotation vector to the moving frame's own velocity: seen from it, the
+        # fixed frame turns back.
+        back = np.repeat(-turns[:, None], 3, axis=1)
+        velocities = angular_motion(back, "rotation-vector", np.broadcast_to(np.eye(3), back.shape))
+        self.to_body = np.swapaxes(velocities[0], -1, -2)
         self.to_vector = np.linalg.inv(self.to_body).astype(np.float64, copy=False)
         self.back: Array = np.swapaxes(matrix_from_rotation_vector(turns), -1, -2)
 
@@ -179,11 +183,3 @@ def _closed(rotations: Array) -> Array:
         what = f"angle (rad) from rotations[0] to rotations[{len(rotations) - 1}]"
         raise BadValueError(what, angle, "0, for a motion that closes")
     return np.concatenate([rotations[:-1], rotations[:1]])
-
-
-def _body_rate_matrix(theta: Array) -> Array:
-    """Matrices (m, 3, 3) from the rate of a rotation vector to the moving frame's own velocity."""
-    # Seen from the moving frame, the fixed one turns back.
-    turns = np.repeat(-theta[:, None], 3, axis=1)
-    rates = np.broadcast_to(np.eye(3), turns.shape)
-    return np.swapaxes(angular_motion(turns, "rotation-vector", rates)[0], -1, -2)

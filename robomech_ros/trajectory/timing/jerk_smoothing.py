@@ -30,6 +30,7 @@ from robomech_ros.trajectory.curves.bounds import hull
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS, along_line
+from robomech_ros.trajectory.timing.path_limits import PathFunction, largest_parts
 from robomech_ros.trajectory.timing.path_sections import jump
 from robomech_ros.trajectory.timing.path_speed import fastest
 from robomech_ros.trajectory.timing.speed_profile import PathLimits, SpeedProfile, TimeOptimal
@@ -107,10 +108,7 @@ def _kept(
     """Turn an attempt into a motion that keeps to all limits."""
     mean = attempt.clock.mean(attempt.instants)
     timed = _along(path, attempt.instants, mean)
-    slower = 1.0
-    for speed in limits.speeds:
-        ratio = np.asarray(speed.rate(timed.coordinates)) * timed.speeds / speed.limit
-        slower = max(slower, float(ratio.max()))
+    slower = max(1.0, float(largest_parts(limits.speeds, timed.coordinates, timed.speeds).max()))
     return timed.stretched(slower).within(limits.velocity, limits.acceleration, jerk)
 
 
@@ -124,24 +122,7 @@ def _check_smoothness(path: PiecewisePolynomial) -> None:
         raise BadValueError(what, step, "none, for a limited jerk")
 
 
-@dataclass(frozen=True)
-class _Caps:
-    """Bounds along a path, linear between the places where they are known.
-
-    Attributes
-    ----------
-    places, values : ndarray, shape (m,)
-        Path coordinates, not decreasing, and the bounds there.
-    """
-
-    places: Array
-    values: Array
-
-    def __call__(self, nodes: Array) -> Array:
-        return np.interp(nodes, self.places, self.values)
-
-
-def _jerk_bound(path: PiecewisePolynomial, jerk: Array) -> _Caps:
+def _jerk_bound(path: PiecewisePolynomial, jerk: Array) -> PathFunction:
     """Bound the speed by the jerk q''' s'^3 of the path itself, piece by piece."""
     third = np.abs(hull(path, 3)).max(axis=0) / jerk
     with np.errstate(divide="ignore"):
@@ -149,7 +130,7 @@ def _jerk_bound(path: PiecewisePolynomial, jerk: Array) -> _Caps:
     most = (path.duration / 1e-9) ** 2
     pieces = np.minimum(pieces, most)
     both = np.repeat(path.breaks, 2)[1:-1]
-    return _Caps(both, np.repeat(pieces, 2))
+    return PathFunction(both, np.repeat(pieces, 2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -281,11 +262,9 @@ def _factors(path: PiecewisePolynomial, limits: PathLimits, jerk: Array, mean: A
     bowed = (place.jerk * v**3 + 3.0 * place.acceleration * v * a) / jerk
     total = bowed + place.velocity * j / jerk
     factors = np.zeros((2, mean.shape[1]))
+    factors[0] = largest_parts(limits.speeds, *mean[:2])
     for order, rate in enumerate((velocity, acceleration, bowed), 1):
         factors[0] = np.maximum(factors[0], np.abs(rate).max(axis=1) ** (1.0 / order))
-    for speed in limits.speeds:
-        ratio = np.asarray(speed.rate(mean[0])) * mean[1] / speed.limit
-        factors[0] = np.maximum(factors[0], ratio)
     factors[1] = np.cbrt(np.abs(total).max(axis=1))
     return factors
 
@@ -324,7 +303,7 @@ def _slowed(limits: PathLimits, profile: SpeedProfile, attempt: _Attempt) -> Pat
     then = np.clip(even - 0.5 * window, 0.0, clock.curve.duration)
     places = clock.curve.sample(then).position[:, 0]
     caps, slowdown = limits.square, limits.slowdown
-    assert isinstance(caps, _Caps)
+    assert isinstance(caps, PathFunction)
     here = np.union1d(caps.places, profile.nodes)
     speed, jerk = (
         np.interp(here, places, _spread(factors[at], reach)) for factors in attempt.factors
@@ -335,7 +314,8 @@ def _slowed(limits: PathLimits, profile: SpeedProfile, attempt: _Attempt) -> Pat
     lower = np.where(fast, present / speed**2, np.inf)
     used = 1.0 if slowdown is None else slowdown(here)
     part = np.maximum(used / jerk**_POWER, _LEAST_PART)
-    return replace(limits, square=_Caps(here, np.minimum(known, lower)), slowdown=_Caps(here, part))
+    square = PathFunction(here, np.minimum(known, lower))
+    return replace(limits, square=square, slowdown=PathFunction(here, part))
 
 
 def _spread(factors: Array, reach: int) -> Array:

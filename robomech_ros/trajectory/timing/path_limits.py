@@ -29,6 +29,24 @@ _QUARTIC = np.linalg.inv(np.vander(np.linspace(0.0, 1.0, 5), increasing=True))
 
 
 @dataclass(frozen=True, eq=False)
+class PathFunction:
+    """A function of the path coordinate, linear between places.
+
+    Attributes
+    ----------
+    places, values : ndarray, shape (m,)
+        Path coordinates, not decreasing, and the values there.
+    """
+
+    places: Array
+    values: Array
+
+    def __call__(self, s: Array) -> Array:
+        """Return the values at path coordinates, of their shape."""
+        return np.interp(s, self.places, self.values)
+
+
+@dataclass(frozen=True, eq=False)
 class SpeedLimit:
     """A speed that is proportional to the speed along the path, and its limit.
 
@@ -55,7 +73,9 @@ class SpeedLimit:
             raise BadValueError("speed limit", limit, expected)
         object.__setattr__(self, "limit", limit)
         if not _is_function(self.rate):
-            object.__setattr__(self, "rate", _interpolated(self.rate))
+            what, expected = "rate of a speed limit", "a pair of arrays: path coordinates and rates"
+            where, (rates,) = _tables(what, self.rate, expected, [what], ())
+            object.__setattr__(self, "rate", PathFunction(where, rates))
 
     def powers(self, nodes: Array) -> Array:
         """Return the rate over the limit in every cell, in powers of sigma, shape (m, 5)."""
@@ -125,6 +145,12 @@ class TorqueLimits:
         return powers[0], powers[1], powers[2]
 
 
+def largest_parts(speeds: Sequence[SpeedLimit], places: Array, rates: Array | float) -> Array:
+    """Return the largest parts of limits that rates of the path coordinate take, shape (m,)."""
+    parts = [np.zeros(len(places)), *(np.asarray(one.rate(places)) / one.limit for one in speeds)]
+    return np.max(parts, axis=0) * rates
+
+
 def checked_list(what: str, given: object, kind: type) -> list[Any]:
     """Return one limit or a sequence of them as a list."""
     if isinstance(given, kind):
@@ -168,12 +194,6 @@ def _tables(
         if tables[-1].shape != (len(where), *tail):
             raise WrongSizeError(name, tables[-1].shape, (len(where), *tail))
     return where, tables
-
-
-def _interpolated(given: object) -> Callable[[Array], Array]:
-    what, expected = "rate of a speed limit", "a pair of arrays: path coordinates and rates"
-    where, (rates,) = _tables(what, given, expected, [what], ())
-    return lambda s: np.interp(s, where, rates)
 
 
 def _interpolated_columns(given: object, count: int) -> Callable[[Array], tuple[Array, ...]]:

@@ -13,7 +13,7 @@ from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.paths.joint_path import JointPath
 from robomech_ros.trajectory.profiles.double_s_laws import unit_double_s, unit_double_s_samples
 from robomech_ros.trajectory.profiles.laws import CUBIC, CYCLOIDAL, POLY345, POLY4567, Law, law_of
-from robomech_ros.trajectory.timing.path_limits import SpeedLimit
+from robomech_ros.trajectory.timing.path_limits import SpeedLimit, largest_parts
 from robomech_ros.trajectory.timing.path_timing import time_optimal
 from robomech_ros.trajectory.timing.time_optimal_motions import with_ramps
 from robomech_ros.typing import Array
@@ -117,8 +117,7 @@ def _along_law(section: PathSection, law: Law) -> PiecewisePolynomial:
         tau = np.sort(np.concatenate([tau, middle[coarse]]))
     curve = fitted(unit, section.limits)
     places, rates = np.concatenate([s, between])[:, 0], np.concatenate([v, rates])[:, 0]
-    used = [float(np.max(one.rate(places) * rates)) / one.limit for one in section.speeds]
-    least = max(used, default=0.0)
+    least = float(largest_parts(section.speeds, places, rates).max())
     return curve.stretched(max(least / curve.duration, 1.0))
 
 
@@ -161,8 +160,7 @@ def _jerk_limited(section: PathSection) -> PiecewisePolynomial:
 def _all_speeds(section: PathSection) -> SpeedLimit:
     """Combine all other speeds into one whose limit is 1, known at many places."""
     places = section.at(np.linspace(0.0, 1.0, 2 * _SPEED_PLACES + 1))
-    rates = [np.asarray(speed.rate(places)) / speed.limit for speed in section.speeds]
-    largest = np.max(rates, axis=0) if rates else np.zeros(len(places))
+    largest = largest_parts(section.speeds, places, 1.0)
     # Between its places it is linear: as much higher as that is too low half way.
     linear = 0.5 * (largest[:-2:2] + largest[2::2])
     low = largest[1::2] / np.where(linear > 0.0, linear, 1.0)

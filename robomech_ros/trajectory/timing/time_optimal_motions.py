@@ -133,7 +133,10 @@ def time_optimal_through(
     parameters, path = _path_through(places, limits)
     timed = time_optimal(path, smooth, jerk_smoothing=True)
     knots = _passed(timed, parameters, places)
-    pieces = _exactly_through(places, knots, with_fewer_pieces(timed.pieces, smooth))
+    pieces = with_fewer_pieces(timed.pieces, smooth)
+    missed = places - pieces.sample(knots).position
+    if np.abs(missed).max() > _MISSED and (np.diff(knots) > 0.0).all():
+        pieces = _summed(pieces, cubic_spline(knots, missed, "rest"))
     exact = fitted(pieces, smooth, duration)
     check_positions(exact, places[0], limits)
     knots = knots * (exact.duration / pieces.duration)
@@ -212,16 +215,6 @@ def _passed(timed: TimeOptimal, parameters: Array, places: Array) -> Array:
         instants = np.clip(instants, earliest, latest)
     instants[[0, -1]] = 0.0, timed.duration
     return instants
-
-
-def _exactly_through(
-    places: Array, knots: Array, curve: PiecewisePolynomial
-) -> PiecewisePolynomial:
-    """Add to a curve what it misses places (m, n) by at the knots (m,), by a spline."""
-    missed = places - curve.sample(knots).position
-    if np.abs(missed).max() <= _MISSED or not (np.diff(knots) > 0.0).all():
-        return curve
-    return _summed(curve, cubic_spline(knots, missed, "rest"))
 
 
 def _summed(one: PiecewisePolynomial, other: PiecewisePolynomial) -> PiecewisePolynomial:

@@ -36,7 +36,7 @@ from robomech_ros.trajectory.curves.motion_to_rest import check_positions
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.timing.driven_path import DrivenPath, DrivenRobot, Dynamics, Friction
-from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
+from robomech_ros.trajectory.timing.path_limits import PathFunction, SpeedLimit, TorqueLimits
 from robomech_ros.trajectory.timing.path_sections import checked_path
 from robomech_ros.trajectory.timing.path_timing import time_optimal
 from robomech_ros.trajectory.timing.speed_profile import TimeOptimal
@@ -126,7 +126,7 @@ def torque_limited(
     if friction is not None:
         driven = replace(driven, path=_at_reversals(curve))
     model = _Model(driven, efforts, timed)
-    speed = model.first_speed(known.velocity[driven.drives])
+    squares = model.first_squares(known.velocity[driven.drives])
     known, allowed, excess = known.only(timed), 1.0, np.inf
     best: TimeOptimal | None = None
     lasted = np.inf
@@ -136,7 +136,7 @@ def torque_limited(
             known,
             path_speed=path_speed,
             speed_limits=speed_limits,
-            torque_limits=model.limits(speed, allowed),
+            torque_limits=model.limits(squares, allowed),
         )
         before, excess = excess, model.largest_part(found) - 1.0
         settled = abs(lasted - found.duration) <= _SETTLED * found.duration
@@ -148,7 +148,7 @@ def torque_limited(
                 return model.of_drives(found)
         elif friction is None or (settled and excess > _SLOW * before):
             allowed /= 1.0 + excess
-        speed = _Speed(np.maximum.accumulate(found.coordinates), found.speeds**2)
+        squares = PathFunction(np.maximum.accumulate(found.coordinates), found.speeds**2)
         lasted = found.duration
     if best is None:
         expected = f"torques that {_ROUNDS} rounds bring within their limits"
@@ -174,7 +174,7 @@ class _Model:
         kept = [self.joints.index(k) for k in self.driven.drives]
         return replace(motion, pieces=motion.pieces.of_joints(kept))
 
-    def limits(self, speed: _Speed, part: float) -> TorqueLimits:
+    def limits(self, squares: PathFunction, part: float) -> TorqueLimits:
         """Limits with friction's tangent at a speed, and the part of the efforts to use."""
         joints = np.isfinite(self.effort)
 
@@ -185,14 +185,14 @@ class _Model:
             a = self.driven.torques(q, rest, rates) - c
             b = self.driven.torques(q, rates, rises) - c
             if self.driven.friction is not None:
-                value, slope = self.tangent(q, rates, s, speed)
+                value, slope = self.tangent(q, rates, s, squares)
                 b, c = b + slope, c + value
             return a[:, joints], b[:, joints], c[:, joints]
 
         bound = part * self.effort[joints]
         return TorqueLimits(coefficients, -bound, bound)
 
-    def first_speed(self, velocity: Array) -> _Speed:
+    def first_squares(self, velocity: Array) -> PathFunction:
         """Return so small a part of the speed limits that only dry friction counts.
 
         A tangent at too high a speed would ask for torques that no slow motion takes.
@@ -204,7 +204,7 @@ class _Model:
         middles = 0.5 * (self.timed.breaks[1:] + self.timed.breaks[:-1])
         speed = _FIRST_SPEED / slowest
         if self.driven.friction is None:
-            return _Speed(middles, speed**2)
+            return PathFunction(middles, speed**2)
         q = self.driven.on_path(middles)[0]
         for _ in range(_HALVINGS):
             moving = rates * speed[:, None]
@@ -213,12 +213,12 @@ class _Model:
             if (wet <= _FIRST_FRICTION * self.effort).all():
                 break
             speed *= 0.5
-        return _Speed(middles, speed**2)
+        return PathFunction(middles, speed**2)
 
-    def tangent(self, q: Array, rates: Array, s: Array, speed: _Speed) -> tuple[Array, ...]:
+    def tangent(self, q: Array, rates: Array, s: Array, squares: PathFunction) -> tuple[Array, ...]:
         """Friction as ``value + slope square`` of the square of the speed along the path."""
-        now = np.maximum(speed(s), PATH_STANDSTILL)[:, None]
-        least = np.maximum(now, _LEAST_SPEED * speed.highest)
+        now = np.maximum(np.sqrt(squares(s)), PATH_STANDSTILL)[:, None]
+        least = np.maximum(now, _LEAST_SPEED * np.sqrt(squares.values.max()))
         more, less = (
             self.driven.lost(q, rates * (least * (1.0 + d))) for d in (_DIFFERENCE, -_DIFFERENCE)
         )
@@ -246,21 +246,6 @@ def _coordinates(motion: TimeOptimal) -> Array:
     gone = begin * _PLACES + 0.5 * (end - begin) * _PLACES**2
     places: Array = motion.coordinates[:-1, None] + np.diff(motion.pieces.breaks)[:, None] * gone
     return np.clip(places, motion.coordinates[0], motion.coordinates[-1])
-
-
-@dataclass(frozen=True, eq=False)
-class _Speed:
-    """Squares of the speed along a path at increasing coordinates, linear in between."""
-
-    coordinates: Array
-    squares: Array
-
-    def __call__(self, s: Array) -> Array:
-        return np.sqrt(np.interp(s, self.coordinates, self.squares))
-
-    @property
-    def highest(self) -> float:
-        return float(np.sqrt(self.squares.max()))
 
 
 def _at_reversals(curve: PiecewisePolynomial) -> PiecewisePolynomial:
