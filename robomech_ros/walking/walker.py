@@ -325,7 +325,19 @@ class Walker:
             self._walking = False
         if not self._walking and self._waiting is not None:
             self._stride, self._waiting = self._waiting, None
-        return self._seen()
+        body, feet, q = self._state
+        return WalkUpdate(
+            q=q.ravel(),
+            rates=self._rates.ravel(),
+            contacts=feet[:, 7] == 0.0,
+            feet=feet[:, :3],
+            base=body[:3],
+            trunk=self._trunk,
+            twist=self._twist,
+            margin=self._margin,
+            part=self._part,
+            walking=self._walking,
+        )
 
     def _towards(self, twist: Array) -> Array:
         """Return the twist after a period on the straight way to another one."""
@@ -372,21 +384,6 @@ class Walker:
         c, s = np.cos(body[2]), np.sin(body[2])
         away = (feet[:, :2] - body[:2]) @ np.array([[c, -s], [s, c]])
         return bool(np.abs(away - self._stride.geometry[:, :2]).max() < 1e-6)
-
-    def _seen(self) -> WalkUpdate:
-        body, feet, q = self._state
-        return WalkUpdate(
-            q=q.ravel(),
-            rates=self._rates.ravel(),
-            contacts=feet[:, 7] == 0.0,
-            feet=feet[:, :3],
-            base=body[:3],
-            trunk=self._trunk,
-            twist=self._twist,
-            margin=self._margin,
-            part=self._part,
-            walking=self._walking,
-        )
 
 
 def _positive(what: str, value: object) -> float:

@@ -248,18 +248,11 @@ def _check_continuous(curve: Curve) -> None:
         middle = 0.5 * (low + high)
         least = (middle <= low) | (middle >= high)
         if least.any():
-            _raise_jump(curve, low[least], high[least])
+            k = np.flatnonzero(least)[[np.argmin(low[least])]]
+            what = f"turn (rad) of the Frenet frame at parameter {high[k[0]]:.9g}"
+            expected = "none: the frame jumps there, and no tool can follow it"
+            raise BadValueError(what, float(_angle(curve, low[k], high[k])[0]), expected)
         low, high = np.append(low, middle), np.append(middle, high)
-
-
-def _raise_jump(curve: Curve, low: Array, high: Array) -> None:
-    """Name the first jump of the frame between neighbouring numbers."""
-    k = int(np.argmin(low))
-    raise BadValueError(
-        f"turn (rad) of the Frenet frame at parameter {high[k]:.9g}",
-        float(_angle(curve, low[k : k + 1], high[k : k + 1])[0]),
-        "none: the frame jumps there, and no tool can follow it",
-    )
 
 
 def _angle(curve: Curve, low: Array, high: Array) -> Array:

@@ -78,12 +78,7 @@ def limit_cut(joints: JointPath, limits: Limits) -> PathCut | None:
 def _part_outside(joints: JointPath, lower: Array, upper: Array) -> tuple[float, float] | None:
     """Find the first piece (m, m) of a joint path that is outside limits (n,) for sure."""
     coefficients, breaks = hull(joints.pieces, 0), joints.pieces.breaks
-    found = [
-        pair[0]
-        for pair in (
-            first_above(coefficients, upper + _SLACK_BETWEEN),
-            first_above(-coefficients, -lower + _SLACK_BETWEEN),
-        )
-        if pair is not None
-    ]
-    return (float(breaks[min(found)]), float(breaks[min(found) + 1])) if found else None
+    above = first_above(coefficients, upper + _SLACK_BETWEEN)
+    below = first_above(-coefficients, -lower + _SLACK_BETWEEN)
+    first = min((place[0] for place in (above, below) if place is not None), default=None)
+    return None if first is None else (float(breaks[first]), float(breaks[first + 1]))

@@ -200,7 +200,11 @@ def along_joint_path(
     RobomechError
         As `along_path` does, and LimitExceededError if the joint path leaves the position limits.
     """
-    joints = _found(path, tracking)
+    check_kind("tracking", tracking, PathTracking, "a PathTracking")
+    joints = tracking.path
+    if joints is None:
+        raise BadValueError("tracking", tracking.reason, "one that has found a joint path")
+    check_follows(path, joints)
     timing = SECTION_TIMINGS[as_choice("profile", profile, PATH_PROFILES)]
     allowed = Limits.of(limits)
     allowed.require(*timing.required)
@@ -215,19 +219,13 @@ def along_joint_path(
     )
     seconds = checked_duration(duration)
     if seconds is not None:
-        _check_wanted(seconds, curve, allowed)
+        if seconds < curve.duration - DURATION_ROUNDING * (1.0 + curve.duration):
+            factor, joint, rate = stretch_needed(curve, allowed)
+            name = allowed.joint_names[joint] if factor > 1.0 - _BINDING else "of the tool"
+            raise DurationTooShortError(seconds, curve.duration, name, rate)
         curve = curve.stretched(max(seconds / curve.duration, 1.0))
     check_positions(curve, joints.pieces.coefficients[0, 0], allowed)
     return PathMotion(joints.derivatives(joints.length)[0], curve, tracking)
-
-
-def _found(path: PosePath, tracking: PathTracking) -> JointPath:
-    """Return the joint path that has been found along a pose path."""
-    check_kind("tracking", tracking, PathTracking, "a PathTracking")
-    if tracking.path is None:
-        raise BadValueError("tracking", tracking.reason, "one that has found a joint path")
-    check_follows(path, tracking.path)
-    return tracking.path
 
 
 def _edges(joints: JointPath, needs_smooth: bool) -> list[tuple[float, float]]:
@@ -264,11 +262,3 @@ def _speed_limits(twists: Callable[[Array], Array], most: TipSpeeds | None) -> l
         for what, speed, part in kinds
         if not (isinstance(speed, float) and speed == np.inf)
     ]
-
-
-def _check_wanted(seconds: float, curve: PiecewisePolynomial, limits: Limits) -> None:
-    slack = DURATION_ROUNDING * (1.0 + curve.duration)
-    if seconds < curve.duration - slack:
-        factor, joint, rate = stretch_needed(curve, limits)
-        name = limits.joint_names[joint] if factor > 1.0 - _BINDING else "of the tool"
-        raise DurationTooShortError(seconds, curve.duration, name, rate)

@@ -113,7 +113,12 @@ def sampled_motion(
     known = Limits.of(limits)
     first = known.with_margin if free else known
     factors = np.ones((3, len(known.joint_names)))
-    jerk_error = _jerk_error(known)
+    jerk_error = min(_JERK_ERROR * float(known.jerk.min(initial=np.inf)), _LARGEST_JERK_ERROR)
+
+    def sampled(motion: PiecewiseTrajectory) -> SampledPlan:
+        waypoints = discretise(motion, period, max_points, jerk_error=jerk_error)
+        return SampledPlan(motion, waypoints, verify(waypoints, known, start=start))
+
     plan: SampledPlan | None = None
     for attempt in range(_ROUNDS):
         try:
@@ -126,13 +131,12 @@ def sampled_motion(
             if plan is None or not plan.verification.ok:
                 raise
             return plan  # over the limits by rounding only, and there is no time to spare
-        waypoints = discretise(trajectory, period, max_points, jerk_error=jerk_error)
-        plan = SampledPlan(trajectory, waypoints, verify(waypoints, known, start=start))
+        plan = sampled(trajectory)
         ratios = _shown_ratios(plan, known)
         if (ratios <= 1.0).all():
             break
         slowest = 1.0 + _SLOWER * (attempt + 1) if free else 1.0
-        slowed = _slowed(plan, known, slowest, period, max_points)
+        slowed = _slowed(plan, known, slowest, sampled)
         if slowed is not None:
             return slowed
         _tighten(factors, ratios, stagger=attempt < _STAGGERED_ROUNDS)
@@ -221,7 +225,12 @@ def _shown_ratios(plan: SampledPlan, limits: Limits) -> Array:
     A verification forgives what may be rounding; who receives the samples need not, so that here
     it counts where samples are so near to each other that it can be seen.
     """
-    if not _rounding_shows(plan.waypoints, limits):
+    # Rounding of positions can use up the margins of acceleration or jerk.
+    shortest = float(np.diff(plan.waypoints.times).min(initial=np.inf))
+    acceleration = MARGIN * float(limits.acceleration.min(initial=np.inf))
+    jerk = JERK_MARGIN * float(limits.jerk.min(initial=np.inf))
+    least = shortest**2 * min(acceleration, shortest * jerk)
+    if not position_rounding(plan.waypoints.positions) > least:
         found = plan.verification
         return np.array(
             [found.peak_velocity_ratio, found.peak_acceleration_ratio, found.peak_jerk_ratio]
@@ -230,24 +239,17 @@ def _shown_ratios(plan: SampledPlan, limits: Limits) -> Array:
     return np.maximum(-low, high)[1:] / limits.rates
 
 
-def _rounding_shows(waypoints: Waypoints, limits: Limits) -> bool:
-    """Say whether rounding of positions can use up the margins of acceleration or jerk."""
-    shortest = float(np.diff(waypoints.times).min(initial=np.inf))
-    rounding = position_rounding(waypoints.positions)
-    acceleration = MARGIN * float(limits.acceleration.min(initial=np.inf))
-    jerk = JERK_MARGIN * float(limits.jerk.min(initial=np.inf))
-    return rounding > shortest**2 * min(acceleration, shortest * jerk)
-
-
 def _slowed(
-    plan: SampledPlan, limits: Limits, slowest: float, period: float, max_points: int
+    plan: SampledPlan,
+    limits: Limits,
+    slowest: float,
+    sampled: Callable[[PiecewiseTrajectory], SampledPlan],
 ) -> SampledPlan | None:
     """Slow a plan down by up to a factor until its rounding, too, is within the limits, if it gets.
 
     Where rounding is all that is wrong that takes less time than to plan anew.
     """
-    start, goal = plan.waypoints.positions[[0, -1]]
-    pieces, jerk_error = plan.trajectory.pieces, _jerk_error(limits)
+    goal, pieces = plan.waypoints.positions[-1], plan.trajectory.pieces
     factor, ratios = 1.0, _shown_ratios(plan, limits)
     for _ in range(_SLOWED_ROUNDS):
         needed = float(((ratios + MARGIN).max(axis=1) ** (1.0 / np.arange(1.0, 4.0))).max())
@@ -260,15 +262,8 @@ def _slowed(
             if knots is None
             else MotionThrough(goal, longer, factor * knots)
         )
-        waypoints = discretise(motion, period, max_points, jerk_error=jerk_error)
-        verification = verify(waypoints, limits, start=start)
-        slowed = SampledPlan(motion, waypoints, verification)
+        slowed = sampled(motion)
         ratios = _shown_ratios(slowed, limits)
-        if verification.ok and (ratios <= 1.0).all():
+        if slowed.verification.ok and (ratios <= 1.0).all():
             return slowed
     return None
-
-
-def _jerk_error(limits: Limits) -> float:
-    """Say what rounding may do to the jerk between samples that are near to each other."""
-    return min(_JERK_ERROR * float(limits.jerk.min(initial=np.inf)), _LARGEST_JERK_ERROR)

@@ -11,8 +11,8 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import fitted, stretch_needed
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.paths.joint_path import JointPath
-from robomech_ros.trajectory.profiles.double_s_laws import unit_double_s, unit_double_s_samples
 from robomech_ros.trajectory.profiles.laws import CUBIC, CYCLOIDAL, POLY345, POLY4567, Law, law_of
+from robomech_ros.trajectory.profiles.velocity_profiles import unit_double_s, unit_double_s_samples
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, largest_parts
 from robomech_ros.trajectory.timing.path_timing import time_optimal
 from robomech_ros.trajectory.timing.time_optimal_motions import with_ramps

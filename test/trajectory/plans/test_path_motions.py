@@ -24,8 +24,8 @@ from robomech_ros.trajectory import (
     track_path,
     verify,
 )
-from robomech_ros.trajectory.profiles.double_s_laws import unit_double_s, unit_double_s_samples
 from robomech_ros.trajectory.profiles.laws import CUBIC
+from robomech_ros.trajectory.profiles.velocity_profiles import unit_double_s, unit_double_s_samples
 
 PUMA = load_robot("puma560")
 LIMITS = Limits.of(PUMA)
