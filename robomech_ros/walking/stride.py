@@ -171,10 +171,8 @@ def reachable(robot: LeggedRobot, geometry: Array, settings: Array, pose: Array)
     count = len(robot.legs)
     for height in (0.0, float(settings[2])):
         for angle in _AROUND:
-            points = np.zeros((count, 3))
             away = (radius + sway) * np.array([np.cos(angle), np.sin(angle)])
-            points[:, :2] = geometry[:, :2] + away
-            points[:, 2] = height
+            points = np.column_stack([geometry[:, :2] + away, np.full(count, height)])
             feet = np.ascontiguousarray((points - place) @ turn)
             q = robot.home.reshape(count, 3).copy()
             lost = int(follow_feet(robot.packed, feet, q))

@@ -25,13 +25,12 @@ from functools import cached_property
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.curves.bounds import hull
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS, along_line
 from robomech_ros.trajectory.timing.path_limits import PathFunction, largest_parts
-from robomech_ros.trajectory.timing.path_sections import jump
+from robomech_ros.trajectory.timing.path_sections import check_no_step, jump
 from robomech_ros.trajectory.timing.path_speed import fastest
 from robomech_ros.trajectory.timing.speed_profile import PathLimits, SpeedProfile, TimeOptimal
 from robomech_ros.typing import Array
@@ -57,7 +56,7 @@ def smoothed(path: PiecewisePolynomial, limits: PathLimits, jerk: Array) -> Time
 
     The path has a continuous second derivative; the limits are without torques.
     """
-    _check_smoothness(path)
+    check_no_step(path, 2, "the path's second derivative", "none, for a limited jerk")
     if _is_straight(path) and not limits.speeds:
         return _double_s(path, limits, jerk)
     bounded = replace(limits, square=_jerk_bound(path, jerk))
@@ -110,16 +109,6 @@ def _kept(
     timed = _along(path, attempt.instants, mean)
     slower = max(1.0, float(largest_parts(limits.speeds, timed.coordinates, timed.speeds).max()))
     return timed.stretched(slower).within(limits.velocity, limits.acceleration, jerk)
-
-
-def _check_smoothness(path: PiecewisePolynomial) -> None:
-    stepping = jump(path, 2) if len(path.breaks) > 2 else np.empty(0, bool)
-    if stepping.any():
-        k = int(np.argmax(stepping)) + 1
-        ends = hull(path, 2)
-        step = float(np.abs(ends[-1, k - 1] - ends[0, k]).max())
-        what = f"step of the path's second derivative at its coordinate {path.breaks[k]:.9g}"
-        raise BadValueError(what, step, "none, for a limited jerk")
 
 
 def _jerk_bound(path: PiecewisePolynomial, jerk: Array) -> PathFunction:

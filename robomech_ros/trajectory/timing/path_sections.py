@@ -24,7 +24,7 @@ def checked_path(path: PiecewisePolynomial) -> PiecewisePolynomial:
     coefficients, pieces = curve.coefficients, curve.coefficients.shape[1]
     if pieces > _MOST_PIECES:
         raise BadValueError("number of pieces of the path", pieces, f"at most {_MOST_PIECES}")
-    _check_continuity(curve)
+    check_no_step(curve, 0, "the path", "no step: 0")
     used = np.flatnonzero(coefficients.any(axis=(1, 2)))
     order = int(used[-1]) if len(used) else 0
     kept = np.ascontiguousarray(coefficients[: max(order, 1) + 1])
@@ -34,7 +34,7 @@ def checked_path(path: PiecewisePolynomial) -> PiecewisePolynomial:
 def sections(curve: PiecewisePolynomial) -> list[PiecewisePolynomial]:
     """Divide a path at its corners, and leave out the parts where no joint moves."""
     moves = _moves(curve)
-    corners = jump(curve, 1) | (moves[1:] != moves[:-1]) if len(moves) > 1 else np.empty(0, bool)
+    corners = jump(curve, 1) | (moves[1:] != moves[:-1])
     ends = [0, *(np.flatnonzero(corners) + 1).tolist(), len(moves)]
     return [curve.between(first, last) for first, last in pairwise(ends) if moves[first]]
 
@@ -60,13 +60,11 @@ def _moves(curve: PiecewisePolynomial) -> np.ndarray:
     return (way > np.maximum(rounding, PATH_STANDSTILL)).any(axis=1)
 
 
-def _check_continuity(curve: PiecewisePolynomial) -> None:
-    stepping = jump(curve, 0) if len(curve.breaks) > 2 else np.empty(0, bool)
+def check_no_step(curve: PiecewisePolynomial, order: int, what: str, expected: str) -> None:
+    """Refuse a path of which a derivative, or itself, steps between two pieces."""
+    stepping = jump(curve, order)
     if stepping.any():
-        k = int(np.argmax(stepping)) + 1
-        ends = hull(curve, 0)
-        step = np.abs(ends[-1, k - 1] - ends[0, k]).max()
+        k, ends = int(np.argmax(stepping)) + 1, hull(curve, order)
+        step = float(np.abs(ends[-1, k - 1] - ends[0, k]).max())
         where = float(curve.breaks[k])
-        raise BadValueError(
-            f"step of the path at its coordinate {where:.9g}", float(step), "no step: 0"
-        )
+        raise BadValueError(f"step of {what} at its coordinate {where:.9g}", step, expected)
