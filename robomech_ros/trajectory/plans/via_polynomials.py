@@ -21,16 +21,12 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import checked_duration, fitted
 from robomech_ros.trajectory.joint_points import joint_points
 from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.trajectory.profiles.laws import POLY345, POLY4567
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
 from robomech_ros.typing import Array
 
-# The motion from 0 to 1 without via points, by powers of the part of the duration that is over, and
-# the derivatives that vanish at both ends.
-_LAWS = {
-    "poly345": np.array([0.0, 0.0, 0.0, 10.0, -15.0, 6.0]),
-    "poly4567": np.array([0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0]),
-}
-_RESTING = {"poly345": 2, "poly4567": 3}
+# The motions without via points.
+_LAWS = {"poly345": POLY345, "poly4567": POLY4567}
 # Through more points polynomials swing too far out.
 MOST_VIAS = 2
 # Free instants are sought by logarithms of the spans between points over the last one: on a grid of
@@ -174,7 +170,10 @@ def _through(places: Array, knots: Array, profile: str) -> PiecewisePolynomial:
     added, of a polynomial that vanishes at the ends with its derivatives, and of one, by Newton's
     differences, that corrects the values at the via points.
     """
-    law, resting = _LAWS[profile], _RESTING[profile]
+    # The motion from 0 to 1 by powers of the part of the duration that is over, and how many
+    # derivatives vanish at both ends.
+    law = _LAWS[profile].pieces.coefficients[:, 0, 0]
+    resting = len(law) // 2 - 1
     choices, vias = len(knots), len(places) - 2
     way = places[-1] - places[0]
     inner = knots[:, 1:-1, None]

@@ -14,14 +14,12 @@ J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., sections 6.3,
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from robomech_ros.trajectory.curves.bounds import extremes
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.limits import RATES, Rate
 from robomech_ros.typing import Array
 
 # Septic polynomials that stand for the cycloidal motion: they differ from it by 1e-13.
@@ -46,7 +44,7 @@ class Law:
         s(tau), accurate relative to s itself for tau up to 1/2.
     rates : callable
         Its first three derivatives.
-    peaks : dict
+    peaks : tuple of float
         Their largest magnitudes.
     pieces : PiecewisePolynomial
         s(tau) as one joint.
@@ -54,13 +52,8 @@ class Law:
 
     progress: Callable[[Array], Array]
     rates: Callable[[Array], Rates]
-    peaks: dict[Rate, float]
+    peaks: tuple[float, float, float]
     pieces: PiecewisePolynomial
-
-    @cached_property
-    def magnitudes(self) -> tuple[float, float, float]:
-        """Peaks of velocity, acceleration and jerk, in this order."""
-        return self.peaks["velocity"], self.peaks["acceleration"], self.peaks["jerk"]
 
 
 def _pieces(breaks: list[float], *coefficients: list[float]) -> PiecewisePolynomial:
@@ -85,9 +78,8 @@ def law_of(pieces: PiecewisePolynomial) -> Law:
         return Rates(velocity, np.where(back, -acceleration, acceleration), jerk)
 
     low, high = extremes(pieces)
-    largest = np.maximum(-low, high)[1:, 0].tolist()
-    peaks: dict[Rate, float] = dict(zip(RATES, largest, strict=True))
-    return Law(progress, rates, peaks, pieces)
+    velocity, acceleration, jerk = np.maximum(-low, high)[1:, 0].tolist()
+    return Law(progress, rates, (velocity, acceleration, jerk), pieces)
 
 
 def _progress345(tau: Array) -> Array:
@@ -154,10 +146,9 @@ def _septic(breaks: Array, values: Array) -> PiecewisePolynomial:
     powers = spans ** np.arange(4)[:, None, None]
     # Taylor coefficients over segments of length 1, from the front and at the back.
     front, back = values[:, :-1] / factorials * powers, values[:, 1:] / factorials * powers
-    left = np.array([[math.comb(k, d) for k in range(4)] for d in range(4)], float)
-    missing = back - np.tensordot(left, front, axes=1)
-    right = np.array([[math.comb(k, d) for k in range(4, 8)] for d in range(4)], float)
-    high = np.tensordot(np.linalg.inv(right), missing, axes=1)
+    ends = np.array([[math.comb(k, d) for k in range(8)] for d in range(4)], float)
+    missing = back - np.tensordot(ends[:, :4], front, axes=1)
+    high = np.tensordot(np.linalg.inv(ends[:, 4:]), missing, axes=1)
     scaled = np.concatenate([front, high]) / spans ** np.arange(8)[:, None, None]
     return PiecewisePolynomial(breaks, scaled)
 
@@ -171,25 +162,25 @@ def _cycloidal_pieces() -> PiecewisePolynomial:
 POLY345 = Law(
     _progress345,
     _rates345,
-    {"velocity": 15.0 / 8.0, "acceleration": 10.0 * math.sqrt(3.0) / 3.0, "jerk": 60.0},
+    (15.0 / 8.0, 10.0 * math.sqrt(3.0) / 3.0, 60.0),
     _one_piece(0.0, 0.0, 0.0, 10.0, -15.0, 6.0),
 )
 POLY4567 = Law(
     _progress4567,
     _rates4567,
-    {"velocity": 35.0 / 16.0, "acceleration": 84.0 * math.sqrt(5.0) / 25.0, "jerk": 52.5},
+    (35.0 / 16.0, 84.0 * math.sqrt(5.0) / 25.0, 52.5),
     _one_piece(0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0),
 )
 CYCLOIDAL = Law(
     _progress_cycloidal,
     _rates_cycloidal,
-    {"velocity": 2.0, "acceleration": 2.0 * math.pi, "jerk": 4.0 * math.pi**2},
+    (2.0, 2.0 * math.pi, 4.0 * math.pi**2),
     _cycloidal_pieces(),
 )
 CUBIC = Law(
     _progress_cubic,
     _rates_cubic,
-    {"velocity": 2.0, "acceleration": 8.0, "jerk": 32.0},
+    (2.0, 8.0, 32.0),
     _pieces(
         [0.0, 0.25, 0.75, 1.0],
         [0.0, 1.0 / 12.0, 11.0 / 12.0],
