@@ -239,17 +239,16 @@ def _checked_samples(robot_poses: ArrayLike, sensor_poses: ArrayLike) -> tuple[A
     robot = as_pose(robot_poses, what="robot_poses")
     sensor = as_pose(sensor_poses, what="sensor_poses")
     if robot.ndim != 3 or robot.shape != sensor.shape:
-        raise WrongSizeError(
-            "robot_poses and sensor_poses",
+        shapes, expected = (
             (robot.shape, sensor.shape),
             "(n, 4, 4) both, one of each for each sample",
         )
+        raise WrongSizeError("robot_poses and sensor_poses", shapes, expected)
     for what, poses in (("robot_poses", robot), ("sensor_poses", sensor)):
         most = float(np.abs(poses[:, :3, 3]).max(initial=0.0))
         if most > LARGEST_COORDINATE:
-            raise BadValueError(
-                f"largest coordinate of {what}", most, f"at most {LARGEST_COORDINATE:g} m"
-            )
+            expected = f"at most {LARGEST_COORDINATE:g} m"
+            raise BadValueError(f"largest coordinate of {what}", most, expected)
     return robot, sensor
 
 

@@ -72,9 +72,8 @@ class Contact:
         """Check everything."""
         position = as_finite("position of the contact", self.position, ())
         if position.shape not in ((2,), (3,)):
-            raise WrongSizeError(
-                "position of the contact", position.shape, "(3,), or (2,) in a plane"
-            )
+            shapes = "(3,), or (2,) in a plane"
+            raise WrongSizeError("position of the contact", position.shape, shapes)
         check_coordinates("position of the contact", position)
         normal = as_finite("normal of the contact", self.normal, ())
         if normal.shape != position.shape:

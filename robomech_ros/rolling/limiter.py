@@ -265,15 +265,11 @@ class CommandLimiter:
 
     def _pivot_speeds(self, twists: Array) -> tuple[Array, Array, list[str]]:
         """How fast wheels that turn about a pivot roll at most (rad/s), their limits and names."""
-        pairs = zip(self.base.names, self.base.wheels, strict=True)
-        turning = [
-            (n, w)
-            for n, w in pairs
-            if w.kind in ("steered", "caster") and math.isfinite(w.max_rate)
-        ]
-        places = np.array([w.position for _, w in turning]).reshape(-1, 2)
+        kinds = ("steered", "caster")
+        turning = [w for w in self.base.wheels if w.kind in kinds and math.isfinite(w.max_rate)]
+        places = np.array([w.position for w in turning]).reshape(-1, 2)
         both = [direction_rows(places, np.full(len(turning), a)) for a in (0.0, 0.5 * math.pi)]
         x, y = (np.einsum("ij,...j->...i", rows, twists) for rows in both)
-        radii = np.array([w.radius for _, w in turning])
-        most = np.array([w.max_rate for _, w in turning])
-        return np.hypot(x, y) / radii, most, [n for n, _ in turning]
+        radii = np.array([w.radius for w in turning])
+        most = np.array([w.max_rate for w in turning])
+        return np.hypot(x, y) / radii, most, [w.name for w in turning]

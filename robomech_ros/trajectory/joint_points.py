@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import NoReturn
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +10,7 @@ import numpy.typing as npt
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_flag, listed, real_array
-from robomech_ros.typing import Array, BoolArray, IntArray
+from robomech_ros.typing import Array, IntArray
 
 
 def joint_points(
@@ -26,7 +25,11 @@ def joint_points(
         raise WrongSizeError("points", places.shape, f"(m, {width}) with {few}")
     good = np.abs(places) <= LARGEST_LENGTH
     if not good.all():
-        _refuse(places, good)
+        for row in np.flatnonzero(~np.isfinite(places).all(axis=1)).tolist():
+            raise NonFiniteError(f"points[{row}]", places[row])
+        row = int(good.all(axis=1).argmin())
+        expected = f"numbers of at most {LARGEST_LENGTH:g}"
+        raise BadValueError(f"points[{row}]", places[row].tolist(), expected)
     places.setflags(write=False)
     return places
 
@@ -65,15 +68,6 @@ def nearest_turns(points: npt.ArrayLike, continuous: npt.ArrayLike) -> tuple[Arr
     steps = np.where(free, np.round(np.diff(places, axis=0) / math.tau), 0.0)
     turns = np.concatenate([np.zeros((1, len(free))), -np.cumsum(steps, axis=0)]) + 0.0
     return places + math.tau * turns, turns.astype(np.int64)
-
-
-def _refuse(places: Array, good: BoolArray) -> NoReturn:
-    """Name the first of the points (m, n) that is not finite, or else the first too large."""
-    for row in np.flatnonzero(~np.isfinite(places).all(axis=1)).tolist():
-        raise NonFiniteError(f"points[{row}]", places[row])
-    row = int(good.all(axis=1).argmin())
-    expected = f"numbers of at most {LARGEST_LENGTH:g}"
-    raise BadValueError(f"points[{row}]", places[row].tolist(), expected)
 
 
 def joint_values(what: str, values: npt.ArrayLike, shape: tuple[int, ...]) -> Array:

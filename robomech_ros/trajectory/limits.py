@@ -250,14 +250,9 @@ class Limits:
         """Raise `SeedOutsideLimitsError` where a start (n,) in rad or m is outside the limits."""
         k = self._outside(position)
         if k is not None:
-            raise SeedOutsideLimitsError(
-                self.joint_names[k],
-                float(position[k]),
-                float(self.lower[k]),
-                float(self.upper[k]),
-                what="start",
-                unit=self.units[k],
-            )
+            name, unit = self.joint_names[k], self.units[k]
+            value, lower, upper = float(position[k]), float(self.lower[k]), float(self.upper[k])
+            raise SeedOutsideLimitsError(name, value, lower, upper, what="start", unit=unit)
 
     def check_goal(self, position: Array, what: str = "goal position") -> None:
         """Raise `LimitExceededError` where a goal (n,) in rad or m is outside the limits."""

@@ -183,11 +183,8 @@ def join_curves(curves: Sequence[Curve]) -> JoinedCurve:
     for k in range(1, len(parts)):
         gap = float(np.linalg.norm(ends[k][0] - ends[k - 1][1]))
         if gap > COINCIDENT * max(size, 1.0):
-            raise BadValueError(
-                f"gap between the curves {k - 1} and {k}",
-                gap,
-                "each curve to start where the one before ends",
-            )
+            expected = "each curve to start where the one before ends"
+            raise BadValueError(f"gap between the curves {k - 1} and {k}", gap, expected)
     spans = [float(part.breaks[-1] - part.breaks[0]) for part in parts]
     return JoinedCurve(parts, np.concatenate([[0.0], np.cumsum(spans)]))
 

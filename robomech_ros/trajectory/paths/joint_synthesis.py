@@ -115,9 +115,8 @@ def _part(
     for k, guess in enumerate(guesses):
         q = corrected(arm, guess, places.pose[k])
         if q is None:
-            raise BadValueError(
-                f"joint values at s = {knots[k]:.6g} m", guess.tolist(), "values on the path"
-            )
+            what = f"joint values at s = {knots[k]:.6g} m"
+            raise BadValueError(what, guess.tolist(), "values on the path")
         rows.append(q)
     values, rates = np.stack(rows), None
     if ends == "periodic":
