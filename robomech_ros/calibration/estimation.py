@@ -239,10 +239,8 @@ def _checked_samples(robot_poses: ArrayLike, sensor_poses: ArrayLike) -> tuple[A
     robot = as_pose(robot_poses, what="robot_poses")
     sensor = as_pose(sensor_poses, what="sensor_poses")
     if robot.ndim != 3 or robot.shape != sensor.shape:
-        shapes, expected = (
-            (robot.shape, sensor.shape),
-            "(n, 4, 4) both, one of each for each sample",
-        )
+        shapes = robot.shape, sensor.shape
+        expected = "(n, 4, 4) both, one of each for each sample"
         raise WrongSizeError("robot_poses and sensor_poses", shapes, expected)
     for what, poses in (("robot_poses", robot), ("sensor_poses", sensor)):
         most = float(np.abs(poses[:, :3, 3]).max(initial=0.0))

@@ -14,12 +14,14 @@ J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., sections 6.3,
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from robomech_ros.trajectory.curves.bounds import extremes
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.limits import RATES, Rate
 from robomech_ros.typing import Array
 
 # Septic polynomials that stand for the cycloidal motion: they differ from it by 1e-13.
@@ -44,7 +46,7 @@ class Law:
         s(tau), accurate relative to s itself for tau up to 1/2.
     rates : callable
         Its first three derivatives.
-    peaks : tuple of float
+    peaks : dict
         Their largest magnitudes.
     pieces : PiecewisePolynomial
         s(tau) as one joint.
@@ -52,8 +54,13 @@ class Law:
 
     progress: Callable[[Array], Array]
     rates: Callable[[Array], Rates]
-    peaks: tuple[float, float, float]
+    peaks: dict[Rate, float]
     pieces: PiecewisePolynomial
+
+    @cached_property
+    def magnitudes(self) -> tuple[float, float, float]:
+        """Peaks of velocity, acceleration and jerk, in this order."""
+        return self.peaks["velocity"], self.peaks["acceleration"], self.peaks["jerk"]
 
 
 def _pieces(breaks: list[float], *coefficients: list[float]) -> PiecewisePolynomial:
@@ -78,8 +85,9 @@ def law_of(pieces: PiecewisePolynomial) -> Law:
         return Rates(velocity, np.where(back, -acceleration, acceleration), jerk)
 
     low, high = extremes(pieces)
-    velocity, acceleration, jerk = np.maximum(-low, high)[1:, 0].tolist()
-    return Law(progress, rates, (velocity, acceleration, jerk), pieces)
+    largest = np.maximum(-low, high)[1:, 0].tolist()
+    peaks: dict[Rate, float] = dict(zip(RATES, largest, strict=True))
+    return Law(progress, rates, peaks, pieces)
 
 
 def _progress345(tau: Array) -> Array:
@@ -162,25 +170,25 @@ def _cycloidal_pieces() -> PiecewisePolynomial:
 POLY345 = Law(
     _progress345,
     _rates345,
-    (15.0 / 8.0, 10.0 * math.sqrt(3.0) / 3.0, 60.0),
+    {"velocity": 15.0 / 8.0, "acceleration": 10.0 * math.sqrt(3.0) / 3.0, "jerk": 60.0},
     _one_piece(0.0, 0.0, 0.0, 10.0, -15.0, 6.0),
 )
 POLY4567 = Law(
     _progress4567,
     _rates4567,
-    (35.0 / 16.0, 84.0 * math.sqrt(5.0) / 25.0, 52.5),
+    {"velocity": 35.0 / 16.0, "acceleration": 84.0 * math.sqrt(5.0) / 25.0, "jerk": 52.5},
     _one_piece(0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0),
 )
 CYCLOIDAL = Law(
     _progress_cycloidal,
     _rates_cycloidal,
-    (2.0, 2.0 * math.pi, 4.0 * math.pi**2),
+    {"velocity": 2.0, "acceleration": 2.0 * math.pi, "jerk": 4.0 * math.pi**2},
     _cycloidal_pieces(),
 )
 CUBIC = Law(
     _progress_cubic,
     _rates_cubic,
-    (2.0, 8.0, 32.0),
+    {"velocity": 2.0, "acceleration": 8.0, "jerk": 32.0},
     _pieces(
         [0.0, 0.25, 0.75, 1.0],
         [0.0, 1.0 / 12.0, 11.0 / 12.0],

@@ -58,13 +58,13 @@ class RestToRest(StraightMotion):
 
     @classmethod
     def _fastest(cls, start: Array, goal: Array, limits: Limits) -> tuple[float, None]:
-        velocity, acceleration, jerk = cls.LAW.peaks
+        velocity, acceleration, jerk = cls.LAW.magnitudes
         least = _shortest_duration(start, goal, limits.inverses, velocity, acceleration, jerk)
         return least, None
 
     @classmethod
     def _binding(cls, start: Array, goal: Array, limits: Limits) -> tuple[Rate, int]:
-        shares = np.abs(goal - start) * limits.inverses * np.array(cls.LAW.peaks)[:, None]
+        shares = np.abs(goal - start) * limits.inverses * np.array(cls.LAW.magnitudes)[:, None]
         needed = shares ** (1.0 / np.arange(1.0, 4.0))[:, None]
         order, joint = np.unravel_index(int(np.argmax(needed)), needed.shape)
         return RATES[order], int(joint)
