@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,7 +28,6 @@ from robomech_ros.typing import Array, IntArray
 _forward_one = direct(forward_dynamics_one)
 
 
-@dataclass(frozen=True, eq=False)
 class ChainDynamics:
     """A serial chain by the names of :class:`DynamicSystem`: every joint has a drive.
 
@@ -54,55 +52,14 @@ class ChainDynamics:
     True
     """
 
-    chain: SerialChain
-
-    def __post_init__(self) -> None:
-        check_chain(self.chain)
-
-    @property
-    def name(self) -> str:
-        """The robot."""
-        return self.chain.name
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """All joints."""
-        return self.chain.joint_names
-
-    @property
-    def drive_names(self) -> tuple[str, ...]:
-        """All joints."""
-        return self.chain.joint_names
-
-    @property
-    def drives_at(self) -> IntArray:
-        """Indices of the drives among the joints: all joints."""
-        return np.arange(self.chain.n)
-
-    @property
-    def lower(self) -> Array:
-        """Lower position limits (rad or m), shape (n,)."""
-        return self.chain.lower
-
-    @property
-    def upper(self) -> Array:
-        """Upper position limits (rad or m), shape (n,)."""
-        return self.chain.upper
-
-    @property
-    def effort(self) -> Array:
-        """Limits of the drives (N m or N), shape (n,)."""
-        return self.chain.effort
-
-    @property
-    def velocity(self) -> Array:
-        """Limits of the joint rates (rad/s or m/s), shape (n,)."""
-        return self.chain.velocity
-
-    @property
-    def friction_rows(self) -> Array:
-        """Viscous, Coulomb, excess at rest and one over its rate, shape (4, n)."""
-        return friction_model(self.chain)
+    def __init__(self, chain: SerialChain) -> None:
+        check_chain(chain)
+        self.chain, self.name = chain, chain.name
+        self.joint_names = self.drive_names = chain.joint_names
+        self.drives_at: IntArray = np.arange(chain.n)
+        self.lower, self.upper = chain.lower, chain.upper
+        self.effort, self.velocity = chain.effort, chain.velocity
+        self.friction_rows = friction_model(chain)
 
     @property
     def mass(self) -> float:

@@ -7,10 +7,10 @@ from typing import ParamSpec
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import as_states, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.arrays import as_single
 from robomech_ros.typing import Array
 
 P = ParamSpec("P")
@@ -39,9 +39,7 @@ def finite_states(chain: SerialChain, **values: ArrayLike) -> tuple[Array, ...]:
 
 def as_vector(what: str, value: ArrayLike, size: int) -> Array:
     """Return a vector of finite real numbers, shape (size,), or raise an error that names it."""
-    vector = as_finite(what, value, (size,))
-    if vector.ndim != 1:
-        raise WrongSizeError(what, vector.shape, (size,))
+    vector = as_single(what, value, (size,))
     refuse_large(what, vector)
     return vector
 

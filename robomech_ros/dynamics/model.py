@@ -20,7 +20,7 @@ from robomech_ros._kernels.dynamics.layout import (
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import real_array, real_number
+from robomech_ros.spatial.arrays import LARGEST, LEAST, real_array, real_within
 from robomech_ros.typing import Array
 
 GRAVITY = (0.0, 0.0, -9.81)
@@ -144,11 +144,7 @@ _ON_EARTH.setflags(write=False)
 
 def positive_number(what: str, value: object) -> float:
     """Return a finite number above 0."""
-    expected = "a positive number"
-    number = real_number(what, value, expected)
-    if not 0.0 < number < np.inf:
-        raise BadValueError(what, value, expected)
-    return number
+    return real_within(what, value, "a positive number", LEAST, LARGEST)
 
 
 def raise_outcome(chain: SerialChain, status: int, **arrays: Array) -> NoReturn:

@@ -6,7 +6,7 @@ import dataclasses
 
 from robomech_ros.errors import BadValueError, MissingInertiaError
 from robomech_ros.kinematics.joint_values import check_chain
-from robomech_ros.robots.bodies import Body, combine_bodies
+from robomech_ros.robots.bodies import Body, combine_bodies, possible_body
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import unpack_chain
 
@@ -29,10 +29,7 @@ def with_payload(chain: SerialChain, payload: Body) -> SerialChain:
         Nothing is known of the mass of the tip itself.
     """
     check_chain(chain)
-    if not isinstance(payload, Body):
-        raise BadValueError("payload", payload, "a Body")
-    if fault := payload.fault():
-        raise BadValueError("payload", payload.mass, f"a possible body; {fault}")
+    possible_body("payload", payload)
     if chain.n == 0:
         raise BadValueError("number of joints", 0, "at least one, to carry a payload")
     if chain.bodies[-1] is None:

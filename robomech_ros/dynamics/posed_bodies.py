@@ -52,7 +52,9 @@ def reflected_inertias(chain: SerialChain) -> Array:
     return np.array([drive.reflected_inertia for drive in chain.drives])
 
 
-def posed_bodies(chain: SerialChain, q: Array) -> PosedBodies:
+def posed_bodies(
+    chain: SerialChain, q: Array, moments: tuple[Array, Array, Array] | None = None
+) -> PosedBodies:
     """Compute the positions of axes and bodies.
 
     Parameters
@@ -61,8 +63,10 @@ def posed_bodies(chain: SerialChain, q: Array) -> PosedBodies:
         Of m joints moved by n drives, with the inertia of all its bodies.
     q : ndarray, shape (..., n)
         Joint values (rad or m).
+    moments : tuple of ndarray, optional
+        Instead of the bodies of the chain, what :func:`body_moments` gives.
     """
-    masses, centres, inertias = body_moments(chain)
+    masses, centres, inertias = moments or body_moments(chain)
     T = link_transforms(chain, q)
     R, o = T[..., :-1, :3, :3], T[..., :-1, :3, 3]
     return PosedBodies(

@@ -28,43 +28,32 @@ class DynamicSystem(Protocol):
     Of a chain all joints are driven, ``m = n`` (:class:`ChainDynamics`); of a parallel robot some
     (``ParallelDynamics``).  Joint values q, shape (..., n), close all loops; rates, accelerations
     and efforts, shape (..., m), are those of the drives.
+
+    Attributes
+    ----------
+    name : str
+        The robot.
+    joint_names, drive_names : tuple of str
+        All n joints, and the m of them with drives.
+    drives_at : ndarray of int, shape (m,)
+        Where these are among the joints.
+    lower, upper : ndarray, shape (n,)
+        Position limits (rad or m).
+    effort, velocity : ndarray, shape (m,)
+        Limits of the drives (N m or N; rad/s or m/s), NaN where there is none.
+    friction_rows : ndarray, shape (4, n)
+        Viscous, Coulomb, excess at rest and one over its rate.
     """
 
-    @property
-    def name(self) -> str:
-        """The robot."""
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """All n joints."""
-
-    @property
-    def drive_names(self) -> tuple[str, ...]:
-        """The m joints with drives."""
-
-    @property
-    def drives_at(self) -> IntArray:
-        """Indices of the drives among the joints, shape (m,)."""
-
-    @property
-    def lower(self) -> Array:
-        """Lower position limits (rad or m), shape (n,)."""
-
-    @property
-    def upper(self) -> Array:
-        """Upper position limits (rad or m), shape (n,)."""
-
-    @property
-    def effort(self) -> Array:
-        """Limits of the drives (N m or N), shape (m,); NaN where there is none."""
-
-    @property
-    def velocity(self) -> Array:
-        """Limits of the rates of the drives (rad/s or m/s), shape (m,); NaN where there is none."""
-
-    @property
-    def friction_rows(self) -> Array:
-        """Viscous, Coulomb, excess at rest and one over its rate, shape (4, n)."""
+    name: str
+    joint_names: tuple[str, ...]
+    drive_names: tuple[str, ...]
+    drives_at: IntArray
+    lower: Array
+    upper: Array
+    effort: Array
+    velocity: Array
+    friction_rows: Array
 
     @property
     def mass(self) -> float:

@@ -10,11 +10,10 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.kinetostatics import indices as kernels
-from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.kinetostatics.task_parts import PARTS, task_part
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import as_choice, real_number
+from robomech_ros.spatial.arrays import as_choice, real_within
 from robomech_ros.typing import Array, IntArray
 
 # Columns of the kernels that hold a condition number.
@@ -258,11 +257,7 @@ def _gradient(
 
 def as_length(length: float) -> float:
     """Check a length (m) that linear motions are divided by."""
-    expected = "a length from 1e-9 to 1e9 m"
-    metres = real_number("length", length, expected)
-    if not 1e-9 <= metres <= 1e9:
-        raise BadValueError("length", metres, expected)
-    return metres
+    return real_within("length", length, "a length from 1e-9 to 1e9 m", 1e-9, 1e9)
 
 
 def _norm(norm: str) -> int:

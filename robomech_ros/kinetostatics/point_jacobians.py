@@ -12,7 +12,7 @@ from robomech_ros.kinematics.forward import forward_kinematics
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial import as_rotation
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.arrays import as_single
 from robomech_ros.typing import Array
 
 # The origin of the tip, the default point.
@@ -89,9 +89,7 @@ def as_point(point: ArrayLike) -> Array:
     """Check a point (3,) of the tip link, in its frame (m)."""
     if point is TIP:
         return _ORIGIN
-    arm = as_finite("point", point, (3,))
-    if arm.ndim != 1:
-        raise WrongSizeError("point", arm.shape, (3,))
+    arm = as_single("point", point, (3,))
     if np.abs(arm).max() > LARGEST_LENGTH:
         expected = f"coordinates of at most {LARGEST_LENGTH:g} m, as of links"
         raise BadValueError("point", arm.tolist(), expected)

@@ -15,7 +15,7 @@ from robomech_ros.kinetostatics.decoupled_blocks import wrist_of
 from robomech_ros.kinetostatics.indices import as_length
 from robomech_ros.kinetostatics.point_jacobians import TIP, as_point, rotation_of
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import all_finite, as_finite, real_number
+from robomech_ros.spatial.arrays import all_finite, as_finite, real_within
 from robomech_ros.typing import Array
 
 _joint_rates = direct(rates.joint_rates)
@@ -112,7 +112,8 @@ def joint_rates(
     arm, wrist, out = as_point(point), wrist_of(chain), np.empty(rows.shape)
     split = wrist is not None and wrist.exact
     centre = arm if wrist is None else wrist.centre
-    least = _damping(damping)
+    expected = f"a number from 0 to {_LARGEST_DAMPING:g}"
+    least = real_within("damping", damping, expected, 0.0, _LARGEST_DAMPING)
     if _joint_rates(chain.packed, split, centre, arm, metres, least, rows, twists, wished, out):
         raise_not_finite(chain, q)
     if not all_finite(out):
@@ -150,11 +151,3 @@ def _secondary(chain: SerialChain, secondary: ArrayLike, q: Array) -> Array:
     if not np.isfinite(wished).all():
         raise_not_finite(chain, wished, "secondary")
     return as_rows(wished)
-
-
-def _damping(damping: float) -> float:
-    expected = f"a number from 0 to {_LARGEST_DAMPING:g}"
-    value = real_number("damping", damping, expected)
-    if not 0.0 <= value <= _LARGEST_DAMPING:
-        raise BadValueError("damping", value, expected)
-    return value

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.robots.entry_checks import whole_number
 from robomech_ros.spatial import as_rotation, matrix_from_axis_angle, matrix_from_quaternion
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.arrays import as_single
 from robomech_ros.typing import Array
 
 MOST_ORIENTATIONS = 1_000_000
@@ -64,9 +64,7 @@ def uniform_turns(count: int, axis: ArrayLike, first: ArrayLike | None = None) -
     ndarray, shape (count, 3, 3)
     """
     angles = 2.0 * math.pi / _as_count(count) * np.arange(count)
-    along = as_finite("axis", axis, (3,))
-    if along.ndim != 1:
-        raise WrongSizeError("axis", along.shape, (3,))
+    along = as_single("axis", axis, (3,))
     start = as_rotation(np.eye(3) if first is None else first, what="first")
     if start.ndim != 2:
         raise WrongSizeError("first", start.shape, (3, 3))

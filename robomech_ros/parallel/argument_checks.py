@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_finite, real_array, real_number
+from robomech_ros.spatial.arrays import LEAST, as_finite, as_single, real_array, real_within
 from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.typing import Array
@@ -21,18 +21,12 @@ _MOST_TURNED = 1e6
 def positive(what: str, value: object, *, zero: bool = False) -> float:
     """Check one length (m)."""
     expected = f"a length {'from' if zero else 'above'} 0 m, up to {LARGEST_LENGTH:g} m"
-    number = real_number(what, value, expected)
-    if not (number >= 0.0 if zero else number > 0.0) or not number <= LARGEST_LENGTH:
-        raise BadValueError(what, value, expected)
-    return number
+    return real_within(what, value, expected, 0.0 if zero else LEAST, LARGEST_LENGTH)
 
 
 def actuated(what: str, values: ArrayLike, count: int) -> Array:
     """Check values of actuated joints: their number, and finite."""
-    array = as_finite(what, values, (count,))
-    if array.shape != (count,):
-        raise WrongSizeError(what, array.shape, (count,))
-    return np.ascontiguousarray(array)
+    return np.ascontiguousarray(as_single(what, values, (count,)))
 
 
 def one_or_each(what: str, values: ArrayLike, count: int, tail: tuple[int, ...]) -> Array:

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.parallel import following, newton
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel.argument_checks import platform_poses, single_pose
+from robomech_ros.parallel.argument_checks import actuated, platform_poses, single_pose
 from robomech_ros.parallel.assembly_modes import CONTINUUM, assembly_modes
 from robomech_ros.parallel.joint_cones import checked_cones
 from robomech_ros.parallel.mechanism.home_poses import platform_home
@@ -274,9 +274,7 @@ class StewartGough:
         return out
 
     def _checked_lengths(self, lengths: ArrayLike) -> Array:
-        given = as_finite("lengths", lengths, (6,))
-        if given.shape != (6,):
-            raise WrongSizeError("lengths", given.shape, (6,))
+        given = actuated("lengths", lengths, 6)
         for leg, length in enumerate(given.tolist()):
             if not 0.0 < length <= LARGEST_LENGTH:
                 what = f"length of leg {leg + 1}"
@@ -287,4 +285,4 @@ class StewartGough:
             low, high = self.strokes[leg].tolist()
             why = f"{low:g} to {high:g} m, the stroke: {abs(outside[leg]):.3g} m outside"
             raise BadValueError(f"length of leg {leg + 1}", float(given[leg]), why)
-        return np.ascontiguousarray(given)
+        return given

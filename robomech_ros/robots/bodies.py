@@ -97,6 +97,15 @@ class Body:
         return Body(self.mass, com, 0.5 * (inertia + inertia.T), self.as_measured)
 
 
+def possible_body(what: str, body: object) -> Body:
+    """Return a body, unless no body can have its numbers."""
+    if not isinstance(body, Body):
+        raise BadValueError(what, body, "a Body")
+    if fault := body.fault():
+        raise BadValueError(what, body.mass, f"a possible body; {fault}")
+    return body
+
+
 def combine_bodies(bodies: Iterable[Body]) -> Body | None:
     """Make one body of several that are fixed to each other, all seen in one frame.
 

@@ -17,7 +17,7 @@ from robomech_ros.dynamics.systems import DynamicSystem, dynamic_system
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.entry_checks import whole_number
-from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
+from robomech_ros.spatial.arrays import LARGEST, as_choice, as_finite, as_single, real_within
 from robomech_ros.typing import Array, BoolArray
 
 CONTROLS = ("computed-torque", "pd-gravity")
@@ -132,9 +132,7 @@ class ControlledArm:
         mode = CONTROLS.index(as_choice("control", self.control, CONTROLS))
         positive_number("period", self.period)
         expected = "a number that is not negative, in rad/s"
-        rate = real_number("observer", self.observer, expected)
-        if not 0.0 <= rate < np.inf:
-            raise BadValueError("observer", self.observer, expected)
+        real_within("observer", self.observer, expected, 0.0, LARGEST)
         expected = f"a whole number from 1 to {_MOST_SUBSTEPS}"
         whole_number("substeps", self.substeps, 1, _MOST_SUBSTEPS, expected)
         effort = np.where(np.isfinite(model.effort), model.effort, np.inf)
@@ -159,10 +157,7 @@ class ControlledArm:
         gains = np.array([frequency**2 * stiffness, 2.0 * damping * frequency * viscosity])
         for row, (name, given) in enumerate((("kp", self.kp), ("kd", self.kd))):
             if given is not None:
-                array = as_finite(name, given, (m,))
-                if array.ndim != 1:
-                    raise WrongSizeError(name, array.shape, f"({m},)")
-                gains[row] = array
+                gains[row] = as_single(name, given, (m,))
                 if gains[row].min(initial=0.0) < 0.0:
                     raise BadValueError(name, gains[row].min(), "no negative gain")
         return gains

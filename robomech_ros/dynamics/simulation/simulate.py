@@ -22,7 +22,7 @@ from robomech_ros.dynamics.simulation.record import Record
 from robomech_ros.dynamics.systems import DynamicSystem, dynamic_system
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_array, real_number
+from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_array, real_within
 from robomech_ros.typing import Array
 
 SOLVERS = ("DOP853", "RK45", "RK23", "LSODA", "Radau", "BDF", "midpoint")
@@ -161,9 +161,7 @@ def simulate(
         raise BadValueError("duration", duration, f"at most {_LONGEST:g} s")
     choice = _choice(method, step, duration, rtol, atol)
     limits = as_choice("at_limits", at_limits, AT_LIMITS)
-    part = real_number("restitution", restitution, "a number from 0 to 1")
-    if not 0.0 <= part <= 1.0:
-        raise BadValueError("restitution", restitution, "a number from 0 to 1")
+    part = real_within("restitution", restitution, "a number from 0 to 1", 0.0, 1.0)
     wrench = None if tip_wrench is None else as_finite("tip_wrench", tip_wrench, (6,))
     drives, slow = _as_torque(system, torque), positive_number("rest_rate", rest_rate)
     motion = EquationsOfMotion(system, q, drives, gravity, wrench, slow)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import as_finite, real_array
+from robomech_ros.spatial.arrays import as_single, real_array
 from robomech_ros.typing import Array, IntArray
 
 LARGEST_BOUND = 1e6
@@ -90,9 +90,7 @@ def as_grid(
 
 
 def _as_bound(what: str, bound: ArrayLike) -> Array:
-    corner = as_finite(what, bound, (3,))
-    if corner.ndim != 1:
-        raise WrongSizeError(what, corner.shape, (3,))
+    corner = as_single(what, bound, (3,))
     if np.abs(corner).max() > LARGEST_BOUND:
         raise BadValueError(what, corner.tolist(), f"at most {LARGEST_BOUND:g} m from the base")
     return corner + 0.0

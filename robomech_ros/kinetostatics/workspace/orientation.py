@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.closed_form import solve_many
 from robomech_ros.kinematics.inverse.families.selection import family_of
@@ -16,7 +16,7 @@ from robomech_ros.kinematics.inverse.request import as_request
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.rotation_sets import uniform_rotations
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.arrays import as_single
 from robomech_ros.typing import Array, BoolArray, IntArray
 
 
@@ -77,9 +77,7 @@ def orientation_workspace(
     check_chain(chain)
     if chain.n < 6:
         raise BadValueError("number of joints", chain.n, "6 or more")
-    point = as_finite("position", position, (3,))
-    if point.ndim != 1:
-        raise WrongSizeError("position", point.shape, (3,))
+    point = as_single("position", position, (3,))
     rotations = uniform_rotations(samples)
     T = np.zeros((len(rotations), 4, 4))
     T[:, :3, :3] = rotations

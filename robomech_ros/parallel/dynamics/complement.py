@@ -13,12 +13,10 @@ from robomech_ros.dynamics.formulations.stacked_matrices import (
     twist_shaping,
     twist_shaping_rate,
 )
-from robomech_ros.dynamics.posed_bodies import PosedBodies
-from robomech_ros.kinematics.forward_uncompiled import link_transforms
+from robomech_ros.dynamics.posed_bodies import PosedBodies, posed_bodies
 from robomech_ros.parallel.dynamics.model import limb_bodies
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, SerialChain
-from robomech_ros.robots.chain_layout import REVOLUTE
 from robomech_ros.spatial.cross_product import cross_product_matrix
 from robomech_ros.typing import Array
 
@@ -81,20 +79,10 @@ def bodies_in_motion(
 
 
 def _posed(chain: SerialChain, given: list[Body | None], q: Array) -> PosedBodies:
-    poses = link_transforms(chain, q)
-    R, o = poses[..., :-1, :3, :3], poses[..., :-1, :3, 3]
     masses = np.array([0.0 if one is None else one.mass for one in given])
     centres = np.array([np.zeros(3) if one is None else one.com for one in given])
     moments = np.array([np.zeros((3, 3)) if one is None else one.inertia for one in given])
-    return PosedBodies(
-        revolute=chain.types == REVOLUTE,
-        axes=R[..., 2],
-        origins=o,
-        centres=o + np.einsum("...nij,nj->...ni", R, centres),
-        masses=masses,
-        inertias=R @ moments @ np.swapaxes(R, -1, -2),
-        tip=poses[..., -1, :3, 3],
-    )
+    return posed_bodies(chain, q, (masses, centres, moments))
 
 
 def joint_reactions(

@@ -92,7 +92,9 @@ def limb_totals(mechanism: Mechanism, q: Array, qd: Array) -> Array:
 
 
 def refuse(mechanism: Mechanism, status: int, q: Array) -> None:
-    """Raise the error for a status of the kernels that is not 0, for joints q (..., n)."""
+    """Raise the error for a status of the kernels, for joints q (..., n); none for 0."""
+    if not status:
+        return
     if status == NO_MASS:
         expected = "bodies or rotors that resist every motion, far from singular postures"
         raise BadValueError("least inertia of the robot", 0.0, expected)
@@ -143,8 +145,7 @@ def complements(mechanism: Mechanism, q: Array, rates: Array) -> tuple[Array, Ar
     out = N.reshape(-1, n, m), N_dot.reshape(-1, n, m), as_rows(qd)
     given = as_rows(q), as_rows(rates)
     status = kernels.complements(*loop_arguments(mechanism), *given, *out)
-    if status:
-        refuse(mechanism, status, q)
+    refuse(mechanism, status, q)
     return q, finite(qd), N, finite(N_dot)
 
 

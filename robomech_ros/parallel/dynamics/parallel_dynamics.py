@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -37,6 +36,7 @@ from robomech_ros.parallel.dynamics.model import (
 )
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combine_bodies
+from robomech_ros.robots.bodies import possible_body
 from robomech_ros.typing import Array, IntArray
 
 # Number of spread postures: each costs as much as closing the loops.
@@ -45,7 +45,6 @@ _MOST_POSTURES = 256
 _OPEN = 1e-6
 
 
-@dataclass(frozen=True, eq=False)
 class ParallelDynamics:
     r"""The dynamics of a parallel robot, by the natural orthogonal complement of its loops.
 
@@ -109,34 +108,17 @@ class ParallelDynamics:
     True
     """
 
-    mechanism: Mechanism
-    name: str = field(init=False)
-    joint_names: tuple[str, ...] = field(init=False)
-    drive_names: tuple[str, ...] = field(init=False)
-    drives_at: IntArray = field(init=False, repr=False)
-    lower: Array = field(init=False, repr=False)
-    upper: Array = field(init=False, repr=False)
-    effort: Array = field(init=False, repr=False)
-    velocity: Array = field(init=False, repr=False)
-    friction_rows: Array = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        robot = self.mechanism
-        if not isinstance(robot, Mechanism):
-            raise BadValueError("mechanism", robot, "a Mechanism")
-        friction = [friction_model(limb.chain) for limb in robot.limbs]
-        for name, value in (
-            ("name", robot.name),
-            ("joint_names", robot.joint_names),
-            ("drive_names", robot.actuated),
-            ("drives_at", robot.drive_index),
-            ("lower", robot.lower),
-            ("upper", robot.upper),
-            ("effort", robot.effort[robot.drive_index]),
-            ("velocity", robot.velocity[robot.drive_index]),
-            ("friction_rows", np.concatenate(friction, axis=1)),
-        ):
-            object.__setattr__(self, name, value)
+    def __init__(self, mechanism: Mechanism) -> None:
+        if not isinstance(mechanism, Mechanism):
+            raise BadValueError("mechanism", mechanism, "a Mechanism")
+        self.mechanism, self.name = mechanism, mechanism.name
+        self.joint_names, self.drive_names = mechanism.joint_names, mechanism.actuated
+        self.drives_at: IntArray = mechanism.drive_index
+        self.lower, self.upper = mechanism.lower, mechanism.upper
+        self.effort = mechanism.effort[self.drives_at]
+        self.velocity = mechanism.velocity[self.drives_at]
+        friction = [friction_model(limb.chain) for limb in mechanism.limbs]
+        self.friction_rows = np.concatenate(friction, axis=1)
 
     @property
     def mass(self) -> float:
@@ -254,7 +236,7 @@ class ParallelDynamics:
         """Return what inverse or forward dynamics gives for the drives in some states."""
         around, out = surroundings(given[0].shape, gravity, tip_wrench), np.empty(given[1].shape)
         loops, rows = loop_arguments(self.mechanism), [as_rows(one) for one in (*given, out)]
-        self._check(kernel(*loops, *rows[:3], around, rows[3]), given[0])
+        refuse(self.mechanism, kernel(*loops, *rows[:3], around, rows[3]), given[0])
         return finite(out)
 
     def compiled_forward(self, gravity: ArrayLike, tip_wrench: ArrayLike | None) -> CompiledForward:
@@ -295,7 +277,7 @@ class ParallelDynamics:
         m = self.mechanism.dof
         out = np.empty((*given.shape[:-1], m, m))
         loops, rows = loop_arguments(self.mechanism), as_rows(given)
-        self._check(kernels.inertias(*loops, rows, out.reshape(-1, m, m)), given)
+        refuse(self.mechanism, kernels.inertias(*loops, rows, out.reshape(-1, m, m)), given)
         return finite(out)
 
     def coriolis_matrix(self, q: ArrayLike, rates: ArrayLike) -> Array:
@@ -380,14 +362,6 @@ class ParallelDynamics:
         BadValueError
             No body can have the numbers of the load.
         """
-        if not isinstance(payload, Body):
-            raise BadValueError("payload", payload, "a Body")
-        if fault := payload.fault():
-            raise BadValueError("payload", payload.mass, f"a possible body; {fault}")
-        whole = combine_bodies((platform_body(self.mechanism), payload))
+        whole = combine_bodies((platform_body(self.mechanism), possible_body("payload", payload)))
         assert whole is not None
         return ParallelDynamics(self.mechanism.with_platform_body(whole))
-
-    def _check(self, status: int, q: Array) -> None:
-        if status:
-            refuse(self.mechanism, status, q)

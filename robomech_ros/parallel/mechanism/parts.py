@@ -12,6 +12,7 @@ from robomech_ros.errors import BadValueError, UnknownLinkError
 from robomech_ros.parallel.mechanism.limb import Limb
 from robomech_ros.parallel.mechanism.tree import links_of_joints
 from robomech_ros.robots import Body, Drive, SerialChain
+from robomech_ros.robots.bodies import possible_body
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.poses import assembled, rigid_inverse
 from robomech_ros.typing import Array
@@ -43,10 +44,7 @@ class LinkBodies:
         if not isinstance(self.bodies, Mapping):
             raise BadValueError("bodies", self.bodies, "a mapping of names of links to bodies")
         for name, body in self.bodies.items():
-            if not isinstance(body, Body):
-                raise BadValueError(f"body of '{name}'", body, "a Body")
-            if fault := body.fault():
-                raise BadValueError(f"body of '{name}'", body.mass, f"a possible body; {fault}")
+            possible_body(f"body of '{name}'", body)
         if not isinstance(self.drive, Drive):
             raise BadValueError("drive", self.drive, "a Drive")
 
