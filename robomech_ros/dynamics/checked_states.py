@@ -20,15 +20,7 @@ _LARGEST = 1e30
 
 
 def finite_states(chain: SerialChain, **values: ArrayLike) -> tuple[Array, ...]:
-    """Return joint values, rates, accelerations or torques as float64 arrays of one shape.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    **values : array_like, shape (..., n)
-        By the name that messages give them.
-    """
+    """Return values (..., n) of joints as float64 arrays of one shape, named in messages."""
     arrays = as_states(chain, tuple(values), *values.values())
     for what, array in zip(values, arrays, strict=True):
         if not np.isfinite(array).all():
@@ -57,18 +49,7 @@ def refuse_large(what: str, array: Array) -> None:
 
 
 def finite_result(function: Callable[P, Array]) -> Callable[P, Array]:
-    """Make a function refuse arguments whose result overflows, or that no inertia resists.
-
-    Parameters
-    ----------
-    function : callable
-        Its result is an array.
-
-    Returns
-    -------
-    callable
-        It raises BadValueError then.
-    """
+    """Make a function refuse arguments whose result overflows, or that no inertia resists."""
 
     @wraps(function)
     def checked(*args: P.args, **kwargs: P.kwargs) -> Array:

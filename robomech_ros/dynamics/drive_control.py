@@ -17,18 +17,10 @@ from robomech_ros.typing import Array
 
 @dataclass(frozen=True, eq=False)
 class ServoLaw:
-    """A controller of m drives.
+    """A controller of m drives: its mode in the kernels, and gains (2, m) of errors and rates.
 
-    Attributes
-    ----------
-    mode : int
-        COMPUTED_TORQUE or PD_WITH_GRAVITY of the kernels.
-    gains : ndarray, shape (2, m)
-        Of errors and of their rates.
-    effort : ndarray, shape (m,)
-        Limits of the drives (N m or N), infinite where there is none.
-    gravity : ndarray, shape (3,)
-        In the axes of the base (m/s^2).
+    Limits of the efforts (m,) are infinite where there is none; gravity (3,) is in the base
+    (m/s^2).
     """
 
     mode: int
@@ -39,14 +31,9 @@ class ServoLaw:
 
 @dataclass(frozen=True, eq=False)
 class DrivenState:
-    """State of n joints and their m drives; a run overwrites the arrays.
+    """State of n joints q (n,) and their m drives; a run overwrites the arrays.
 
-    Attributes
-    ----------
-    q : ndarray, shape (n,)
-        All joints (rad or m).
-    rates, learned : ndarray, shape (m,)
-        Of the drives: their rates, and the efforts that the observer has learned (N m or N).
+    The drives have rates (m,), and efforts (m,) that the observer has learned (N m or N).
     """
 
     q: Array
@@ -56,16 +43,9 @@ class DrivenState:
 
 @dataclass(frozen=True)
 class Timing:
-    """How time passes.
+    """Period of the controller (s), and the steps of the motion in each period.
 
-    Attributes
-    ----------
-    period : float
-        Of the controller (s).
-    substeps : int
-        Steps of the motion in each period.
-    share : float
-        Of the efforts that the model does not explain, that is learned in a period, 0 to 1.
+    The share is the part of the unexplained efforts that is learned in a period, 0 to 1.
     """
 
     period: float
@@ -75,16 +55,9 @@ class Timing:
 
 @dataclass(frozen=True, eq=False)
 class ServoRun:
-    """Result of a servo run, for the completed periods.
+    """All joints q (k, n) at the ends of k periods, and rates and efforts (k, m) of the drives.
 
-    Attributes
-    ----------
-    q : ndarray, shape (k, n)
-        All joints at the end of each.
-    rates, effort : ndarray, shape (k, m)
-        Of the drives.
-    lost : str
-        Why no posture of the assembly mode follows; empty if one does, or the motion ran away.
+    It is ``lost`` where no posture of the assembly mode follows, and says why.
     """
 
     q: Array
@@ -98,14 +71,7 @@ CompiledServo = Callable[[DrivenState, Array, Array, Timing], ServoRun]
 
 
 def chain_servo(model: SerialChain, plant: SerialChain, law: ServoLaw) -> CompiledServo:
-    """Have a controller that knows one chain drive another.
-
-    Raises
-    ------
-    MissingInertiaError, BadValueError
-        Of some links nothing is known, no body can have the numbers of one, or the joints are too
-        many.
-    """
+    """Have a controller that knows one chain drive another."""
     if model.n > kernels.MOST_SERVO_JOINTS:
         raise BadValueError("number of joints", model.n, f"at most {kernels.MOST_SERVO_JOINTS}")
     moved, known = dynamic_model(plant), dynamic_model(model)

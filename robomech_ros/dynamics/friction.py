@@ -16,20 +16,10 @@ from robomech_ros.typing import Array
 
 @lru_cache(maxsize=256)
 def friction_model(chain: SerialChain) -> Array:
-    """Return what the kernels know of friction.
+    """Return viscous, Coulomb, excess at rest and one over its rate, shape (4, n).
 
-    Viscous, Coulomb, excess at rest, one over its rate.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-
-    Returns
-    -------
-    ndarray, shape (4, n)
-        The excess of the static friction over that of motion decays with the square of the rate
-        times the last row.
+    The excess of the static friction over that of motion decays with the square of the rate times
+    the last row.
     """
     rows = np.zeros((4, chain.n))
     for i, drive in enumerate(chain.drives):

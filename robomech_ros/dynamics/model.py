@@ -30,19 +30,7 @@ GRAVITY = (0.0, 0.0, -9.81)
 def dynamic_model(chain: SerialChain) -> Array:
     """Lay out a chain with its bodies and rotors as ``_kernels.dynamics.layout`` says.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-
-    Returns
-    -------
-    ndarray, shape (n + 1, 24), or (m + 1, 28) where n of m joints move by themselves
-
-    Raises
-    ------
-    MissingInertiaError
-        Of some joints nothing is known that moves with them; their links are named.
+    The shape is (n + 1, 24), or (m + 1, 28) where n of m joints move by themselves.
     """
     check_chain(chain)
     model = np.zeros((len(chain.packed), MODEL_WIDTH + chain.packed.shape[1] - MASS))
@@ -91,19 +79,10 @@ def surroundings(
     base_twist: ArrayLike | None = None,
     base_twist_rate: ArrayLike | None = None,
 ) -> Array:
-    """Lay out what surrounds the chain: one row for all states of a batch, or one for each.
+    """Lay out what surrounds the chain: (1, 15) for all states of a batch, or (m, 15).
 
-    Parameters
-    ----------
-    shape : tuple of int
-        That of the joint values, (n,) or (*batch, n).
-    gravity : array_like, shape (3,)
-        Of the base (m/s^2), in its axes.
-    tip_wrench, base_twist, base_twist_rate : array_like, shape (6,) or (*batch, 6), optional
-
-    Returns
-    -------
-    ndarray, shape (1, 15) or (m, 15)
+    The shape is that of the joint values, (n,) or (*batch, n); gravity (3,) is in the base (m/s^2),
+    and the others are of shape (6,) or (*batch, 6).
     """
     if gravity is GRAVITY and tip_wrench is None and base_twist is None and base_twist_rate is None:
         return _ON_EARTH
@@ -148,17 +127,7 @@ def positive_number(what: str, value: object) -> float:
 
 
 def raise_outcome(chain: SerialChain, status: int, **arrays: Array) -> NoReturn:
-    """Raise the error for a status of a kernel that is not 0.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        That was asked about.
-    status : int
-        What the kernel returned.
-    **arrays : ndarray, shape (..., n)
-        What it was given for each joint.
-    """
+    """Raise the error for a status of a kernel, not 0, that was given these arrays (..., n)."""
     for name, array in arrays.items():
         bad = np.argwhere(~np.isfinite(array))
         if len(bad):

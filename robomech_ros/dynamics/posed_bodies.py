@@ -55,16 +55,9 @@ def reflected_inertias(chain: SerialChain) -> Array:
 def posed_bodies(
     chain: SerialChain, q: Array, moments: tuple[Array, Array, Array] | None = None
 ) -> PosedBodies:
-    """Compute the positions of axes and bodies.
+    """Compute the positions of axes and bodies at q (..., n).
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of m joints moved by n drives, with the inertia of all its bodies.
-    q : ndarray, shape (..., n)
-        Joint values (rad or m).
-    moments : tuple of ndarray, optional
-        Instead of the bodies of the chain, what :func:`body_moments` gives.
+    The moments, as of :func:`body_moments`, stand for the bodies of the chain.
     """
     masses, centres, inertias = moments or body_moments(chain)
     T = link_transforms(chain, q)

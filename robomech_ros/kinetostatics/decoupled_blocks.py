@@ -18,14 +18,9 @@ from robomech_ros.typing import Array
 
 
 class Wrist(NamedTuple):
-    """The centre of a spherical wrist after three joints.
+    """The centre (3,) of a spherical wrist after three joints, in the frame of the tip (m).
 
-    Attributes
-    ----------
-    centre : ndarray, shape (3,)
-        In the frame of the tip (m).
-    exact : bool
-        Whether the axes meet there to rounding, not just within 1e-5 of the arm's size.
+    It is exact where the axes meet to rounding, not just within 1e-5 of the arm's size.
     """
 
     centre: Array

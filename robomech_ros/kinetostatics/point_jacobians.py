@@ -97,26 +97,7 @@ def as_point(point: ArrayLike) -> Array:
 
 
 def rotation_of(chain: SerialChain, q: Array, axes: ArrayLike | str) -> Array:
-    """Return the rotation ``R_base_axes`` of axes, that of a link for every row of q.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    q : ndarray, shape (n,) or (..., n)
-        Joint values (rad or m).
-    axes : str or array_like, shape (3, 3)
-        The name of a link, or the rotation itself.
-
-    Returns
-    -------
-    ndarray, shape (3, 3) or (..., 3, 3)
-
-    Raises
-    ------
-    UnknownLinkError
-        The chain has no such link.
-    """
+    """Return the rotation ``R_base_axes`` (..., 3, 3) of a link at q (..., n), or the one given."""
     if isinstance(axes, str):
         part = chain.with_tip(axes)
         return forward_kinematics(part, q[..., : part.n])[..., :3, :3]

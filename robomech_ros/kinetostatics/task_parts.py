@@ -17,13 +17,9 @@ _ROUNDING = 1e-6
 
 
 class TaskPart(NamedTuple):
-    """A chain as kernels read it, its base perhaps turned, and the rows that count.
+    """A chain packed (n + 1, 13) for kernels, and the rows (r,) of its Jacobian that count.
 
-    Attributes
-    ----------
-    packed : ndarray, shape (n + 1, 13)
-        The chain's, or with the base turned so that what it never does are rows of zeros.
-    rows : ndarray of int, shape (r,)
+    Its base may be turned so that what it never does are rows of zeros.
     """
 
     packed: Array
@@ -32,18 +28,11 @@ class TaskPart(NamedTuple):
 
 @functools.lru_cache(maxsize=64)
 def task_part(chain: SerialChain, part: str) -> TaskPart:
-    """Find the rows of a part of the task, less the directions that the arm has in no posture.
+    """Find the rows of one of PARTS, less the directions that the arm has in no posture.
 
     A planar arm of three joints is asked for velocities in its plane only, a SCARA for angular
     velocities about the vertical only; where the arm has no more joints than rows are left out of,
     or where the directions of turning and moving do not go with each other, all rows count.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    part : str
-        One of PARTS.
     """
     rows = PARTS[part]
     if chain.n:

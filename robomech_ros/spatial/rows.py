@@ -27,16 +27,7 @@ def as_rows(
 def broadcast_rows(*given: tuple[str, ArrayLike, int]) -> tuple[tuple[Array, ...], tuple[int, ...]]:
     """Return finite vectors as rows, one each or one for all, and their common batch shape.
 
-    Parameters
-    ----------
-    *given : (str, array_like, int)
-        Name, value of shape (..., width), and width; 0 for plain numbers.
-
-    Returns
-    -------
-    rows : tuple of ndarray, shape (m, width) or (1, width), of plain numbers (m,) or (1,)
-    shape : tuple of int
-        Batch shape.
+    Each is given by name, value (..., width) and width, which is 0 for plain numbers.
     """
     arrays = [as_finite(what, value, (width,) if width else ()) for what, value, width in given]
     tails = [(width,) if width else () for _, _, width in given]

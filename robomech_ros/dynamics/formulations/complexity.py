@@ -45,16 +45,10 @@ class Operations:
 
 @dataclass(frozen=True)
 class Counted:
-    """A number that counts what is done with it.
+    """A number that counts in its tally what is done with it.
 
     The whole numbers 0 and 1 beside it are known beforehand: what they make superfluous is not
     counted.
-
-    Parameters
-    ----------
-    value : float
-    tally : Operations
-        Where its operations are counted.
     """
 
     value: float
@@ -146,17 +140,10 @@ def _run(
 def plain_links(
     a: Array, b: Array, alpha: Array, theta: Array, bodies: Array, number: Any = float
 ) -> list[PlainLink]:
-    """Lay out revolute links for the plain recursions.
+    """Lay out revolute links, by Denavit-Hartenberg parameters (n,), for the plain recursions.
 
-    Parameters
-    ----------
-    a, b, alpha, theta : ndarray, shape (n,)
-        Denavit-Hartenberg parameters with the joint values in theta (m, rad).
-    bodies : ndarray, shape (n, 10)
-        Mass (kg), mass centre from the origin of frame i + 1 in its axes (m), and the moments xx,
-        xy, xz, yy, yz, zz about the mass centre (kg m^2).
-    number : callable, optional
-        Makes the numbers; default float.
+    Bodies (n, 10) have mass (kg), mass centre from the origin of frame i + 1 in its axes (m), and
+    the moments xx, xy, xz, yy, yz, zz about it (kg m^2).  ``number`` makes the numbers.
     """
     numbers = np.frompyfunc(number, 1, 1)
     links = []

@@ -31,22 +31,9 @@ Rows = list[list[Number]]
 class PlainLink:
     """A link of a chain at given joint values.
 
-    Parameters
-    ----------
-    turn, twist : (number, number)
-        Cosine and sine of theta and of alpha.
-    step : sequence of 3 numbers
-        From the origin of frame i to that of frame i + 1 (m).
-    mass : number
-        kg.
-    com : sequence of 3 numbers
-        From the origin of frame i to the mass centre (m).
-    inertia : 3 x 3 numbers
-        About the mass centre (kg m^2).
-    root : 3 x 3 numbers
-        Upper triangle R with ``R^T R`` that inertia.
-    mass_root : number
-        Root of the mass.
+    Turn and twist are cosine and sine of theta and of alpha.  The origin of frame i + 1 and the
+    mass centre are as seen from that of frame i, ``step`` and ``com`` (m); the inertia is about the
+    mass centre, its root the upper triangle R with ``R^T R`` that inertia.
     """
 
     turn: tuple[Number, Number]

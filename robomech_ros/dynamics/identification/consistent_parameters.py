@@ -39,15 +39,7 @@ _BASIS[np.arange(10), _COLUMNS, _ROWS] = _BASIS[np.arange(10), _ROWS, _COLUMNS]
 
 @dataclass(frozen=True, eq=False)
 class ConsistentParameters:
-    """Parameters of n possible bodies.
-
-    Attributes
-    ----------
-    parameters : ndarray, shape (n, 10)
-        kg, kg m, kg m^2.
-    converged : bool
-        The minimum is found.
-    """
+    """Parameters (n, 10) of possible bodies, and whether the minimum is found."""
 
     parameters: Array
     converged: bool
@@ -56,17 +48,11 @@ class ConsistentParameters:
 def consistent_least_squares(
     C: Array, t: Array, known: Array, gamma: float
 ) -> ConsistentParameters:
-    """Find the bodies whose parameters p have ``C p`` nearest to t.
+    """Find the bodies whose parameters p have ``C p`` nearest to t, C (m, 10 n) and t (m,).
 
-    Parameters
-    ----------
-    C : ndarray, shape (m, 10 n)
-    t : ndarray, shape (m,)
-    known : ndarray, shape (n, 10)
-        Parameters of possible bodies, near which the directions remain that C leaves free.
-    gamma : float
-        How much they count: half the square of a residual, or of the mean residual where that is
-        above 1.  ``|C p - t|^2 / 2`` is above its least value by some ``4 n gamma`` of them.
+    Directions that C leaves free remain near the ``known`` (n, 10) of possible bodies, which count
+    gamma: half the square of a residual, or of the mean residual where that is above 1. ``|C p -
+    t|^2 / 2`` is above its least value by some ``4 n gamma`` of them.
     """
     J = pseudo_inertia(known)
     inverse = np.linalg.inv(J)

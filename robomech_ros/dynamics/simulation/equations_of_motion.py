@@ -25,20 +25,9 @@ class RunAwayError(Exception):
 class EquationsOfMotion:
     """Equations of motion of a system; the state has m drive values, their rates, work and heat.
 
-    Parameters
-    ----------
-    system : DynamicSystem
-        Of n joints, m of them with drives.
-    start : ndarray, shape (n,)
-        Where it starts (rad or m); the posture is followed from there.
-    torque : callable
-        ``torque(t, q, qd)`` of the drives (N m or N), for all joints.
-    gravity : array_like, shape (3,)
-        In the axes of the base (m/s^2).
-    tip_wrench : ndarray, shape (6,), or None
-        What the surroundings exert on the tip, moment first (N m and N).
-    rest_rate : float
-        Rate within which dry friction goes over from one direction to the other (rad/s or m/s).
+    The posture is followed from ``start`` (n,); ``torque(t, q, qd)`` is that of the drives, for all
+    joints.  Gravity (3,) and the wrench on the tip (6,), moment first, are in the base.  Within the
+    ``rest_rate`` dry friction goes over from one direction to the other (rad/s or m/s).
     """
 
     system: DynamicSystem
@@ -63,13 +52,7 @@ class EquationsOfMotion:
         return len(self.system.drive_names)
 
     def posture(self, values: Array) -> Array:
-        """Return all joints (n,) for values of the drives (m,), near where they were last.
-
-        Raises
-        ------
-        RunAwayError
-            The assembly mode ends before.
-        """
+        """Return all joints (n,) for values of the drives (m,), near where they were last."""
         try:
             self._followed[0] = self.system.posture(values, self._followed[0])
         except LostPostureError as error:
@@ -102,13 +85,7 @@ class EquationsOfMotion:
         return tau
 
     def drive_torque(self, t: float, q: Array, rates: Array) -> Array:
-        """Return the torques (m,) of the drives.
-
-        Raises
-        ------
-        RunAwayError
-            One is not finite.
-        """
+        """Return the torques (m,) of the drives; a RunAwayError where one is not finite."""
         tau = self.requested_torque(t, q, rates)
         if not np.isfinite(tau).all():
             raise RunAwayError(f"the motion ran away: the torque at {t:.6g} s is not finite")
@@ -127,13 +104,7 @@ class EquationsOfMotion:
         return float(self.tip_wrench @ self.system.tip_twist(q, rates))
 
     def rates(self, t: float, state: Array) -> Array:
-        """Return the derivative of a state (2 m + 2,) by time.
-
-        Raises
-        ------
-        RunAwayError
-            It, or the state, is too large or not finite, or no posture belongs to it.
-        """
+        """Return the derivative of a state (2 m + 2,); a RunAwayError where there is none."""
         m = self.m
         if not np.isfinite(state).all():
             raise RunAwayError(f"the motion ran away: the state at {t:.6g} s is not finite")

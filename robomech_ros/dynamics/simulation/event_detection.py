@@ -35,18 +35,8 @@ def apply_impact(
 ) -> Array:
     """Turn the rate of a joint at its limit; the others take what the blow gives them.
 
-    Parameters
-    ----------
-    system : DynamicSystem
-        Of n joints, m of them with drives.
-    q : ndarray, shape (n,)
-        Where the joints are (rad or m).
-    state : ndarray, shape (2 m + 2,)
-        Of the drives.
-    limit : tuple of int
-        The joint, and 0 at its lower or 1 at its upper limit.
-    restitution : float
-        Part of its rate that the joint keeps.
+    The limit is the joint and 0 or 1, its lower or upper one.  With all joints at q (n,), returns
+    the state (2 m + 2,) of the drives after the impact.
     """
     joint, side = limit
     m = len(system.drive_names)

@@ -29,17 +29,7 @@ _REST = 1e-6
 
 @dataclass(frozen=True)
 class SolverChoice:
-    """Choice of the integrator and its tolerances.
-
-    Attributes
-    ----------
-    method : str
-        ``"midpoint"``, or the name of one of scipy's solvers.
-    step : float or None
-        Longest step, or that of the midpoint rule (s).
-    rtol, atol : float
-        Tolerances of scipy's solvers.
-    """
+    """``"midpoint"`` or one of scipy's solvers, with its longest step (s) and its tolerances."""
 
     method: str
     step: float | None
@@ -59,27 +49,9 @@ class SolverChoice:
 
 
 class Integration:
-    """One simulation under way.
+    """One simulation under way; ``seen`` has time and number of each event that was met.
 
-    Parameters
-    ----------
-    motion : EquationsOfMotion
-        What moves.
-    choice : SolverChoice
-        What integrates.
-    at_limits : str
-        ``"ignore"``, ``"end"`` or ``"bounce"``.
-    restitution : float
-        Part of its rate with which a joint bounces.
-    watched : sequence of callable
-        Events whose zeros are noted.
-    record : Record
-        Gets the states.
-
-    Attributes
-    ----------
-    seen : list of (float, int)
-        Time and number of each event that was met.
+    At limits joints go on, end the simulation or bounce, with the ``restitution`` of their rate.
     """
 
     def __init__(
@@ -119,14 +91,9 @@ class Integration:
         return f"{MOST_STEPS} steps did not reach the end"
 
     def _step(self, solver: Any) -> tuple[str, tuple[float, Array] | None]:
-        """Do one step.
+        """Do one step; give why the simulation ends with it, empty where it goes on.
 
-        Returns
-        -------
-        reason : str
-            Why the simulation ends with it; empty where it goes on.
-        after : tuple of float and ndarray, or None
-            Time and state from which a new solver goes on after a bounce.
+        After a bounce, give also the time and state from which a new solver goes on.
         """
         n, seen = len(self._motion.start), self._motion.all_joints
         before, y_before = solver.t, seen(solver.y)

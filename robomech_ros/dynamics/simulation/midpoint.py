@@ -15,18 +15,9 @@ _ARRIVED = 1e-14
 
 
 class MidpointSolver:
-    """Steps of a fixed length, with the face of scipy's solvers.
+    """Steps of a fixed length (s), the last one to the end, with the face of scipy's solvers.
 
-    Parameters
-    ----------
-    forces : EquationsOfMotion
-        The system, and what acts on it.
-    t, end : float
-        In s.
-    state : ndarray, shape (2 m + 2,)
-        Values and rates of the drives, work and heat.
-    step : float
-        In s; the last one ends at ``end``.
+    The state (2 m + 2,) has values and rates of the drives, work and heat.
     """
 
     def __init__(

@@ -8,20 +8,7 @@ from robomech_ros.typing import Array
 
 
 class Record:
-    """States at the times asked for, or at the steps.
-
-    Parameters
-    ----------
-    times : ndarray, shape (m,), or None
-        Increasing, s; None for the ends of the steps.
-
-    Attributes
-    ----------
-    t : list of float
-        Times of the states, s.
-    states : list of ndarray
-        One for each.
-    """
+    """States at the increasing times (m,) asked for (s), or where those are None at the steps."""
 
     def __init__(self, times: Array | None) -> None:
         self.times = times

@@ -24,18 +24,9 @@ _NOTHING = 1e-9
 class SymbolicLink:
     """A row of the table and the body of a link, as polynomials of a ring.
 
-    Parameters
-    ----------
-    a, b : polynomial
-        m; b is the joint variable of a prismatic joint.
-    turn, twist : (polynomial, polynomial)
-        Cosine and sine of theta and of alpha.
-    mass : polynomial
-        kg.
-    com : tuple of polynomials
-        In frame i + 1 (m).
-    inertia : tuple of polynomials
-        xx, xy, xz, yy, yz, zz about the mass centre, in the axes of frame i + 1 (kg m^2).
+    Lengths a and b are in m, b the joint variable of a prismatic joint; turn and twist are cosine
+    and sine of theta and alpha.  The mass centre is in frame i + 1 (m); the moments xx, xy, xz, yy,
+    yz, zz are about it, in the axes of that frame (kg m^2).
     """
 
     a: Poly
@@ -126,14 +117,8 @@ def symbolic_parameters(
 ) -> SymbolicParameters:
     """Name the parameters of a chain, or make exact numbers of them.
 
-    Those that vanish are 0 and right angles exact, named or not.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        Of at least one joint; without bodies the masses are 0.
-    gravity : sequence of float
-        In the base (m/s^2).
+    Those that vanish are 0 and right angles exact, named or not; without bodies the masses are 0.
+    Gravity is in the base (m/s^2).
     """
     chain.require_uncoupled()
     table = chain.dh

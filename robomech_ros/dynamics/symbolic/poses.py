@@ -12,12 +12,8 @@ Vector = list[Poly]
 def symbolic_frames(parameters: SymbolicParameters) -> tuple[list[Rows], list[Vector]]:
     """Multiply the poses of the frames from the first on.
 
-    Returns
-    -------
-    poses : list of 4 x 4 matrices
-        Frames 2 .. n + 1 in frame 1 (m).
-    axes : list of vectors
-        Z axes of frames 1 .. n, which the joints turn about or slide along.
+    Returns frames 2 .. n + 1 in frame 1 (m), and the z axes of frames 1 .. n, about or along which
+    joints move.
     """
     ring = parameters.ring
     zero, one = ring.number(0), ring.number(1)

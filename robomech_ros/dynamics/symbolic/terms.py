@@ -24,15 +24,7 @@ _Harmonics = dict[tuple[int, ...], tuple[Fraction, Fraction]]
 
 @dataclass(frozen=True)
 class Angle:
-    """An angle whose cosine and sine are generators of the ring.
-
-    Parameters
-    ----------
-    symbol : sympy.Symbol
-        rad.
-    group : int
-        Angles of one group are added up.
-    """
+    """An angle whose cosine and sine are generators; angles of one group are added up."""
 
     symbol: sympy.Symbol
     group: int
@@ -40,14 +32,7 @@ class Angle:
 
 @dataclass(eq=False)
 class TermRing:
-    """The ring of some parameters and of the cosines and sines of some angles.
-
-    Parameters
-    ----------
-    parameters : sequence of sympy.Symbol
-        Lengths, masses and so on.
-    angles : sequence of Angle
-    """
+    """The ring of some parameters and of the cosines and sines of some angles."""
 
     parameters: Sequence[sympy.Symbol]
     angles: Sequence[Angle]

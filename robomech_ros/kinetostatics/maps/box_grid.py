@@ -21,13 +21,8 @@ _ROUNDING = 1e-9
 class BoxGrid:
     """A grid with the same number of points in every row, column and layer.
 
-    Parameters
-    ----------
-    lower, upper : ndarray, shape (3,)
-        First and last point along x, y and z (m); both are points of the grid.  Where there is one
-        point only along an axis it is ``lower``.
-    shape : tuple of three int
-        Points along x, y and z.
+    The first and the last point, ``lower`` and ``upper`` (3,), are corners (m); where there is one
+    point along an axis, it is ``lower``.  The shape counts the points along x, y and z.
     """
 
     lower: Array
@@ -57,16 +52,10 @@ class BoxGrid:
 def as_grid(
     lower: ArrayLike, upper: ArrayLike, spacing: ArrayLike | None, shape: ArrayLike | None
 ) -> BoxGrid:
-    """Check a box, and either the distance between points or their number along each axis.
+    """Check corners (3,) in m, and either the distance between points or their number.
 
-    Parameters
-    ----------
-    lower, upper : array_like, shape (3,)
-        Corners (m); the last point is at most a spacing before ``upper``.
-    spacing : float or array_like, shape (3,), or None
-        Distance between neighbours (m).
-    shape : int or array_like of int, shape (3,), or None
-        Number of points.
+    The spacing (m) and the shape are one number, or one for each axis; the last point is at most a
+    spacing before ``upper``.
     """
     low, high = _as_bound("lower", lower), _as_bound("upper", upper)
     for i in range(3):

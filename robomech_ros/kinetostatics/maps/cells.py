@@ -50,23 +50,9 @@ def map_cells(
     last: int,
     stopped: Callable[[], bool] = lambda: False,
 ) -> NDArray | None:
-    """Compute the cells from ``first`` to before ``last``.
+    """Compute the cells from ``first`` to before ``last``, the same on every machine.
 
-    The same on every machine, whatever else is computed with them.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        That of the request.
-    first, last : int
-        Cells as the grid counts them.
-    stopped : callable, optional
-        Asked between blocks whether to leave off.
-
-    Returns
-    -------
-    ndarray of CELL, shape (last - first,), or None
-        None where ``stopped`` ended it.
+    Between blocks ``stopped`` is asked whether to leave off; the result is then None.
     """
     k = len(request.orientations)
     counts = np.empty((last - first) * k, np.int64)

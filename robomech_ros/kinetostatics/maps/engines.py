@@ -83,19 +83,9 @@ def in_threads(
 def by_dask(
     chain: SerialChain, request: MapRequest, chunks: Iterator[Chunk], address: str
 ) -> Generator[Done, None, None]:
-    """Compute chunks as tasks of a Dask cluster, whose workers have the same robomech_ros.
+    """Compute chunks as tasks of a Dask cluster whose workers have the same robomech_ros.
 
-    Parameters
-    ----------
-    chain, request
-        Of the map.
-    address : str
-        Of the scheduler, such as ``tcp://10.0.0.1:8786``.
-
-    Raises
-    ------
-    DaskUnavailableError
-        Dask is not installed.
+    The address is that of the scheduler, such as ``tcp://10.0.0.1:8786``.
     """
     try:
         from distributed import as_completed

@@ -50,13 +50,7 @@ def check_writable(path: Path) -> None:
 
 
 def save_map(path: Path, request: MapRequest, cells: NDArray) -> None:
-    """Write a map, finished or not; until all of it is on the disk the file keeps what it had.
-
-    Raises
-    ------
-    MapFileError
-        The file cannot be written.
-    """
+    """Write a map, finished or not; until all of it is on the disk the file keeps what it had."""
     check_writable(path)
     header = json.dumps({"format": _FORMAT, **request.header}).encode()
     part = path.with_name(f".{path.stem}.{os.getpid()}.part")
@@ -78,20 +72,7 @@ def save_map(path: Path, request: MapRequest, cells: NDArray) -> None:
 
 
 def load_map(path: Path) -> tuple[MapRequest, NDArray]:
-    """Read a map, with all that it claims checked before it is believed.
-
-    Returns
-    -------
-    request : MapRequest
-    cells : ndarray of CELL
-
-    Raises
-    ------
-    MapFileError
-        There is no such file, or it is no map, or a damaged one.
-    NotEnoughMemoryError
-        It does not fit.
-    """
+    """Read a map and its cells; all that it claims is checked before it is believed."""
     try:
         with open_regular(path) as file:
             return _read(path, file)

@@ -17,15 +17,7 @@ from robomech_ros.typing import Array
 
 @dataclass(frozen=True)
 class RobotIdentity:
-    """The chain that a map was made for.
-
-    Parameters
-    ----------
-    name, base, tip : str
-        The robot, and the links whose relative pose the map is about.
-    digest : str
-        Of geometry, joint types and position limits.
-    """
+    """The chain of a map: its name, first and last link, and a digest of geometry and limits."""
 
     name: str
     base: str
@@ -40,21 +32,9 @@ class RobotIdentity:
 class MapRequest:
     """Definition of a map.
 
-    Parameters
-    ----------
-    robot : RobotIdentity
-    grid : BoxGrid
-        Positions of the tip in the base.
-    orientations : ndarray, shape (k, 3, 3)
-        ``R_base_tip`` that are tried at each of them.
-    respect_limits : bool
-        Whether only postures inside the joint limits count.
-    length : float
-        What linear rows of the Jacobian are divided by (m).
-    part : str
-        Which rows count: ``"pose"``, ``"position"`` or ``"orientation"``.
-    version : str
-        Of robomech_ros, which has computed it.
+    At each position of the tip in the grid, orientations ``R_base_tip`` (k, 3, 3) are tried.
+    Linear rows of the Jacobian are divided by the length (m), and the part says which rows count.
+    The version is that of robomech_ros, which computes the map.
     """
 
     robot: RobotIdentity

@@ -37,16 +37,9 @@ _NAMES = {
 class NamedParts(NamedTuple):
     """Data of an arm for the kernel ``posture_factors``, the same in every posture.
 
-    Attributes
-    ----------
-    names : tuple of str
-        Of the factors: "shoulder", "elbow", "wrist" or "arm"; each is dimensionless, and zero
-        where this part of the arm is singular.  Empty for arms without such parts.
-    joints : ndarray of int, shape (6,)
-        The kind of arm; the first joint of the shoulder, that of the wrist, and three with
-        parallel axes, from 0.
-    size : float
-        Of the arm (m).
+    Each name is that of a factor without unit, zero where this part of the arm is singular.  The
+    joints (6,) are the kind of arm; the first joint of the shoulder, that of the wrist, and three
+    with parallel axes, from 0.  The size is that of the arm (m).
     """
 
     names: tuple[str, ...]

@@ -75,12 +75,7 @@ def nearest_singular_posture(
 def singular_posture_from(chain: SerialChain, q: Array, length: float) -> Array | None:
     """Search for the singular posture (n,) that is nearest to q (n,), from q; None if that fails.
 
-    Parameters
-    ----------
-    q : ndarray, shape (n,)
-        Joint values (rad or m).
-    length : float
-        What linear motions and slides are divided by (m).
+    Linear motions and slides are divided by the length (m).
     """
     unit = np.where(chain.types == PRISMATIC, length, 1.0)
     ends = _ended(chain, q, q[None], unit, length)

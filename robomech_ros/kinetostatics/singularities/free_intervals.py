@@ -143,16 +143,9 @@ def _ends(
 
 @dataclass(frozen=True, eq=False)
 class _Box:
-    """A part of the intervals.
+    """A part of the intervals: ends in t (k,), and the middle (k,) where t is zero (rad or m).
 
-    Attributes
-    ----------
-    tensor : ndarray, shape (m, ...)
-        Bernstein coefficients of the minors.
-    middle : ndarray, shape (k,)
-        Where t is zero, of the joints that count (rad or m).
-    low, high : ndarray, shape (k,)
-        Its ends in t, of slides in m from the middle.
+    The tensor (m, ...) has the Bernstein coefficients of the minors.
     """
 
     tensor: Array

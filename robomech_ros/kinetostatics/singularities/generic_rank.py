@@ -41,17 +41,7 @@ def generic_rank(chain: SerialChain) -> int:
 def generic_motions(chain: SerialChain) -> tuple[int, Array]:
     """Find the rank that the Jacobian has in nearly all postures, and what it spans in all.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        With one joint at least.
-
-    Returns
-    -------
-    rank : int
-        From 1 to 6.
-    motions : ndarray, shape (r, 6)
-        Twists that span all that it has in one posture or another (1 and m).
+    The rank is from 1 to 6; twists (r, 6), in 1 and m, span what it has in any posture.
     """
     size = arm_size(chain)
     J = sampled_jacobians(chain, size)

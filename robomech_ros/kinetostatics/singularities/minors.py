@@ -49,22 +49,12 @@ _QUADRATIC = np.array([[1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [0.0, 2.0, 0.0]])
 
 @dataclass(frozen=True, eq=False)
 class Minors:
-    """The largest minors of an arm's Jacobian, linear rows over its size, in the tip's frame.
+    """The largest minors of an arm's Jacobian, linear rows over its size (m), in the tip's frame.
 
-    Attributes
-    ----------
-    chain : SerialChain
-    size : float
-        Of the arm (m).
-    row_sets, column_sets : ndarray of int, shape (m, r)
-        Rows and columns of each minor.
-    joints : tuple of int
-        Those that the minors depend on.
-    tensor : ndarray, shape (m, ...)
-        Coefficients, with one axis for each of these joints: of 1, cos q, sin q and perhaps cos 2q,
-        sin 2q, or of powers of q over the size.
-    margin : float
-        What bounds of a combination of minors, its weights of norm 1, may be off by.
+    Each has a set of rows and one of columns (m, r), and depends on the values of the ``joints``.
+    The tensor (m, ...) has one axis for each of these: coefficients of 1, cos q, sin q and perhaps
+    cos 2q, sin 2q, or of powers of q over the size.  Bounds of a combination of minors, its weights
+    of norm 1, may be off by the margin.
     """
 
     chain: SerialChain
@@ -86,19 +76,10 @@ class Minors:
         return values[:, 0]
 
     def bernstein(self, middle: Array, reach: Array) -> Array:
-        """Return Bernstein coefficients over a box.
+        """Return Bernstein coefficients (m, ...) over a box around the middle (k,) (rad or m).
 
-        Parameters
-        ----------
-        middle : ndarray, shape (k,)
-            Of the intervals of the joints that count (rad or m).
-        reach : ndarray, shape (k,)
-            Half of each interval, of an angle the tangent of a quarter of it.
-
-        Returns
-        -------
-        ndarray, shape (m, ...)
-            Of the minors times ``(1 + t^2)^d`` for each angle with functions up to cos dq.
+        The reach (k,) is half of each interval, of an angle the tangent of a quarter of it.  Minors
+        are multiplied by ``(1 + t^2)^d`` for each angle with functions up to cos dq.
         """
         tensor = self.tensor
         for axis, joint in enumerate(self.joints, start=1):

@@ -30,15 +30,10 @@ _EDGE_VERTICES = 65
 
 @dataclass(frozen=True, eq=False)
 class Contour:
-    """A curve in the joint plane on which the arm is singular.
+    """A curve (k, 2) of values of joints 2 and 3 (rad or m) on which the arm is singular.
 
-    Parameters
-    ----------
-    joint : int
-        1 or 2 where the value of this joint (from 0) is constant along it, else 0.
-    q : ndarray, shape (k, 2)
-        Values of joints 2 and 3 (rad or m), unwrapped; a closed curve ends where it began, up to
-        turns.
+    The joint is 1 or 2 (from 0) where its value is constant along it, else 0.  Angles are
+    unwrapped; a closed curve ends where it began, up to turns.
     """
 
     joint: int
@@ -164,10 +159,7 @@ def _on_edge(section: WorkspaceSection, vertex: Array, axis: int, bound: float) 
 def edges_of_box(section: WorkspaceSection) -> list[tuple[int, bool, Array]]:
     """Return the curves on which joint 2 or 3 is at a limit.
 
-    Returns
-    -------
-    list of (int, bool, ndarray)
-        The joint (1 or 2, from 0), whether it is at its upper limit, and vertices (k, 2).
+    Each comes with the joint (1 or 2, from 0), whether it is at its upper limit, and (k, 2) values.
     """
     edges = []
     for joint in (1, 2):

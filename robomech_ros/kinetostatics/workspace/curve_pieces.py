@@ -26,14 +26,9 @@ _SPACING = 1.0 / 200.0
 
 @dataclass(frozen=True, eq=False)
 class CurvePiece(Branch):
-    """A smooth part of a curve between points where curves meet.
+    """A smooth part of a :class:`Branch` between points where curves meet.
 
-    Parameters
-    ----------
-    joint, limit, q, points
-        As for `Branch`; the side with more postures is on the left.
-    more, fewer : int
-        Postures on either side.
+    On its left there are ``more`` postures, on its right ``fewer``.
     """
 
     more: int
@@ -41,14 +36,7 @@ class CurvePiece(Branch):
 
 
 def cut_curves(section: WorkspaceSection) -> tuple[list[CurvePiece], Array, Array]:
-    """Find the pieces of the curves that divide a section, its cusps and its nodes.
-
-    Returns
-    -------
-    pieces : list of CurvePiece
-    cusps, nodes : ndarray, shape (k, 2)
-        In the section (m).
-    """
+    """Find the pieces that divide a section, its cusps (k, 2) and its nodes (k, 2), in m."""
     branches, cuts, cusps = branches_of(section)
     if not branches:
         return [], np.zeros((0, 2)), np.zeros((0, 2))

@@ -27,18 +27,10 @@ _APART = 1.0 / 500.0
 
 @dataclass(frozen=True, eq=False)
 class Branch:
-    """A curve in the plane of the values of joints 2 and 3, and its image in the section.
+    """A curve q (k, 2) of values of joints 2 and 3 (rad or m), and its image (k, 2) (m).
 
-    Parameters
-    ----------
-    joint : int
-        1 or 2, the joint (from 0) whose value is constant along it, else 0.
-    limit : str
-        ``"lower"`` or ``"upper"`` where that is a limit; empty where the arm is singular.
-    q : ndarray, shape (k, 2)
-        Joint values (rad or m).
-    points : ndarray, shape (k, 2)
-        In the section (m).
+    The joint is 1 or 2 (from 0) where its value is constant along the curve, else 0; the limit is
+    ``"lower"`` or ``"upper"``, or empty where the arm is singular.
     """
 
     joint: int
@@ -53,21 +45,10 @@ class Branch:
 
 
 def cusps_of(section: WorkspaceSection, curve: Array) -> tuple[Array, IntArray, IntArray]:
-    """Find the cusps of the image of a curve on which det J21 vanishes.
+    """Find the cusps of the image of a curve (k, 2) on which det J21 vanishes.
 
-    There the direction that moves nothing is tangent to the curve.
-
-    Parameters
-    ----------
-    curve : ndarray, shape (k, 2)
-        Joint values (rad or m).
-
-    Returns
-    -------
-    curve : ndarray, shape (m, 2)
-        With a vertex at each cusp.
-    crossings, cusps : ndarray of int
-        Indices of vertices in which other branches cross, and of cusps.
+    There the direction that moves nothing is tangent to the curve.  Returns the curve with a vertex
+    at each cusp, and the indices of crossings with other branches and of cusps.
     """
     _, fu, fv = section.determinant_gradient(curve[:, 0], curve[:, 1])
     steep = np.hypot(fu, fv)
@@ -236,22 +217,10 @@ def _crossing(
 
 
 def _nodes(section: WorkspaceSection, joint: IntArray, q: Array) -> tuple[Array, Array, BoolArray]:
-    """Refine crossings by Newton's method in the four joint values.
+    """Refine crossings q (2, k, 2) of branches by Newton's method in the four joint values.
 
-    Parameters
-    ----------
-    joint : ndarray of int, shape (2, k)
-        Of the branches, see :class:`Branch`.
-    q : ndarray, shape (2, k, 2)
-        Joint values to begin with (rad or m).
-
-    Returns
-    -------
-    q : ndarray, shape (2, k, 2)
-    points : ndarray, shape (k, 2)
-        In the section (m).
-    sound : ndarray of bool, shape (k,)
-        Whether branches cross there.
+    The joints (2, k) are those of :class:`Branch`.  Returns q, the points (k, 2) in the section
+    (m), and whether branches cross there (k,).
     """
     start, began = section.image(q[0, :, 0], q[0, :, 1]), q
     for _ in range(_NEWTON):

@@ -22,13 +22,10 @@ NEWTON = 8
 
 
 def grid_curves(deflated: DeflatedDeterminant) -> list[Array]:
-    """Find the curves on which a determinant vanishes.
+    """Find the curves (k, 2) on which a determinant vanishes, as values of joints 2 and 3.
 
-    Returns
-    -------
-    list of ndarray, shape (k, 2)
-        Values of joints 2 and 3 (rad or m), unwrapped; every vertex is a root on a line of the
-        grid, and a closed curve ends where it began, up to turns.
+    Every vertex is a root on a line of the grid.  Angles are unwrapped; a closed curve ends where
+    it began, up to turns.
     """
     section = deflated.section
     lines = [_lines(section, j) for j in (1, 2)]

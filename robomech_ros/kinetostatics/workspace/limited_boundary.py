@@ -23,16 +23,9 @@ _STEPS = 20
 
 
 class LimitedBoundary:
-    """Nearest points of the boundary in space.
+    """Nearest points of the boundary in space, of a section whose first joint has limits.
 
-    Parameters
-    ----------
-    section : WorkspaceSection
-        Whose first joint has limits.
-    pieces : list of CurvePiece
-        All that divide the section.
-    postures : PointPostures
-        Within the limits.
+    The pieces are all that divide the section, and the postures keep within the limits.
     """
 
     def __init__(

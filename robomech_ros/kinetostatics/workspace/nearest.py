@@ -14,14 +14,7 @@ _REACH = 2.0
 
 
 class NearestOnCurves:
-    """Search for the nearest points of some pieces, better than their chords.
-
-    Parameters
-    ----------
-    section : WorkspaceSection
-    pieces : list of CurvePiece
-        One or more.
-    """
+    """Search for the nearest points of some pieces, better than their chords."""
 
     def __init__(self, section: WorkspaceSection, pieces: list[CurvePiece]) -> None:
         from scipy.spatial import cKDTree
@@ -38,24 +31,11 @@ class NearestOnCurves:
         self._tree = cKDTree(self.points)
 
     def find(self, coordinates: Array) -> tuple[Array, Array, IntArray, Array]:
-        """Find the nearest points to points of the section.
+        """Find the nearest points to points (m, 2) of the section (m).
 
-        Parameters
-        ----------
-        coordinates : ndarray, shape (m, 2)
-            m.
-
-        Returns
-        -------
-        distance : ndarray, shape (m,)
-            Not negative (m).
-        feet : ndarray, shape (m, 2)
-            The nearest points (m).
-        vertex : ndarray of int, shape (m,)
-            The vertex each is beside, in ``points``, ``normals`` (to the side with more
-            postures) and ``is_end``.
-        q : ndarray, shape (m, 2)
-            Values of joints 2 and 3 at the nearest points (rad or m).
+        Returns distances (m,) and nearest points (m, 2) in m; the vertex (m,) each is beside, in
+        ``points``, ``normals`` (to the side with more postures) and ``is_end``; and the values of
+        joints 2 and 3 there (m, 2).
         """
         distance, vertex = self._tree.query(coordinates)
         q, joint, longest = self._q[vertex], self._joint[vertex], _REACH * self._steps[vertex]

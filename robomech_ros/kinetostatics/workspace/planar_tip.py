@@ -40,18 +40,9 @@ _LOOKED_AT = 50
 
 @dataclass(frozen=True, eq=False)
 class HeldPair:
-    """Two joints of the arm that move while the third is held.
+    """The section of two joints that move while the third is held at a value (rad or m).
 
-    Parameters
-    ----------
-    joint : int
-        The one that is held.
-    value : float
-        Where (rad or m).
-    cause : str
-        Its limit, such as ``"joint_3 upper"``; empty where it is held inside its range.
-    section : WorkspaceSection
-        Of the other two.
+    The cause is its limit, such as ``"joint_3 upper"``, or empty inside its range.
     """
 
     joint: int
@@ -73,12 +64,8 @@ class HeldPair:
 class PlanarTip:
     """Joint reach of all pairs of joints.
 
-    Parameters
-    ----------
-    pairs : tuple of HeldPair
-    pieces : tuple of tuple of CurvePiece
-        Of each pair, what bounds the whole, in the coordinates of its section; what is reached is
-        on the left.
+    The pieces of each pair bound the whole, in the coordinates of its section; what is reached is
+    on the left.
     """
 
     pairs: tuple[HeldPair, ...]
@@ -106,19 +93,9 @@ class PlanarTip:
 
 
 def planar_tip(chain: SerialChain, *, respect_limits: bool) -> PlanarTip:
-    """Find what a planar arm of three joints reaches with its tip.
+    """Find what a planar arm of three joints, of which the last turns, reaches with its tip.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Planar, of three joints of which the last turns.
-    respect_limits : bool
-        Whether the limits of turning joints hold; those of slides always do.
-
-    Raises
-    ------
-    MissingLimitsError
-        A slide has no end.
+    Limits of slides always hold, those of turning joints only if they are respected.
     """
     pairs = []
     for joint in range(3):

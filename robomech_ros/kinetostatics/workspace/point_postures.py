@@ -29,14 +29,7 @@ _PORTION = 4096
 
 
 class PointPostures:
-    """Solver for the postures of a section's three joints.
-
-    Parameters
-    ----------
-    section : WorkspaceSection
-    first_free : bool
-        Whether the first joint may turn, or slide, without limits.
-    """
+    """Solver for the postures of a section's three joints, the first perhaps without limits."""
 
     def __init__(self, section: WorkspaceSection, *, first_free: bool) -> None:
         # In units of the arm's size, as tolerances suit arms of some metres.

@@ -22,18 +22,10 @@ _EXPECTED = (
 
 
 class PositioningPart(NamedTuple):
-    """Joints that place a point.
+    """The first joints, 3 or the 2 of a planar arm, and the point (3,) that they place (m).
 
-    Attributes
-    ----------
-    joints : int
-        The first so many: 3, or the 2 of a planar arm.
-    point : ndarray, shape (3,)
-        What they place, in the frame that moves with the last of them (m).
-    in_tip : ndarray, shape (3,)
-        The same point in the frame of the tip (m).
-    plane : ndarray, shape (3, 3), or None
-        Of a planar arm the axes x, y and normal of its plane, as columns, in the base.
+    The point is in the frame that moves with the last of them, and ``in_tip`` (3,) in that of the
+    tip.  The columns of the plane (3, 3) are x, y and normal of a planar arm in the base.
     """
 
     joints: int
@@ -45,12 +37,9 @@ class PositioningPart(NamedTuple):
 def positioning_part(chain: SerialChain) -> PositioningPart:
     """Find the joints of an arm that place a point, and the point.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of three joints, which place its tip, or of four to six of which those after the third turn
-        about axes through one point: the centre of the wrist; of four, about an axis through the
-        tip.  Of two joints, a planar arm; of three, one whose last joint turns: its axis is placed.
+    Of three joints they place the tip; of four to six, the centre of the wrist about which the
+    later ones turn (of four, a point of an axis through the tip).  Of two joints the arm is planar;
+    of three it may be, with the axis of the last one placed.
     """
     check_chain(chain)
     chain.require_uncoupled(instead="with mimic joints reach_map computes what the tip reaches")

@@ -49,18 +49,9 @@ def bisected(
 def refined(
     section: WorkspaceSection, curve: Array, onto: Callable[[Array], Array] | None
 ) -> Array:
-    """Add vertices until the chords of the image are short and near it.
+    """Add vertices to a curve (k, 2) of joint values until chords of its image are short and near.
 
-    Parameters
-    ----------
-    curve : ndarray, shape (k, 2)
-        Joint values (rad or m).
-    onto : callable, optional
-        Puts points between vertices back on the curve; default where straight lines are.
-
-    Returns
-    -------
-    ndarray, shape (m, 2)
+    ``onto`` puts points between vertices back on the curve; None where straight lines are.
     """
     chord, sagitta = _CHORD * section.size, _SAGITTA * section.size
     settled = np.zeros(len(curve) - 1, dtype=bool)

@@ -67,18 +67,9 @@ class WorkspaceSection:
     flat: bool
 
     def derivatives(self, u: Array, v: Array, order: int = 2) -> tuple[Array, ...]:
-        """Return the point before joint 1 moves it, and its derivatives by the other two values.
+        """Return p (3, ...) before joint 1 moves it, then p_u, p_v, and p_uu, p_uv, p_vv.
 
-        Parameters
-        ----------
-        u, v : ndarray, shape (...)
-            Values of joints 2 and 3 (rad or m), perhaps complex.
-        order : {0, 1, 2}
-
-        Returns
-        -------
-        tuple of ndarray, shape (3, ...)
-            p, then p_u and p_v, then p_uu, p_uv and p_vv (m, and m per rad or m).
+        The values u and v (...) of joints 2 and 3 may be complex.
         """
         u, v = np.broadcast_arrays(u, v)
         inner = _moved(self.slides[2], v, self._spread(self.point, v))
@@ -128,14 +119,9 @@ class WorkspaceSection:
         return np.stack((np.stack(first, -1), np.stack(second, -1)), axis=1)
 
     def regular(self, u: Array, v: Array) -> tuple[Array, ...]:
-        """Return first and second derivatives of smooth coordinates a and b of the section.
+        """Return derivatives a_u, a_v, a_uu, a_uv, a_vv, and those of b, of smooth coordinates.
 
-        They are rho^2 / 2 and z, or x and y.
-
-        Returns
-        -------
-        tuple of ndarray, shape (...)
-            a_u, a_v, a_uu, a_uv, a_vv, b_u, b_v, b_uu, b_uv, b_vv.
+        These are rho^2 / 2 and z, or x and y.
         """
         p, pu, pv, puu, puv, pvv = self.derivatives(u, v)
         if self.slides[0]:
@@ -226,18 +212,7 @@ def _moved(slides: bool, value: Array, vectors: Array, *, shifts: bool = True) -
 def section_of(chain: SerialChain, *, respect_limits: bool = True) -> WorkspaceSection:
     """Make the section of an arm's positioning part.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        As for :func:`positioning_part`.
-    respect_limits : bool
-        Whether the limits of turning joints, and of the first joint, hold; the others' slides'
-        always do.
-
-    Raises
-    ------
-    MissingLimitsError
-        A slide has no end.
+    ``respect_limits`` is about turning joints and the first joint; other slides keep theirs.
     """
     part = positioning_part(chain)
     flat = part.plane is not None

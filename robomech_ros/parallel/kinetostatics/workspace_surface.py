@@ -22,15 +22,9 @@ _FLAT = 1e-6
 class WorkspaceSurface:
     """The facets between neighbouring directions of a workspace that was explored all round.
 
-    Parameters
-    ----------
-    centre : ndarray, shape (3,)
-        From which it was explored, in the base (m).
-    facets : ndarray, shape (f, c, 3)
-        In the base (m): three corners of triangles in the space, two ends of lines in a plane, or
-        points of a line.
-    ended : ndarray of bool, shape (f,)
-        Whether something ends the workspace at a corner; others are as far as was looked.
+    From the centre (3,), facets (f, c, 3) are triangles in the space, lines in a plane or points of
+    a line, in the base (m).  ``ended`` (f,) says whether something ends the workspace at a corner;
+    others are as far as was looked.
     """
 
     centre: Array
@@ -48,18 +42,10 @@ class WorkspaceSurface:
         return float(np.linalg.norm(self.facets - self.centre, axis=-1).max())
 
     def distance(self, points: Array) -> Array:
-        """Measure how far points are from the boundary.
+        """Measure how far points (k, 3) in the base are from the boundary, negative outside (m).
 
-        Parameters
-        ----------
-        points : ndarray, shape (k, 3)
-            In the base (m), of a robot in the plane in its plane.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Positive inside, negative outside (m); infinite where nothing ends the workspace.
-            Facets are flat: it is exact to about a hundredth of the reach.
+        It is infinite where nothing ends the workspace.  Facets are flat: it is exact to about a
+        hundredth of the reach.
         """
         if not self.ended.any():
             return np.full(len(points), np.inf)
