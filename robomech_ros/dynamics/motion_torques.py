@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.systems import DynamicSystem, dynamic_system
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import real_array
+from robomech_ros.spatial.arrays import as_finite, real_array
 from robomech_ros.typing import Array
 
 
@@ -94,11 +94,9 @@ def torque_summary(
     """
     system = dynamic_system(chain)
     drives = len(system.drive_names)
-    instants, rates = real_array("times", times), real_array("qd", qd)
+    instants, rates = as_finite("times", times, ()), real_array("qd", qd)
     if instants.ndim != 1 or not len(instants):
         raise WrongSizeError("times", instants.shape, "(m,) with at least one instant")
-    if not np.isfinite(instants).all():
-        raise NonFiniteError("times", instants)
     if rates.shape != (len(instants), drives):
         raise WrongSizeError("qd", rates.shape, (len(instants), drives))
     if not (np.diff(instants) >= 0.0).all():

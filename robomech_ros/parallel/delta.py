@@ -160,7 +160,7 @@ class Delta:
         elif count == 1:
             multiplicity[0] = 2
             reason = "1 pose is singular: assembly modes meet there"
-        poses = assembled(np.broadcast_to(np.eye(3), (len(points), 3, 3)), points)
+        poses = assembled(np.eye(3), points)
         errors = self._errors(points, given)
         found = DirectKinematicsResult(
             poses, multiplicity, count >= 0, self.family, status, reason, errors

@@ -204,7 +204,12 @@ class ControlledArm:
         state = DrivenState(q, qd, learned)
         run = self._servo(state, wanted, _stops(plant, q, held), timing)
         done = len(run.q)
-        reason = "" if done == len(wanted) else run.lost or _ran_away(done * step, qd)
+        reason = "" if done == len(wanted) else run.lost
+        if done < len(wanted) and not run.lost:
+            reason = (
+                f"the motion ran away after {done * step:.6g} s, with rates of up to "
+                f"{np.abs(qd).max():.3g} rad/s or m/s; {LARGEST_SERVO_RATE:g} is the most"
+            )
         saturated = np.abs(run.effort) >= self._effort
         return ControlledMotion(run.q, run.rates, run.effort, saturated, reason, bool(run.lost))
 
@@ -218,13 +223,6 @@ def _check_state(**arrays: tuple[Array, int]) -> None:
             raise WrongSizeError(name, array.shape, f"({size},)")
         if not np.isfinite(array).all():
             raise NonFiniteError(name, array)
-
-
-def _ran_away(seconds: float, qd: Array) -> str:
-    return (
-        f"the motion ran away after {seconds:.6g} s, with rates of up to "
-        f"{np.abs(qd).max():.3g} rad/s or m/s; {LARGEST_SERVO_RATE:g} is the most"
-    )
 
 
 def _stops(system: DynamicSystem, q: Array, held: ArrayLike | None) -> Array:

@@ -91,12 +91,6 @@ class EquationsOfMotion:
             raise RunAwayError(f"the motion ran away: the torque at {t:.6g} s is not finite")
         return tau
 
-    def _without_friction(self, q: Array, rates: Array, tau: Array, out: Array) -> int:
-        try:
-            return self._forward(q, rates, tau, out)
-        except LostPostureError as error:
-            raise RunAwayError(str(error)) from None
-
     def tip_power(self, q: Array, rates: Array) -> float:
         """Return the power of the wrench on the tip (W)."""
         if self.tip_wrench is None:
@@ -111,7 +105,11 @@ class EquationsOfMotion:
         q, rates = self.posture(state[:m].copy()), state[m : 2 * m].copy()
         tau, lost = self.drive_torque(t, q, rates), self.friction_torque(q, rates)
         accelerations = np.empty(m)
-        if self._without_friction(q, rates, tau - lost, accelerations):
+        try:
+            failed = self._forward(q, rates, tau - lost, accelerations)
+        except LostPostureError as error:
+            raise RunAwayError(str(error)) from None
+        if failed:
             why = f"the accelerations at {t:.6g} s are not finite"
             raise RunAwayError(f"the motion ran away: {why}")
         power, loss = tau @ rates + self.tip_power(q, rates), lost @ rates

@@ -16,6 +16,7 @@ from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.kinetostatics.indices import condition_number
 from robomech_ros.kinetostatics.maps.request import MapRequest
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array, IntArray
 
 # What is known of a cell: how many orientations have a posture; how many postures they have
@@ -70,11 +71,7 @@ def map_cells(
 def _poses(request: MapRequest, first: int, last: int) -> Array:
     """Return the poses (m, 4, 4) from ``first`` to before ``last``: all orientations of a cell."""
     cells, turns = np.divmod(np.arange(first, last), len(request.orientations))
-    T = np.zeros((last - first, 4, 4))
-    T[:, :3, :3] = request.orientations[turns]
-    T[:, :3, 3] = request.grid.points(cells)
-    T[:, 3, 3] = 1.0
-    return T
+    return assembled(request.orientations[turns], request.grid.points(cells))
 
 
 def _postures(chain: SerialChain, T: Array, respect_limits: bool) -> tuple[Array, IntArray]:

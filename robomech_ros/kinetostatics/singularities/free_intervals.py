@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import comb
 
 from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, check_chain, raise_not_finite
@@ -274,5 +275,5 @@ def _cut(tensor: Array, axis: int) -> tuple[Array, Array]:
 
 @functools.lru_cache(maxsize=8)
 def _left_half(count: int) -> Array:
-    steps = range(count)
-    return np.array([[math.comb(i, j) / 2.0**i if j <= i else 0.0 for j in steps] for i in steps])
+    i = np.arange(count)[:, None]
+    return np.asarray(comb(i, i.T) / 2.0**i)

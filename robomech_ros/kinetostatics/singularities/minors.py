@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import comb
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.forward import forward_kinematics
@@ -189,27 +190,16 @@ def _turned(count: int, middle: float) -> Array:
 
 def _shifted(count: int, middle: float, reach: float) -> Array:
     """Return powers of middle + reach u, in rows, in powers of u."""
-    return np.array(
-        [
-            [
-                math.comb(i, j) * middle ** (i - j) * reach**j if j <= i else 0.0
-                for j in range(count)
-            ]
-            for i in range(count)
-        ]
-    )
+    j = np.arange(count)
+    i = j[:, None]
+    return np.asarray(comb(i, j) * middle ** np.maximum(i - j, 0) * reach**j)
 
 
 @functools.lru_cache(maxsize=8)
 def _from_powers(degree: int) -> Array:
     """Return the Bernstein coefficients, in rows, of the powers of u over -1 <= u <= 1."""
-    steps = range(degree + 1)
+    k = np.arange(degree + 1)
+    i = k[:, None]
     # Those of powers of s = (u + 1) / 2.
-    unit = np.array([[math.comb(i, k) / math.comb(degree, k) for i in steps] for k in steps])
-    shift = np.array(
-        [
-            [math.comb(j, k) * 2.0**k * (-1.0) ** (j - k) if k <= j else 0.0 for k in steps]
-            for j in steps
-        ]
-    )
-    return shift @ unit
+    unit = comb(k, i) / comb(degree, i)
+    return np.asarray(comb(i, k) * 2.0**k * (-1.0) ** (i - k) @ unit)

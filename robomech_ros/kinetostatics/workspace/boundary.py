@@ -183,14 +183,7 @@ class Workspace(Printed):
             "cusps": self.cusps.tolist(),
             "nodes": self.nodes.tolist(),
             "curves": [
-                {
-                    "role": curve.role,
-                    "cause": curve.cause,
-                    "more": curve.more,
-                    "fewer": curve.fewer,
-                    "points": curve.points.tolist(),
-                    "q": curve.q.tolist(),
-                }
+                vars(curve) | {"points": curve.points.tolist(), "q": curve.q.tolist()}
                 for curve in self.curves
             ],
         }

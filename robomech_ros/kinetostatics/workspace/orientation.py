@@ -17,6 +17,7 @@ from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.rotation_sets import uniform_rotations
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_single
+from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array, BoolArray, IntArray
 
 
@@ -79,10 +80,7 @@ def orientation_workspace(
         raise BadValueError("number of joints", chain.n, "6 or more")
     point = as_single("position", position, (3,))
     rotations = uniform_rotations(samples)
-    T = np.zeros((len(rotations), 4, 4))
-    T[:, :3, :3] = rotations
-    T[:, :3, 3] = point
-    T[:, 3, 3] = 1.0
+    T = assembled(rotations, point)
     family = family_of(chain)
     if family.lists_all:
         request = as_request(chain, None, respect_limits)

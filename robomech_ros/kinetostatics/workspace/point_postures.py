@@ -16,6 +16,7 @@ from robomech_ros.kinematics.inverse.families.six_joints import chain_of
 from robomech_ros.kinematics.inverse.request import as_request
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE
+from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array, BoolArray, IntArray
 
 # The orientation asked for: none that symmetry would make singular for the wrist.
@@ -64,10 +65,7 @@ class PointPostures:
 
         Also which of them, (m, 16), stand for one posture each.
         """
-        T = np.zeros((len(points), 4, 4))
-        T[:, :3, :3] = _ORIENTATION
-        T[:, :3, 3] = points / self._unit
-        T[:, 3, 3] = 1.0
+        T = assembled(_ORIENTATION, points / self._unit)
         q, counts, _ = solve_many(self._chain, T, self._family, self._request, MAX_SOLUTIONS)
         within = np.arange(MAX_SOLUTIONS) < counts[:, None]
         # Of the two ways of the wrist the one that is bent to the positive side.

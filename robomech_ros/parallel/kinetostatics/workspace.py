@@ -220,11 +220,8 @@ def _poses(centre: Array, turns: bool, directions: Array, distances: Array) -> A
     """Return the poses (k, 4, 4) at distances along directions."""
     steps = distances[:, None] * directions
     if not turns:
-        T = np.tile(centre, (len(steps), 1, 1))
-        T[:, :3, 3] += steps
-        return T
-    R = matrix_from_rotation_vector(steps) @ centre[:3, :3]
-    return assembled(R, np.broadcast_to(centre[:3, 3], steps.shape))
+        return assembled(centre[:3, :3], centre[:3, 3] + steps)
+    return assembled(matrix_from_rotation_vector(steps) @ centre[:3, :3], centre[:3, 3])
 
 
 def _explored(

@@ -51,9 +51,7 @@ def platform_home(
     far = size * np.linspace(0.5, 3.0, _HEIGHTS)
     if strokes is not None:
         far = np.linspace(0.0, strokes.max(), 4 * _HEIGHTS)
-    R = np.broadcast_to(np.eye(3), (len(far), 3, 3))
-    upright = assembled(R, middle + far[:, None] * normal - centre)
-    best, score = regular_one(upright)
+    best, score = regular_one(assembled(np.eye(3), middle + far[:, None] * normal - centre))
     if score > _UPRIGHT:
         return best
     rng = np.random.default_rng(6)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,6 @@ from robomech_ros.kinetostatics import jacobian
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.motion.drive_paths import follow_drives
 from robomech_ros.parallel.motion.singularity_check import named_singularity, singular_values
-from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import JoinedArms, JointLimits, JointPath, Limits, SerialArm
 from robomech_ros.typing import Array
 
@@ -61,7 +60,13 @@ class MechanismPathModel:
         """The limbs as arms that hold one platform."""
         chains = [limb.chain for limb in self.mechanism.limbs]
         return JoinedArms(
-            tuple(_limb_arm(chain) for chain in chains),
+            tuple(
+                # Where a limb is lost all limbs are asked together.
+                SerialArm(
+                    partial(forward_kinematics, chain), lambda *_: None, partial(jacobian, chain)
+                )
+                for chain in chains
+            ),
             tuple(chain.n for chain in chains),
             self._nearest,
         )
@@ -110,10 +115,3 @@ class MechanismPathModel:
             if condition > worst:
                 worst, found = float(condition), k
         return found
-
-
-def _limb_arm(chain: SerialChain) -> SerialArm:
-    """Make an arm of a limb; where it is lost all limbs are asked together."""
-    return SerialArm(
-        lambda q: forward_kinematics(chain, q), lambda *_: None, lambda q: jacobian(chain, q)
-    )

@@ -139,18 +139,14 @@ def motion_from_tracks(
     omega = angular_velocity_from_points(smooth, speed)
     alpha = angular_acceleration_from_points(smooth, speed, change)
     sigma = _deviation(deviation, squares, gains[:, 0], 3 * m)
-    _check_distances(smooth, _largest_change(tolerance, sigma))
+    limit = _MOST_CHANGE * sigma if sigma > 0.0 else np.inf
+    _check_distances(
+        smooth, limit if tolerance is None else positive_number("tolerance", tolerance)
+    )
     centred = smooth - smooth.mean(axis=1, keepdims=True)
     inverse = np.linalg.inv(spread_matrix(centred))
     noise = sigma * sigma * gains[:, 1:, None, None] * inverse[:, None]
     return TrackedMotion(t, smooth, speed, change, omega, alpha, noise[:, 0], noise[:, 1], sigma)
-
-
-def _largest_change(given: float | None, sigma: float) -> float:
-    """Largest change of a distance (m) of a rigid body; without bound where noise is unknown."""
-    if given is None:
-        return _MOST_CHANGE * sigma if sigma > 0.0 else np.inf
-    return positive_number("tolerance", given)
 
 
 def _check_distances(points: Array, limit: float) -> None:
