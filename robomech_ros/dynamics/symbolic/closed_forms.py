@@ -12,7 +12,7 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 4.2, 5.2 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,7 +24,7 @@ from robomech_ros.dynamics.checked_states import as_vector
 from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.dynamics.symbolic.composites import potential_moment, symbolic_mass_rows
 from robomech_ros.dynamics.symbolic.parameters import SymbolicParameters, symbolic_parameters
-from robomech_ros.dynamics.symbolic.poses import symbolic_frames
+from robomech_ros.dynamics.symbolic.poses import Matrix, polynomials, symbolic_frames
 from robomech_ros.dynamics.symbolic.terms import Poly
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import check_chain
@@ -92,31 +92,25 @@ class SymbolicModel:
     @cached_property
     def coriolis_matrix(self) -> sympy.Matrix:
         """Matrix C with ``C qd`` the Coriolis and centrifugal torques, by Christoffel symbols."""
-        parameters, n = self.parameters, self.chain.n
-        D = self._mass_gradient
-        C = sympy.zeros(n, n)
-        for i in range(n):
-            for j in range(n):
-                symbols = [(D[i][j][k] + D[i][k][j] - D[j][k][i]) for k in range(n)]
-                C[i, j] = sympy.Add(
-                    *(
-                        parameters.ring.expression(one / 2) * rate
-                        for one, rate in zip(symbols, parameters.rates, strict=True)
-                        if one
-                    )
-                )
-        return C
+        write, rates, n = self.parameters.ring.expression, self.parameters.rates, self.chain.n
+        variables = np.array(self.parameters.variables, object)
+        derivative = np.frompyfunc(self.parameters.ring.derivative, 2, 1)
+        D = derivative(self._mass_rows[:, :, None], variables)
+        symbols = D + np.swapaxes(D, 1, 2) - np.moveaxis(D, -1, 0)
+
+        def entry(i: int, j: int) -> sympy.Expr:
+            terms = zip(symbols[int(i), int(j)], rates, strict=True)
+            return sympy.Add(*(write(one / 2) * rate for one, rate in terms if one))
+
+        return sympy.Matrix(n, n, entry)
 
     @cached_property
     def gravity_torque(self) -> sympy.Matrix:
         """Torques that hold the weights, shape (n, 1): the gradient of the potential energy."""
         parameters = self.parameters
         ring = parameters.ring
-        moment = potential_moment(parameters)
-        energy = sum(
-            (-ring.product(g, h) for g, h in zip(parameters.gravity, moment, strict=True)),
-            start=ring.number(0),
-        )
+        weight = polynomials(ring, parameters.gravity)
+        energy = -ring.times(weight, potential_moment(parameters)).sum()
         gradient = [ring.expression(ring.derivative(energy, one)) for one in parameters.variables]
         return sympy.Matrix(gradient)
 
@@ -124,12 +118,8 @@ class SymbolicModel:
     def torque(self) -> sympy.Matrix:
         """Torques and forces of the drives for a motion, shape (n, 1), without their friction."""
         parameters = self.parameters
-        rates, accelerations = (
-            sympy.Matrix(parameters.rates),
-            sympy.Matrix(parameters.accelerations),
-        )
-        moved = self.mass_matrix * accelerations + self.coriolis_matrix * rates
-        return moved + self.gravity_torque
+        moved = self.mass_matrix * sympy.Matrix(parameters.accelerations)
+        return moved + self.coriolis_matrix * sympy.Matrix(parameters.rates) + self.gravity_torque
 
     @cached_property
     def friction_torque(self) -> sympy.Matrix:
@@ -178,21 +168,10 @@ class SymbolicModel:
         return evaluate
 
     @cached_property
-    def _mass_rows(self) -> list[list[Poly]]:
+    def _mass_rows(self) -> Matrix:
         return symbolic_mass_rows(self.parameters)
 
-    @cached_property
-    def _mass_gradient(self) -> list[list[list[Poly]]]:
-        parameters = self.parameters
-        return [
-            [
-                [parameters.ring.derivative(one, variable) for variable in parameters.variables]
-                for one in row
-            ]
-            for row in self._mass_rows
-        ]
-
-    def _matrix(self, rows: Sequence[Sequence[Poly]]) -> sympy.Matrix:
+    def _matrix(self, rows: Iterable[Iterable[Poly]]) -> sympy.Matrix:
         ring = self.parameters.ring
         return sympy.Matrix([[ring.expression(one) for one in row] for row in rows])
 

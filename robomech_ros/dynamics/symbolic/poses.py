@@ -1,67 +1,62 @@
 """Poses of frames as matrices of polynomials: products of the book's Q_i and a_i."""
 
-from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from robomech_ros.dynamics.symbolic.parameters import SymbolicLink, SymbolicParameters
-from robomech_ros.dynamics.symbolic.terms import Poly, TermRing
+from robomech_ros.dynamics.symbolic.terms import TermRing
 
-Rows = list[list[Poly]]
-Vector = list[Poly]
+# Arrays of polynomials.
+Matrix = NDArray[np.object_]
+Vector = NDArray[np.object_]
 
 
-def symbolic_frames(parameters: SymbolicParameters) -> tuple[list[Rows], list[Vector]]:
+def symbolic_frames(parameters: SymbolicParameters) -> tuple[list[Matrix], list[Vector]]:
     """Multiply the poses of the frames from the first on.
 
     Returns frames 2 .. n + 1 in frame 1 (m), and the z axes of frames 1 .. n, about or along which
     joints move.
     """
     ring = parameters.ring
-    zero, one = ring.number(0), ring.number(1)
-    pose: Rows = [[one if i == j else zero for j in range(4)] for i in range(4)]
+    pose = polynomials(ring, np.eye(4, dtype=int))
     poses, axes = [], []
     for link in parameters.links:
-        axes.append([pose[i][2] for i in range(3)])
-        own = rotation(ring, link)
-        origin = translation(ring, link)
-        step = [[*own[i], origin[i]] for i in range(3)] + [[zero, zero, zero, one]]
-        columns = [list(column) for column in zip(*step, strict=True)]
-        pose = [rotated(ring, columns, row) for row in pose]
+        axes.append(pose[:3, 2])
+        step = polynomials(ring, np.eye(4, dtype=int))
+        step[:3, :3], step[:3, 3] = rotation(ring, link), translation(ring, link)
+        pose = rotated(ring, step.T, pose)
         poses.append(pose)
     return poses, axes
 
 
-def rotation(ring: TermRing, link: SymbolicLink) -> Rows:
+def polynomials(ring: TermRing, entries: Any) -> Matrix:
+    """Make an array of polynomials and whole numbers."""
+    constant = np.frompyfunc(lambda one: ring.number(one) if isinstance(one, int) else one, 1, 1)
+    return np.asarray(constant(np.array(entries, object)), object)
+
+
+def rotation(ring: TermRing, link: SymbolicLink) -> Matrix:
     """Write Q_i: frame i + 1 in frame i."""
     (c, s), (lam, mu) = link.turn, link.twist
     times = ring.product
-    return [
-        [c, -times(lam, s), times(mu, s)],
-        [s, times(lam, c), -times(mu, c)],
-        [ring.number(0), mu, lam],
-    ]
+    rows = [[c, -times(lam, s), times(mu, s)], [s, times(lam, c), -times(mu, c)], [0, mu, lam]]
+    return polynomials(ring, rows)
 
 
 def translation(ring: TermRing, link: SymbolicLink) -> Vector:
     """Write a_i: from the origin of frame i to that of frame i + 1, in frame i (m)."""
     c, s = link.turn
-    return [ring.product(link.a, c), ring.product(link.a, s), link.b]
+    return polynomials(ring, [ring.product(link.a, c), ring.product(link.a, s), link.b])
 
 
-def rotated(ring: TermRing, R: Rows, vector: Sequence[Poly]) -> Vector:
-    """Multiply a matrix and a vector."""
-    return [add(ring, *(ring.product(a, b) for a, b in zip(row, vector, strict=True))) for row in R]
+def rotated(ring: TermRing, R: Matrix, vectors: Matrix) -> Matrix:
+    """Multiply a matrix (k, k) and vectors (..., k)."""
+    return np.asarray(ring.times(R, vectors[..., None, :]).sum(axis=-1))
 
 
-def cross(ring: TermRing, a: Sequence[Poly], b: Sequence[Poly]) -> Vector:
+def cross(ring: TermRing, a: Vector, b: Vector) -> Vector:
     """Form the cross product a x b."""
-    times = ring.product
-    return [
-        times(a[1], b[2]) - times(a[2], b[1]),
-        times(a[2], b[0]) - times(a[0], b[2]),
-        times(a[0], b[1]) - times(a[1], b[0]),
-    ]
-
-
-def add(ring: TermRing, *terms: Poly) -> Poly:
-    """Sum up polynomials."""
-    return sum(terms, start=ring.number(0))
+    first = ring.times(np.roll(a, -1), np.roll(b, -2))
+    return np.asarray(first - ring.times(np.roll(a, -2), np.roll(b, -1)))

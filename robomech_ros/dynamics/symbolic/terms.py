@@ -12,6 +12,7 @@ from functools import cache
 from operator import sub
 from typing import Any
 
+import numpy as np
 import sympy
 from sympy.polys.rings import PolyRing
 
@@ -32,11 +33,14 @@ class Angle:
 
 @dataclass(eq=False)
 class TermRing:
-    """The ring of some parameters and of the cosines and sines of some angles."""
+    """The ring of some parameters and of the cosines and sines of some angles.
+
+    ``times`` is the product of arrays of polynomials, entry by entry.
+    """
 
     parameters: Sequence[sympy.Symbol]
     angles: Sequence[Angle]
-    one: Poly = field(init=False)
+    times: Any = field(init=False)
     _ring: Any = field(init=False)
     _places: Mapping[sympy.Symbol, int] = field(init=False)
 
@@ -45,7 +49,7 @@ class TermRing:
         for angle in self.angles:
             names += [sympy.Symbol(f"cos_{angle.symbol}"), sympy.Symbol(f"sin_{angle.symbol}")]
         self._ring = PolyRing(names or [sympy.Symbol("unused")], sympy.QQ)
-        self.one = self._ring.one
+        self.times = np.frompyfunc(self.product, 2, 1)
         first = len(self.parameters)
         self._places = {one: i for i, one in enumerate(self.parameters)} | {
             angle.symbol: first + 2 * k for k, angle in enumerate(self.angles)
