@@ -42,10 +42,6 @@ def kinetic_energy(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     ndarray, shape () or (...,)
         In J.
 
-    See Also
-    --------
-    mass_matrix : the same as a matrix.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.3.1.
@@ -122,10 +118,6 @@ def potential_energy(chain: SerialChain, q: ArrayLike, *, gravity: ArrayLike = G
     ndarray, shape () or (...,)
         In J.
 
-    See Also
-    --------
-    gravity_torque : its derivative.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.7.
@@ -197,10 +189,6 @@ def power_balance(
         Torques or forces of the drives, friction included (N m or N).
     gravity, tip_wrench
         As for :func:`inverse_dynamics`.
-
-    See Also
-    --------
-    simulate : where it is the check.
     """
     q, qd, tau = as_states(chain, ("q", "qd", "tau"), q, qd, tau)
     heat = friction_torque(chain, qd)

@@ -206,10 +206,6 @@ def gravity_torque(
     ndarray, shape (n,) or (..., n)
         Torques or forces that the drives exert (N m or N).
 
-    See Also
-    --------
-    potential_energy : whose derivative this is.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.7.

@@ -33,11 +33,6 @@ def mass_matrix(chain: SerialChain, q: ArrayLike) -> Array:
         Symmetric (kg m^2, kg m or kg), with the rotors' inertia reflected to the joints on the
         diagonal.
 
-    See Also
-    --------
-    kinetic_energy : the sum itself.
-    natural_orthogonal_complement : M as the product ``T^T M T``.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.5; Walker, Orin, ASME J.
@@ -92,10 +87,6 @@ def coriolis_matrix(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     Returns
     -------
     ndarray, shape (n, n) or (..., n, n)
-
-    See Also
-    --------
-    christoffel_symbols : the coefficients.
 
     References
     ----------

@@ -86,11 +86,6 @@ def nearest_consistent(parameters: ArrayLike, *, least: float = 1e-6) -> Array:
     Returns
     -------
     ndarray, shape (..., 10)
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`pseudo_inertia`, or ``least`` is not positive.
     """
     bound = real_number("least", least, "a positive number")
     if not 0.0 < bound <= _LARGEST:
@@ -101,13 +96,7 @@ def nearest_consistent(parameters: ArrayLike, *, least: float = 1e-6) -> Array:
 
 
 def bodies_from_parameters(parameters: ArrayLike) -> tuple[Body, ...]:
-    """Make bodies of parameters, shape (n, 10), of positive mass.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`pseudo_inertia`, or a mass that is not positive.
-    """
+    """Make bodies of parameters, shape (n, 10), of positive mass."""
     rows = _bounded("parameters", parameters, (10,)).reshape(-1, 10)
     if not (rows[:, 0] > 0.0).all():
         raise BadValueError("masses", rows[:, 0].tolist(), "positive numbers")

@@ -105,12 +105,6 @@ def bias_acceleration(
     -------
     ndarray, shape (6,) or (..., 6)
         Angular (rad/s^2), then of the point (m/s^2), in the axes of the base.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`jacobian_rate`, or the point is not three finite numbers, or the rates are too
-        large for a number.
     """
     rate, arm = jacobian_rate(chain, q, qd), as_point(point)
     qd = np.asarray(qd, dtype=np.float64)

@@ -152,11 +152,6 @@ def conditioning_index(
     ConditioningIndex
         A float (percent) with the attributes ``condition_number`` and ``q``.
 
-    Raises
-    ------
-    BadValueError
-        As for :func:`characteristic_length`, or an unknown part.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.8.

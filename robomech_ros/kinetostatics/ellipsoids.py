@@ -49,11 +49,6 @@ def manipulability_ellipsoid(rows: ArrayLike) -> ManipulabilityEllipsoid:
     rows : array_like, shape (3, n)
         B, the angular or the linear rows of a Jacobian.
 
-    See Also
-    --------
-    jacobian : the first three of its rows are angular, the last three linear.
-    manipulability : the product of all half axes.
-
     References
     ----------
     Yoshikawa, Manipulability of robotic mechanisms, Int. J. of Robotics Research 4(2), 1985.

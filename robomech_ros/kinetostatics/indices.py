@@ -114,11 +114,6 @@ def condition_number(
     -------
     float or ndarray, shape (...)
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        As for :func:`manipulability`, or an unknown norm.
-
     See Also
     --------
     characteristic_length : the length to give.

@@ -48,15 +48,6 @@ def task_jacobian(
     -------
     ndarray, shape (r, n) or (..., r, n)
         Angular rows first (1 and m).
-
-    Raises
-    ------
-    UnknownLinkError, BadValueError, WrongSizeError
-        As for :func:`point_jacobian`, or a mask that is invalid or leaves nothing.
-
-    See Also
-    --------
-    jacobian : all rows.
     """
     rows = held_rows("mask", mask)
     if not len(rows):

@@ -54,12 +54,6 @@ def joint_torques(
     ndarray, shape (n,) or (..., n)
         Torques of revolute and forces of prismatic joints, as the actuators exert them (N m or N).
 
-    Raises
-    ------
-    UnknownLinkError, BadValueError, WrongSizeError
-        As for :func:`point_jacobian`, and for a wrench that is not six finite numbers or rows of
-        them as q has, or too large for finite torques.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.6.

@@ -47,11 +47,6 @@ class Delta:
     name : str, optional
         What it is called.
 
-    Raises
-    ------
-    BadValueError
-        Not lengths, or azimuths that are not different.
-
     References
     ----------
     Clavel, Conception d'un robot parallele rapide a 4 degres de liberte, thesis, EPFL 1991.

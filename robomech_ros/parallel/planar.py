@@ -169,11 +169,6 @@ class Planar3RRR(_Planar):
     name : str, optional
         What it is called.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Not three different points each, or not lengths.
-
     References
     ----------
     Gosselin and Angeles, The optimum kinematic design of a planar three-degree-of-freedom parallel

@@ -49,11 +49,6 @@ class Spherical3RRR:
     name : str, optional
         What it is called.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Not three directions each, or arcs of no length.
-
     References
     ----------
     Gosselin and Hamel, The agile eye: a high-performance three-degree-of-freedom camera-orienting

@@ -61,11 +61,6 @@ class StewartGough:
     name : str, optional
         What it is called.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Not six points, or fewer than three different ones; strokes or cones that are none.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.2.
@@ -255,11 +250,6 @@ class StewartGough:
         ndarray, shape (..., 6, 6)
             For twists [angular velocity; velocity of the platform's origin] in the base, to the
             rates of the lengths; its transpose makes of leg forces the wrench on the platform.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError
-            Not poses, or one in which a leg has no length.
 
         References
         ----------

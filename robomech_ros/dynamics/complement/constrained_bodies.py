@@ -78,10 +78,6 @@ class ConstrainedBodies:
         Wrenches on the bodies for units of the efforts that drives exert, ``T^T A = 1``: only
         :meth:`constraint_wrenches` needs it.
 
-    See Also
-    --------
-    constraint_reactions : multipliers of the constraints.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.5 and 12.3.

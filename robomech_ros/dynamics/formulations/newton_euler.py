@@ -79,10 +79,6 @@ def newton_euler(
     MissingInertiaError
         Of some joints nothing is known that moves with them.
 
-    See Also
-    --------
-    OrthogonalComplement.constraint_wrenches : what keeps the constraints, at the mass centres.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.4.1 and 7.4.2.

@@ -116,11 +116,6 @@ def natural_orthogonal_complement(
     MissingInertiaError
         Of some joints nothing is known that moves with them.
 
-    See Also
-    --------
-    inverse_dynamics_by_orthogonal_complement : the torques.
-    planar_orthogonal_complement : of planar arms.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.5, 7.5.1 and 7.5.2.

@@ -97,12 +97,6 @@ class ControlledArm:
         Steps of the robot in each period.
     gravity : array_like, shape (3,), optional
         In the axes of the base (m/s^2).
-
-    Raises
-    ------
-    MissingInertiaError, BadValueError, WrongSizeError
-        A robot has no bodies, or no possible ones; both differ in their joints; or a number is not
-        what it has to be.
     """
 
     model: SerialChain | DynamicSystem

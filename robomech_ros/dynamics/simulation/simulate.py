@@ -135,10 +135,6 @@ def simulate(
         As for :func:`forward_dynamics`, for the start; or a number or a function is not what it has
         to be. Motions that run away, with rates above 1e6 rad/s or m/s, raise nothing.
 
-    See Also
-    --------
-    power_balance : where the power goes.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.6.3; Hairer, Lubich,

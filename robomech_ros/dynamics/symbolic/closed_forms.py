@@ -191,12 +191,6 @@ def symbolic_model(
         Symbols a_i, b_i, alpha_i of the Denavit-Hartenberg table, m_i, x_i, y_i, z_i, I_xxi and so
         on of the bodies in frame i + 1, or their values as exact decimals.  What vanishes is 0 and
         right angles are exact either way.
-
-    Raises
-    ------
-    BadValueError
-        No chain, one without joints or with joints that follow others, or a gravity that is no
-        vector.
     """
     check_chain(chain)
     by_name = as_choice("parameters", parameters, ("names", "numbers")) == "names"

@@ -197,11 +197,6 @@ def symbolic_decoupled(chain: SerialChain, *, parameters: str = "names") -> Symb
     SymbolicDecoupled
         Its expressions are derived when they are first asked for.
 
-    Raises
-    ------
-    BadValueError
-        Another arm, or no such choice.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 4.4.1 and 4.4.2.
@@ -231,11 +226,6 @@ def symbolic_closure(chain: SerialChain, *, parameters: str = "names") -> Symbol
         Of six revolute joints.
     parameters : {"names", "numbers"}, optional
         As for `symbolic_decoupled`.
-
-    Raises
-    ------
-    BadValueError
-        Another arm, or no such choice.
 
     References
     ----------

@@ -101,11 +101,6 @@ def expression_source(model: SymbolicModel, what: str, name: str | None = None) 
     -------
     str
         Source that needs nothing but numpy.  The joint variables are theta_i and b_i of the table.
-
-    Raises
-    ------
-    BadValueError, MissingInertiaError
-        As :meth:`SymbolicModel.expression`, or the name is none of Python's.
     """
     matrix = model.expression(what)
     name = what if name is None else _identifier(name)

@@ -89,10 +89,6 @@ class ParallelDynamics:
         Not a mechanism.  What needs the mass of a platform of which nothing is known raises
         MissingInertiaError.
 
-    See Also
-    --------
-    ConstrainedBodies : the matrices, which :meth:`bodies` gives.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 12.3 and 12.4.
@@ -129,11 +125,6 @@ class ParallelDynamics:
         """Return joint values (n,) that close all loops, or raise an error.
 
         Loops that are open by rounding, up to 1e-6 rad and of the robot's size, are closed.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError
-            Not n finite numbers, or they do not close the loops.
         """
         given = actuated(what, q, self.mechanism.n)
         units = np.array([self.mechanism.size, 1.0])
@@ -355,13 +346,7 @@ class ParallelDynamics:
         return joint_reactions(self.mechanism, *shaped, gains, around)
 
     def with_payload(self, payload: Body) -> ParallelDynamics:
-        """Return the robot whose platform carries a load, seen in the frame of the platform.
-
-        Raises
-        ------
-        BadValueError
-            No body can have the numbers of the load.
-        """
+        """Return the robot whose platform carries a load, seen in the frame of the platform."""
         whole = combine_bodies((platform_body(self.mechanism), possible_body("payload", payload)))
         assert whole is not None
         return ParallelDynamics(self.mechanism.with_platform_body(whole))

@@ -66,11 +66,6 @@ def pose_limits(
         Of the limbs, such as "---", as ``inverse`` names them; default any.  Robots with legs have
         none, and of a mechanism the posture nearest to its home is given.
 
-    Raises
-    ------
-    BadValueError
-        Not poses that the platform can have, or not branches of its limbs.
-
     Examples
     --------
     >>> from robomech_ros.parallel import load_parallel, pose_limits

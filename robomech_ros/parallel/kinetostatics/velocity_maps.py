@@ -129,11 +129,6 @@ def velocity_matrix_rates(
         NaN where a limb is singular, so that its drive has no rate.  Of a mechanism found by
         differences, to 1e-9 or so of the largest entry, and NaN in all singular postures.
 
-    Raises
-    ------
-    BadValueError
-        A twist that the platform does not have.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.2.1.

@@ -64,11 +64,6 @@ class Limb:
     cones : sequence of (str, float), optional
         The first of two joints whose axes meet at a right angle, and how far they may bend what
         follows from where both are at zero (rad).
-
-    Raises
-    ------
-    BadValueError, UnknownJointError
-        Not a chain, or a drive of a joint that it does not have.
     """
 
     chain: SerialChain

@@ -192,11 +192,6 @@ class Mechanism(LoopMotion):
             All joints (rad or m): the nearest posture comes first.
         ignore_limits : bool, optional
             Also give postures outside the limits of joints.
-
-        Raises
-        ------
-        BadValueError
-            Not a pose, or one that no such platform can have.
         """
         pose = single_pose(T)
         near = None if seed is None else checked_drives("seed", seed, self.n)

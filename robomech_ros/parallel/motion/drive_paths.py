@@ -74,11 +74,6 @@ def follow_drives(
         Condition number of the twists of the platform, lengths over the size, above which a
         posture counts as singular.
 
-    Raises
-    ------
-    BadValueError
-        Not a way of the drives, or a start with open loops.
-
     Examples
     --------
     >>> import numpy as np

@@ -65,11 +65,6 @@ def inertia_about_point(
     ndarray, shape (..., 3, 3)
         In the same axes (kg m^2).
 
-    Raises
-    ------
-    BadValueError
-        A negative mass or an inertia that is not symmetric.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.

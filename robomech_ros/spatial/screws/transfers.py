@@ -130,11 +130,6 @@ def pose_adjoint(pose: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 6, 6)
         Angular rows and columns first.  Its inverse and transpose expresses wrenches.
-
-    Raises
-    ------
-    BadValueError
-        Not a pose, or too far away.
     """
     rows, shape = as_rows("pose", pose, (4, 4), 16)
     out = np.empty((len(rows), 36))

@@ -163,11 +163,6 @@ def moments(matrix: ArrayLike) -> Array:
     ndarray, shape (..., n)
         In the unit to the power k.
 
-    Raises
-    ------
-    BadValueError
-        Not square matrices of finite numbers, or too large for their powers.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.7.
