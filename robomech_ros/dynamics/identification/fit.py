@@ -138,11 +138,7 @@ def identify(
         not show all parameters.
     """
     q, qd, qdd, tau = finite_states(chain, q=q, qd=qd, qdd=qdd, tau=tau)
-    if q.ndim != 2:
-        raise WrongSizeError("q", q.shape, f"(m, {chain.n})")
-    gravity = as_vector("gravity", gravity, 3)
-    base = base_parameters(chain, gravity=gravity)
-    A = _columns(chain, base, q, qd, qdd, gravity)
+    base, A = _columns(chain, q, qd, qdd, gravity)
     b = tau - reflected_inertias(chain) * qdd
     if A.shape[0] * chain.n <= A.shape[2]:
         raise WrongSizeError("q", q.shape, f"more than {A.shape[2] // chain.n} states")
@@ -195,11 +191,8 @@ def excitation(
         length: the less, the less noise is amplified; infinite where a parameter is not shown.
     """
     q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
-    if q.ndim != 2:
-        raise WrongSizeError("q", q.shape, f"(m, {chain.n})")
+    _, A = _columns(chain, q, qd, qdd, gravity)
     weights = np.ones(chain.n) if deviations is None else _deviations(chain, deviations)
-    gravity = as_vector("gravity", gravity, 3)
-    A = _columns(chain, base_parameters(chain, gravity=gravity), q, qd, qdd, gravity)
     singular = _singular_values((A / weights[:, None]).reshape(-1, A.shape[2]))
     if len(singular) < A.shape[2] or singular[-1] <= _RANK * singular[0]:
         return float("inf")
@@ -217,13 +210,17 @@ def known_parameters(chain: SerialChain, otherwise: Array) -> Array:
 
 
 def _columns(
-    chain: SerialChain, base: BaseParameters, q: Array, qd: Array, qdd: Array, gravity: ArrayLike
-) -> Array:
+    chain: SerialChain, q: Array, qd: Array, qdd: Array, gravity: ArrayLike
+) -> tuple[BaseParameters, Array]:
     """Regressor of base parameters, viscous and Coulomb friction, shape (m, n, r + 2 n)."""
+    if q.ndim != 2:
+        raise WrongSizeError("q", q.shape, f"(m, {chain.n})")
+    gravity = as_vector("gravity", gravity, 3)
+    base = base_parameters(chain, gravity=gravity)
     Y = torque_regressor(chain, q, qd, qdd, gravity=gravity)[..., base.columns]
     viscous = qd[..., None] * np.eye(chain.n)
     coulomb = np.sign(qd)[..., None] * np.eye(chain.n)
-    return np.concatenate((Y, viscous, coulomb), axis=-1)
+    return base, np.concatenate((Y, viscous, coulomb), axis=-1)
 
 
 def _deviations(chain: SerialChain, deviations: ArrayLike) -> Array:

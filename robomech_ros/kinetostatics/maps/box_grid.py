@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import as_single, real_array
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import as_finite, as_single
 from robomech_ros.typing import Array, IntArray
 
 LARGEST_BOUND = 1e6
@@ -87,11 +87,9 @@ def _as_bound(what: str, bound: ArrayLike) -> Array:
 
 def _three(what: str, value: ArrayLike) -> Array:
     """Return a number for each axis, where one number stands for all."""
-    numbers = real_array(what, value)
+    numbers = as_finite(what, value, ())
     if numbers.shape not in ((), (3,)):
         raise WrongSizeError(what, numbers.shape, "() or (3,)")
-    if not np.isfinite(numbers).all():
-        raise NonFiniteError(what, numbers if numbers.ndim else float(numbers))
     return np.broadcast_to(numbers, (3,))
 
 

@@ -10,8 +10,8 @@ from robomech_ros._kernels.spatial import conversions
 from robomech_ros._kernels.spatial.representations import MATRIX, QUATERNION
 from robomech_ros.spatial.rotations.conversions import (
     converted,
-    kind_of,
     raise_bad_rotation,
+    represented,
     rotation_rows,
     tail_of,
 )
@@ -55,12 +55,9 @@ def compose_rotations(second: ArrayLike, first: ArrayLike, representation: str) 
     >>> np.round(compose_rotations(quarter, quarter, "rotation-vector"), 4)
     array([0.    , 0.    , 3.1416])
     """
-    kind = kind_of("representation", representation)
+    what, kind, left, left_shape = represented(second, representation)
+    right, right_shape = rotation_rows(what, first, kind)
     tail = tail_of(kind)
-    what = representation.replace("-", " ")
-    (left, left_shape), (right, right_shape) = (
-        rotation_rows(what, value, kind) for value in (second, first)
-    )
     shape = common_shape("second and first", left_shape, right_shape)
     rows = [_spread(one, own, shape) for one, own in ((left, left_shape), (right, right_shape))]
     out = np.empty((int(np.prod(shape)), 9 if kind == MATRIX else tail[0]))

@@ -138,6 +138,12 @@ def rotation_rows(what: str, value: ArrayLike, kind: int) -> tuple[Array, tuple[
     return as_rows(what, value, tail, 9 if kind == MATRIX else tail[0])
 
 
+def represented(value: ArrayLike, name: str) -> tuple[str, int, Array, tuple[int, ...]]:
+    """Return what messages call a representation, its kind, rows of a value, and their batch."""
+    kind, what = kind_of("representation", name), name.replace("-", " ")
+    return what, kind, *rotation_rows(what, value, kind)
+
+
 def converted(what: str, value: ArrayLike, source: int, target: int) -> Array:
     """Convert rotations from one kind to another, or raise what is wrong with them."""
     rows, shape = rotation_rows(what, value, source)

@@ -9,12 +9,7 @@ from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import rates
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.spatial.rotations.conversions import (
-    kind_of,
-    raise_bad_rotation,
-    rotation_rows,
-    tail_of,
-)
+from robomech_ros.spatial.rotations.conversions import raise_bad_rotation, represented, tail_of
 from robomech_ros.spatial.rows import broadcast_rows, finite_result
 from robomech_ros.typing import Array
 
@@ -70,9 +65,7 @@ def rotation_rates(
     >>> rates + 0.0
     array([2., 0., 0.])
     """
-    kind = kind_of("representation", representation)
-    what = representation.replace("-", " ")
-    rows, shape = rotation_rows(what, value, kind)
+    what, kind, rows, shape = represented(value, representation)
     faster = _STILL if angular_acceleration is None else angular_acceleration
     moving = ("angular velocity", angular_velocity, 3), ("angular acceleration", faster, 3)
     (velocity, acceleration), moved = broadcast_rows(*moving)
@@ -130,9 +123,7 @@ def angular_motion(
     >>> angular_motion([0.1, 0.0, 0.0], "ZYX", [2.0, 0.0, 0.0])[0] + 0.0
     array([0., 0., 2.])
     """
-    kind = kind_of("representation", representation)
-    what = representation.replace("-", " ")
-    rows, shape = rotation_rows(what, value, kind)
+    what, kind, rows, shape = represented(value, representation)
     tail = tail_of(kind)
     given = []
     for name, one in (("rates", rates), ("second_rates", second_rates)):
