@@ -15,7 +15,8 @@ import numpy as np
 from robomech_ros._kernels.parallel.delta import delta_angles
 from robomech_ros.parallel.argument_checks import rotation_only, translation_only
 from robomech_ros.parallel.limbs import planar_limb, turning_limb, wrapped
-from robomech_ros.parallel.mechanism.limb import Axis, Limb, LimbBranches, limb_of_axes
+from robomech_ros.parallel.mechanism.limb import Axis, Limb, LimbBranches, chain_of_axes
+from robomech_ros.robots import SerialChain
 from robomech_ros.robots.joint import rotation_from_z
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
@@ -41,8 +42,8 @@ def sliding_limbs(
             Axis(f"{leg}_length", f"{leg}_rod", _X, point, True, (low, high)),
             Axis(f"{leg}_platform", f"{leg}_stud", _Z, point),
         ]
-        T = assembled(np.eye(3), point - [*b, 0.0])
-        limbs.append(limb_of_axes(name, i, axes, T, "length", partial(_slid, a, b)))
+        chain = _chain(name, i, axes, a, b)
+        limbs.append(Limb(chain, (f"{leg}_length",), partial(_slid, a, b)))
     return limbs
 
 
@@ -65,10 +66,15 @@ def folding_limbs(
             Axis(f"{leg}_elbow", f"{leg}_distal", _Z, points[1]),
             Axis(f"{leg}_platform", f"{leg}_stud", _Z, points[2]),
         ]
-        T = assembled(np.eye(3), points[2] - [*b, 0.0])
-        solver = partial(_folded, a, b, (one, two))
-        limbs.append(limb_of_axes(name, i, axes, T, "base", solver))
+        chain = _chain(name, i, axes, points[2][:2], b)
+        limbs.append(Limb(chain, (f"{leg}_base",), partial(_folded, a, b, (one, two))))
     return limbs
+
+
+def _chain(name: str, i: int, axes: list[Axis], corner: Array, b: Array) -> SerialChain:
+    """Make the chain whose platform has its point b at a corner, and is not turned."""
+    T = assembled(np.eye(3), np.array([*(corner - b), 0.0]))
+    return chain_of_axes(name, axes, T, "platform" if i == 0 else f"leg{i + 1}_end")
 
 
 def _slid(a: Array, b: Array, T: Array, _: Array | None) -> LimbBranches:
@@ -132,8 +138,9 @@ def spherical_limbs(
             Axis(f"{leg}_elbow", f"{leg}_distal", m, centre),
             Axis(f"{leg}_platform", f"{leg}_stud", u, centre),
         ]
-        solver = partial(_turned, (w, m, v, u, R))
-        limbs.append(limb_of_axes(name, i, axes, assembled(R, centre), "base", solver))
+        tip = "platform" if i == 0 else f"{leg}_end"
+        chain = chain_of_axes(name, axes, assembled(R, centre), tip)
+        limbs.append(Limb(chain, (f"{leg}_base",), partial(_turned, (w, m, v, u, R))))
     return limbs
 
 
@@ -185,8 +192,9 @@ def delta_limbs(name: str, geometry: Array, azimuths: Array, limits: Array) -> l
             Axis(f"{leg}_platform_swing", f"{leg}_stud", across, ankle),
         ]
         T = assembled(np.eye(3), ankle - platform * r)
-        solver = partial(_delta_solved, geometry, azimuths, i)
-        limbs.append(limb_of_axes(name, i, axes, T, "base", solver))
+        tip = "platform" if i == 0 else f"{leg}_end"
+        chain = chain_of_axes(name, axes, T, tip)
+        limbs.append(Limb(chain, (f"{leg}_base",), partial(_delta_solved, geometry, azimuths, i)))
     return limbs
 
 

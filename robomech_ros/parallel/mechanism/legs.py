@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from robomech_ros.parallel.joint_cones import JointCones
-from robomech_ros.parallel.mechanism.limb import Axis, Limb, LimbBranches, limb_of_axes
+from robomech_ros.parallel.mechanism.limb import Axis, Limb, LimbBranches, chain_of_axes
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array
 
@@ -80,6 +80,8 @@ def _leg(
         Axis(f"{leg}_platform_z", f"{leg}_platform_stud", F[:, 2], a),
     ]
     T = assembled(F @ B, a - F @ B @ b)
+    tip = "platform" if i == 0 else f"{leg}_end"
+    chain = chain_of_axes(name, axes, T, tip)
     bending = zip((f"{leg}_base_x", f"{leg}_platform_x"), angles, strict=True)
     cones = [(joint, angle) for joint, angle in bending if angle is not None]
 
@@ -94,7 +96,7 @@ def _leg(
         u, v, z = _cardan(S[:, 2], S[0])
         return LimbBranches(np.array([[x, y, length, u, v, z]]), ("0",))
 
-    return limb_of_axes(name, i, axes, T, "length", solve, cones)
+    return Limb(chain, (f"{leg}_length",), solve, cones)
 
 
 def _upright(z: Array) -> Array:

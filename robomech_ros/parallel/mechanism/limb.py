@@ -178,21 +178,6 @@ def chain_of_axes(name: str, axes: Sequence[Axis], T: Array, tip: str) -> Serial
     )
 
 
-def limb_of_axes(
-    name: str,
-    i: int,
-    axes: Sequence[Axis],
-    T: Array,
-    drive: str,
-    solver: Solver,
-    cones: Sequence[tuple[str, float]] = (),
-) -> Limb:
-    """Make limb i, from 0, along axes as :func:`chain_of_axes` has them, driven at one joint."""
-    leg = f"leg{i + 1}"
-    chain = chain_of_axes(name, axes, T, "platform" if i == 0 else f"{leg}_end")
-    return Limb(chain, (f"{leg}_{drive}",), solver, cones)
-
-
 def checked_drive_limits(
     limits: Mapping[str, ArrayLike] | ArrayLike | None, count: int
 ) -> dict[str, Array]:
