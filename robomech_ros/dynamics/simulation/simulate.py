@@ -16,9 +16,9 @@ from robomech_ros.dynamics.simulation.integration import (
     FINISHED,
     MOST_STEPS,
     Integration,
+    Record,
     SolverChoice,
 )
-from robomech_ros.dynamics.simulation.record import Record
 from robomech_ros.dynamics.systems import DynamicSystem, dynamic_system
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain

@@ -56,32 +56,16 @@ class ParallelDynamics:
        \tau = N^T (M \ddot q + h), \qquad I = N^T M N, \qquad
        \ddot q = N \ddot a + \dot N \dot a
 
-    which is :math:`T^T (M \dot t + W M t)` with :math:`T = T_{open} N`.  The methods have the
-    names of :class:`DynamicSystem`, so ``simulate`` and ``torque_summary`` take it as they take a
-    chain.  Joint values q, shape (..., n), are those of all joints, and close all loops; rates,
-    accelerations and efforts, shape (..., m), are those of the drives, in the order of
-    ``mechanism.actuated``.  Efforts are without friction, as those of chains: add
-    :meth:`friction`.
+    which is :math:`T^T (M \dot t + W M t)` with :math:`T = T_{open} N`.  Attributes and methods
+    have the names of :class:`DynamicSystem`, so ``simulate`` and ``torque_summary`` take it as
+    they take a chain.  Joint values q, shape (..., n), are those of all joints, and close all
+    loops; rates, accelerations and efforts, shape (..., m), are those of the drives, in the order
+    of ``mechanism.actuated``.  Efforts are without friction: add :meth:`friction`.
 
     Parameters
     ----------
     mechanism : Mechanism
         With the body of its platform; links of which nothing is known have no mass.
-
-    Attributes
-    ----------
-    name : str
-        The robot.
-    joint_names, drive_names : tuple of str
-        All n joints, and the m of them with drives.
-    drives_at : ndarray of int, shape (m,)
-        Where these are among the joints.
-    lower, upper : ndarray, shape (n,)
-        Position limits (rad or m).
-    effort, velocity : ndarray, shape (m,)
-        Limits of the drives (N m or N; rad/s or m/s), NaN where there is none.
-    friction_rows : ndarray, shape (4, n)
-        Viscous, Coulomb, excess at rest and one over its rate.
 
     Raises
     ------
