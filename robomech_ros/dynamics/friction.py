@@ -119,7 +119,6 @@ def dissipated_power(chain: SerialChain, qd: ArrayLike) -> Array:
 
 
 def _finite(chain: SerialChain, qd: Array, result: Array) -> Array:
-    """Return a result, unless the rates are too large for a finite one."""
     if not np.isfinite(result).all():
         raise_outcome(chain, NOT_FINITE, qd=qd)
     return result

@@ -255,7 +255,6 @@ def _second_derivatives(x: Array, chain: SerialChain, task: TaskPart, power: flo
 
 
 def _descent(chain: SerialChain, task: TaskPart, start: Array) -> Array:
-    """Descend to a minimum of the condition number by the Frobenius norm."""
     from scipy.optimize import minimize  # a second and 40 MB that few need
 
     given = (chain, task, 2.0)

@@ -124,7 +124,6 @@ def joint_rates(
 
 @functools.lru_cache(maxsize=64)
 def _none(n: int) -> Array:
-    """Return no rates that are wished for."""
     return np.empty((0, n))
 
 

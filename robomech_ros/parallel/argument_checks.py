@@ -118,7 +118,6 @@ def single_pose(T: ArrayLike, what: str = "pose") -> Array:
 
 
 def _turn(pose: Array) -> float:
-    """Return the angle of a pose's rotation (rad)."""
     chord = np.linalg.norm(pose[:3, :3] - np.eye(3)) / np.sqrt(8.0)
     return round(float(2.0 * np.arcsin(min(chord, 1.0))), 9)
 

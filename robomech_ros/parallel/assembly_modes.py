@@ -67,7 +67,6 @@ def _verdict(
     singular: SingularEnds,
     doubts: list[str],
 ) -> tuple[Code, str]:
-    """Say in words what there is to say."""
     if any(singular.movable):
         return Code.SINGULAR_CONTINUUM, CONTINUUM
     if doubts:

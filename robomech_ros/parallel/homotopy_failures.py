@@ -59,7 +59,6 @@ def _apart(x: ComplexArray, y: ComplexArray) -> float:
 
 
 def _clusters(x: ComplexArray) -> list[list[int]]:
-    """Gather ends that are near to each other."""
     left, found = list(range(len(x))), []
     while left:
         cluster = [left.pop(0)]

@@ -75,7 +75,6 @@ def checked_points(what: str, points: ArrayLike, count: int, dimension: int) -> 
 
 
 def _distinct(points: Array) -> int:
-    """Count different points."""
     least = max(_SAME * float(np.ptp(points, axis=0).max()), _LEAST)
     found: list[Array] = []
     for point in points:

@@ -224,7 +224,6 @@ def _shifted(inertia: Matrix, mass: Number, first: Vector, p: Vector) -> Matrix:
 
 
 def _summed(A: Matrix, B: Matrix) -> Matrix:
-    """Add symmetric matrices: six sums."""
     total, (i, j) = np.zeros((3, 3), object), np.triu_indices(3)
     total[i, j] = total[j, i] = A[i, j] + B[i, j]
     return total

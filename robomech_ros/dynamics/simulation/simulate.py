@@ -196,7 +196,6 @@ def _simulation(
 
 
 def _choice(method: str, step: object, duration: float, rtol: object, atol: object) -> SolverChoice:
-    """Check what integrates, and how finely."""
     kind = as_choice("method", method, SOLVERS)
     longest = _as_step(kind, step, duration)
     relative, absolute = positive_number("rtol", rtol), positive_number("atol", atol)

@@ -97,7 +97,6 @@ def _momentum(ring: TermRing, carried: _Composite, turns: bool) -> tuple[Vector,
 
 
 def _turn(ring: TermRing, link: SymbolicLink) -> Matrix:
-    """Turn about Z by theta_i."""
     c, s = link.turn
     return polynomials(ring, [[c, -s, 0], [s, c, 0], [0, 0, 1]])
 

@@ -146,7 +146,6 @@ async def _identity(address: str) -> dict[str, Any]:
 
 
 def _task(given: tuple[SerialChain, MapRequest], first: int, last: int) -> NDArray | None:
-    """Compute a chunk on a worker."""
     chain, request = given
     if request.version != __version__:
         expected = f"{request.version}, as on the machine that requests the map"

@@ -243,7 +243,6 @@ def _measured(chain: SerialChain, q: Array, point: ArrayLike, length: float | No
 
 
 def _many(chain: SerialChain, found: _Measured, batch: tuple[int, ...]) -> SingularityReports:
-    """Report on postures in a batch of some shape."""
     values, numbers, twists, free, counts, metres, generic, names = found
     m, n = len(values), chain.n
     rank, count = counts.T

@@ -78,7 +78,6 @@ class NearestOnCurves:
 
 
 def _left(points: Array) -> Array:
-    """Return unit normals (k, 2) to the left of a polyline."""
     tangent = np.gradient(points, axis=0)
     normal = np.stack((-tangent[:, 1], tangent[:, 0]), axis=1)
     return normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]

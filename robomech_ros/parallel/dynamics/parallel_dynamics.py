@@ -208,7 +208,6 @@ class ParallelDynamics:
     def _of_drives(
         self, kernel: Any, given: list[Array], gravity: ArrayLike, tip_wrench: ArrayLike | None
     ) -> Array:
-        """Return what inverse or forward dynamics gives for the drives in some states."""
         around, out = surroundings(given[0].shape, gravity, tip_wrench), np.empty(given[1].shape)
         loops, rows = loop_arguments(self.mechanism), [as_rows(one) for one in (*given, out)]
         refuse(self.mechanism, kernel(*loops, *rows[:3], around, rows[3]), given[0])

@@ -68,7 +68,6 @@ def _moved(mechanism: Mechanism, q: Array, there: Array) -> Array:
 
 
 def _stop(mechanism: Mechanism, q: Array, joint: int) -> str:
-    """Say what ends the branch of the limb of a joint."""
     limb = int(np.searchsorted(mechanism.loops.starts, joint, side="right")) - 1
     left = np.minimum(q - mechanism.lower, mechanism.upper - q) * mechanism.loops.weights
     own = mechanism.loops.joints_of(limb)

@@ -169,7 +169,6 @@ def _of_limbs(
 
 
 def _unlimited(robot: Delta | Planar3RRR | Spherical3RRR) -> Delta | Planar3RRR | Spherical3RRR:
-    """Return the same robot with drives that turn all round."""
     free = copy.copy(robot)
     free.limits = np.tile([-np.pi, np.pi], (_LIMBS, 1))
     return free

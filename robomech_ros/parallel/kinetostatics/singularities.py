@@ -173,7 +173,6 @@ def loop_singularity(
 
 
 def _row_space(rows: Array) -> Array:
-    """Return an orthonormal basis of the space of some rows."""
     if not len(rows):
         return rows
     values, basis = np.linalg.svd(rows, full_matrices=False)[1:]
@@ -188,7 +187,6 @@ def _six_entries(scaled: Array, motions: Array, length: float, part: slice) -> A
 
 
 def _numbers(robot: AnyParallelRobot, drives: IntArray) -> tuple[int, ...]:
-    """Return the limbs of drives, from 1."""
     if isinstance(robot, Mechanism):
         where = robot.drive_index[drives]
         drives = np.unique(np.searchsorted(robot.loops.starts, where, side="right") - 1)
@@ -202,7 +200,6 @@ def _named(limbs: tuple[int, ...]) -> str:
 def _summary(
     limbs: tuple[tuple[int, ...], tuple[int, ...]], always: bool, lost: int, free: int
 ) -> str:
-    """Say in words what is singular."""
     said = []
     if limbs[0]:
         said.append(

@@ -298,7 +298,6 @@ def _twist(robot: AnyParallelRobot, what: str, twist: ArrayLike, limbs: Limbs) -
 
 
 def _check_allowed(what: str, t: Array, limbs: Wrenches) -> None:
-    """Refuse twists (..., 6) of motions that limbs prevent."""
     scaled = t * np.repeat([limbs.size, 1.0], 3)
     S = limbs.motions(limbs.size)
     off = scaled - _times(S, _times(np.swapaxes(S, -1, -2), scaled))

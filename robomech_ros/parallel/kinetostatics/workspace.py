@@ -274,7 +274,6 @@ def _explored(
 
 
 def _far(robot: AnyParallelRobot, centre: Array) -> float:
-    """Return how far places are looked at (m)."""
     if isinstance(robot, StewartGough | Planar3RPR) and robot.strokes is None:
         return _FARTHEST * size_of(robot)
     far = platform_span(robot) if isinstance(robot, Mechanism) else size_of(robot)

@@ -47,7 +47,6 @@ def links_of_joints(chain: SerialChain) -> list[str]:
 
 
 def _joints(chain: SerialChain) -> list[Joint]:
-    """Make the joints along a chain, and a fixed one to its tip."""
     constants = chain.transforms
     links = [chain.base, *links_of_joints(chain)]
     joints = []

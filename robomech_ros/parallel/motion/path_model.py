@@ -104,7 +104,6 @@ class MechanismPathModel:
         return ever_faster(self.limits.joint_names, self.limits.units, joints)
 
     def _singular_limb(self, q: Array) -> int | None:
-        """Find the limb that is stretched, folded or otherwise singular in a posture (n,)."""
         worst, found = _SINGULAR_LIMB, None
         scale = np.repeat([1.0, 1.0 / self.mechanism.size], 3)[:, None]
         for k, limb in enumerate(self.mechanism.limbs):
