@@ -13,7 +13,7 @@ from robomech_ros._kernels.kinetostatics import indices as kernels
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.kinetostatics.task_parts import PARTS, task_part
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import as_choice, real_within
+from robomech_ros.spatial.arrays import as_choice, real_number, real_within
 from robomech_ros.typing import Array, IntArray
 
 # Columns of the kernels that hold a condition number.
@@ -252,7 +252,8 @@ def _gradient(
 
 def as_length(length: float) -> float:
     """Check a length (m) that linear motions are divided by."""
-    return real_within("length", length, "a length from 1e-9 to 1e9 m", 1e-9, 1e9)
+    expected = "a length from 1e-9 to 1e9 m"
+    return real_within("length", real_number("length", length, expected), expected, 1e-9, 1e9)
 
 
 def _norm(norm: str) -> int:

@@ -15,7 +15,7 @@ from robomech_ros.kinetostatics.decoupled_blocks import wrist_of
 from robomech_ros.kinetostatics.indices import as_length
 from robomech_ros.kinetostatics.point_jacobians import TIP, as_point, rotation_of
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import all_finite, as_finite, real_within
+from robomech_ros.spatial.arrays import all_finite, as_finite, real_number, real_within
 from robomech_ros.typing import Array
 
 _joint_rates = direct(rates.joint_rates)
@@ -113,7 +113,8 @@ def joint_rates(
     split = wrist is not None and wrist.exact
     centre = arm if wrist is None else wrist.centre
     expected = f"a number from 0 to {_LARGEST_DAMPING:g}"
-    least = real_within("damping", damping, expected, 0.0, _LARGEST_DAMPING)
+    given = real_number("damping", damping, expected)
+    least = real_within("damping", given, expected, 0.0, _LARGEST_DAMPING)
     if _joint_rates(chain.packed, split, centre, arm, metres, least, rows, twists, wished, out):
         raise_not_finite(chain, q)
     if not all_finite(out):
