@@ -77,7 +77,7 @@ def pose_limits(
     flat = poses.reshape(-1, 4, 4)
     found = limits_at(robot, flat, as_branches(robot, branches))
     lead = poses.shape[:-2]
-    return PoseLimits(*(part.reshape(*lead, *part.shape[1:]) for part in vars(found).values()))
+    return PoseLimits(*(part.reshape(lead + part.shape[1:]) for part in vars(found).values()))
 
 
 def as_branches(robot: AnyParallelRobot, branches: object) -> str | None:
