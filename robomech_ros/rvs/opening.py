@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.parallel import Mechanism, ParallelRobot, load_parallel, load_tree_description
+from robomech_ros.parallel import load_tree_description
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.robots.robot_kinds import ARM, check_name, kind_of
 from robomech_ros.rvs.kind_registry import PARALLEL, VIEW_KINDS
@@ -18,6 +18,7 @@ from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.serving.address import HOST, PORT
 
 if TYPE_CHECKING:
+    from robomech_ros.parallel import Mechanism, ParallelRobot
     from robomech_ros.rvs.model.draggable import DraggableRobot
     from robomech_ros.rvs.model.live_robot import LiveMobileRobot, LiveRobot
     from robomech_ros.rvs.model.observed_robot import ObservedRobot
@@ -124,6 +125,9 @@ def shown_robot(
     if described.mechanism is None:
         return described.description, None
     refuse(PARALLEL)
+    # What is compiled for parallel robots is loaded only for them.
+    from robomech_ros.parallel import load_parallel
+
     return described.description, _platform(load_parallel(robot))
 
 

@@ -15,7 +15,7 @@ from robomech_ros.nodes.demonstration.load import CARRYING, TRACKED
 from robomech_ros.nodes.demonstration.pick_and_place import PickAndPlace
 from robomech_ros.nodes.demonstration.report import Reporter, write_page
 from robomech_ros.nodes.process.launch_options import LaunchOptions
-from robomech_ros.parallel import ParallelDynamics, load_tree_description
+from robomech_ros.parallel import load_tree_description
 from robomech_ros.plotting.joint_motions import plot_motion
 from robomech_ros.rvs import Motion, write_motion
 
@@ -52,6 +52,7 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
     mechanism = load_tree_description(which.robot).mechanism
     if mechanism is not None:
         from robomech_ros.nodes.demonstration.demo_platform import DemoPlatform
+        from robomech_ros.parallel import ParallelDynamics
 
         if payload is not None:
             ParallelDynamics(mechanism).mass_matrix(mechanism.home())

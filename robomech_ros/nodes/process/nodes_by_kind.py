@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pkgutil import resolve_name
 
-from robomech_ros.hands import load_hand
 from robomech_ros.rolling import rolling_robot
 
 
@@ -53,11 +53,9 @@ class NodesOfKind:
 _OF_ARMS = ("joint_limits", "srdf", "group", "base_link", "tip_link", "calibration", "auto_execute")
 
 
-def _legged(robot: str) -> object:
-    # What is compiled for legs is loaded only where there are some.
-    from robomech_ros.walking import load_legged
-
-    return load_legged(robot)
+def _loader(function: str) -> Callable[[str], object]:
+    # What is compiled for a kind is loaded only where there is a robot of it.
+    return lambda robot: resolve_name(f"robomech_ros.{function}")(robot)
 
 
 KIND_NODES = {
@@ -74,14 +72,14 @@ KIND_NODES = {
     "hand": NodesOfKind(
         called="hand",
         nodes=("grasping",),
-        load=load_hand,
+        load=_loader("hands:load_hand"),
         refused=(*_OF_ARMS, "rate", "dynamic", "view", "view_port", "view_host"),
     ),
     "walking": NodesOfKind(
         called="walking machine",
         nodes=("joint_trajectory_controller", "walker"),
         simulator="joint_trajectory_controller",
-        load=_legged,
+        load=_loader("walking:load_legged"),
         refused=(*_OF_ARMS, "dynamic"),
         demonstration="robomech_ros.nodes.demonstration.walk_session",
     ),

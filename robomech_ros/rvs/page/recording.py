@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import html
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.parallel import Mechanism
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.camera import marker_points, visible_points
 from robomech_ros.rvs.model.ghosts import PALETTE, GhostMaker, Ghosts, NoGhosts
@@ -40,6 +39,9 @@ _SWATCH = (
     '<span style="display:inline-block;min-width:1.5em;margin-right:0.5em;border-radius:0.7em;'
     'color:#fff;text-align:center;background:rgb{colour}">{number}</span>'
 )
+
+if TYPE_CHECKING:
+    from robomech_ros.parallel import Mechanism
 
 
 def motion_page(

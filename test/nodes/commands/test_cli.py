@@ -399,6 +399,19 @@ def test_nodes_that_plan_nothing_load_no_compiled_code(node):
     assert done.stdout.strip() == "False"
 
 
+def test_the_demonstration_of_an_arm_loads_only_the_kernels_that_are_compiled_for_it():
+    code = (
+        "import sys; from robomech_ros.nodes.demonstration import session; "
+        "from robomech_ros.rvs.page import recording; "
+        "from robomech_ros.cli.warmup import demonstration_modules, kernel_modules; "
+        "others = set(kernel_modules()) - set(demonstration_modules('')); "
+        "print([one for one in others if f'robomech_ros._kernels.{one}' in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+
 TRAJECTORY = """
 header: {frame_id: ''}
 joint_names: [waist, shoulder]

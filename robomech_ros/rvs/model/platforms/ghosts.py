@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robomech_ros.kinematics import link_poses
-from robomech_ros.parallel import Mechanism
 from robomech_ros.rvs.model.ghosts import NOTHING, GhostPieces, Rgb, placed_pieces
 from robomech_ros.typing import Array
+
+if TYPE_CHECKING:
+    from robomech_ros.parallel import Mechanism
 
 # Radius of rods, part of the size of the robot.
 RADIUS = 0.012
