@@ -62,7 +62,7 @@ class LateStream:
             if now < stamp + points.times[-1] or self.arm.active is not None:
                 self.arm.start(points, self._free, now, stamp - now)
                 goal = self.arm.active
-                self.lags.append(goal.belt.lag if goal is not None and goal.belt else 0.0)
+                self.lags.append(goal.schedule.lag if goal is not None and goal.schedule else 0.0)
         self.arm.advance(now)
         self.states.append((now, self.arm.desired))
 

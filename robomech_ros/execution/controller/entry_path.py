@@ -28,7 +28,7 @@ class EntryPath(NamedTuple):
     ----------
     curve : PiecewisePolynomial
         From now on, to the end.
-    belt : ScheduleShift or None
+    schedule : ScheduleShift or None
         Where the trajectory is that is being caught up with, or that goes by; None if the robot is
         in time.
     blocked : bool
@@ -36,7 +36,7 @@ class EntryPath(NamedTuple):
     """
 
     curve: PiecewisePolynomial
-    belt: ScheduleShift | None = None
+    schedule: ScheduleShift | None = None
     blocked: bool = False
 
 

@@ -149,7 +149,7 @@ class TrajectoryFollower:
             delay, late = _AGAIN, late + _AGAIN
         begin = self.now + delay
         goal = TrajectoryGoal(waypoints, tolerances, begin, way.curve, late, on_end, strain=strain)
-        goal.belt, goal.streamed = way.belt, streamed
+        goal.schedule, goal.streamed = way.schedule, streamed
         self._enter(goal, delay, by)
         return goal
 
@@ -245,7 +245,7 @@ class TrajectoryFollower:
     ) -> EntryPath:
         """Find the way at a time (s), up to which the robot has moved."""
         unsettled = streamed and self.now < self._unsettled_until
-        before = self._belt(at) if late > 0.0 or unsettled else None
+        before = self._present_schedule(at) if late > 0.0 or unsettled else None
         if unsettled and before is not None and not before.in_time:
             self._unsettled_until = self.now + _UNSETTLED
         return entry_path(waypoints, present, self.joints, self.settings, late, before, unsettled)
@@ -260,15 +260,15 @@ class TrajectoryFollower:
         strain.require(self.settings.max_acceleration_ratio)
         return str(strain)
 
-    def _belt(self, at: float) -> ScheduleShift | None:
+    def _present_schedule(self, at: float) -> ScheduleShift | None:
         """Return what is followed, on a clock that is 0 at a time; None for nothing, or slowed."""
         goal = self.active
         if goal is None or self.phase is not Phase.MOVING:
             return None
         if abs(at - goal.begin - goal.time) > _IN_STEP:
             return None
-        belt = goal.belt or ScheduleShift(goal.curve)
-        return belt.since(goal.time)
+        schedule = goal.schedule or ScheduleShift(goal.curve)
+        return schedule.since(goal.time)
 
     def _begin_waiting(self, goal: TrajectoryGoal) -> None:
         self.waiting = None
@@ -284,14 +284,14 @@ class TrajectoryFollower:
             goal.begin, goal.late = goal.begin + _AGAIN, goal.late + _AGAIN
             self.waiting = goal
             return
-        goal.curve, goal.belt = way.curve, way.belt
+        goal.curve, goal.schedule = way.curve, way.schedule
         self._begin(goal, "preempted by a trajectory that was to begin now")
 
     def _let_go_by(self, way: EntryPath) -> None:
         """Remember the path of a trajectory that cannot be followed yet."""
         goal = self.active
-        if goal is not None and way.belt is not None:
-            goal.belt = way.belt.since(-goal.time)
+        if goal is not None and way.schedule is not None:
+            goal.schedule = way.schedule.since(-goal.time)
 
     def _drop_waiting(self, text: str, end: End = End.ABORTED, code: int = Code.PREEMPTED) -> None:
         goal, self.waiting = self.waiting, None

@@ -180,7 +180,7 @@ def late_start(
     assert velocities is not None
     coming = _coming(waypoints, joints, late, 0.0 if before is None else before.lag)
     search = _Search(coming, present, joints, velocities[0])
-    for curve in _belts(coming, before):
+    for curve in _candidate_curves(coming, before):
         for found in search.entry_paths(curve, before):
             return found
     return None
@@ -209,7 +209,7 @@ def _coming(waypoints: Waypoints, joints: Joints, late: float, lag: float) -> Pi
     return shifted(coming, float(waypoints.times[0]) - late + lag)
 
 
-def _belts(
+def _candidate_curves(
     coming: PiecewisePolynomial, before: ScheduleShift | None
 ) -> Iterator[PiecewisePolynomial]:
     """Yield what comes after what is followed now, and then what comes alone."""
@@ -288,9 +288,9 @@ class _Search:
         self, curve: PiecewisePolynomial, lag: float, place: Array, delay: float, time: float
     ) -> tuple[PiecewisePolynomial, ScheduleShift] | None:
         """Return the way onto a curve that is later by a delay (s), if it keeps the limits."""
-        belt, here = shifted(curve, delay), self._present
+        moved, here = shifted(curve, delay), self._present
         x, pace, rate = float(place[0]) + delay, float(place[1]), float(place[2])
-        there = belt.sample(x)
+        there = moved.sample(x)
         apart = here - paced_state(there, pace, rate)
         offset = apart.position, apart.velocity, apart.acceleration
         ahead = np.array([x, pace - 1.0, rate])
@@ -299,13 +299,13 @@ class _Search:
             merged = max(off, float(np.max(np.abs(ahead)))) <= _ON_IT
             time = 0.0 if merged else SHORTEST_BLEND
         powers = _faded(ahead, time) if time else np.zeros(6)
-        way = paced(belt, powers, time)
+        way = paced(moved, powers, time)
         if way is None:
             return None
         if off > _ON_IT:
             way = with_fading(way, offset, time)
         return (
-            None if self._violates(way) else (way, ScheduleShift(belt, lag + delay, time, powers))
+            None if self._violates(way) else (way, ScheduleShift(moved, lag + delay, time, powers))
         )
 
     def _violates(self, way: PiecewisePolynomial) -> bool:

@@ -71,7 +71,7 @@ class TrajectoryGoal:
         What else the result is to say.
     strain : str
         By how much it is over the limits of acceleration; empty if it is not.
-    belt : ScheduleShift or None
+    schedule : ScheduleShift or None
         Where the trajectory is, if it came late and the robot catches up with it.
     streamed : bool
         Whether it came by a topic, and may be one of a stream.
@@ -89,7 +89,7 @@ class TrajectoryGoal:
     arrived: bool = False
     remark: str = ""
     strain: str = ""
-    belt: ScheduleShift | None = None
+    schedule: ScheduleShift | None = None
     streamed: bool = False
 
     @property
