@@ -18,7 +18,7 @@ from robomech_ros.rvs.model.motion_curves import (
     driven_joints,
     motion_curves,
 )
-from robomech_ros.rvs.model.planning import JOG_DIRECTIONS, JOINTS, MadePlan, plan_between
+from robomech_ros.rvs.model.planning import JOINTS, PATH_KINDS, MadePlan, plan_between
 from robomech_ros.rvs.model.platforms.planning import plan_platform_between
 from robomech_ros.rvs.model.player import FASTEST, SLOWEST, Player
 from robomech_ros.rvs.motion import Motion
@@ -93,7 +93,7 @@ class MotionLayer(Layer):
             hint = f"The present posture is the {which} of a plan"
             folder.button(label, partial(self.ask, label, self.remember, which), hint)
         way = partial(self.ask, "way", self._choose, "way")
-        folder.dropdown("Way", JOG_DIRECTIONS, self.way, way)
+        folder.dropdown("Way", PATH_KINDS, self.way, way)
         profile = partial(self.ask, "profile", self._choose, "profile")
         folder.dropdown("Profile", tuple(PROFILES), self.profile, profile)
         self._add_playing(folder, gui)
@@ -167,7 +167,7 @@ class MotionLayer(Layer):
 
     def choose_plan(self, way: str, profile: str) -> None:
         """Plan in another way."""
-        self.way = as_choice("way", way, JOG_DIRECTIONS)
+        self.way = as_choice("way", way, PATH_KINDS)
         self.profile = as_choice("profile", profile, tuple(PROFILES))
         self.make_plan()
 

@@ -19,7 +19,7 @@ from robomech_ros.typing import Array
 
 # Ways from posture to posture: all joints together, or the tip along a line.
 JOINTS, LINE = "joints", "line of the tip"
-JOG_DIRECTIONS = (JOINTS, LINE)
+PATH_KINDS = (JOINTS, LINE)
 # A curve is drawn by so many samples, and one at either side of each of its breaks (s).
 SAMPLES, BESIDE_BREAKS = 200, 1e-7
 # Another posture than the goal begins at this distance (rad or m).
@@ -54,7 +54,7 @@ def plan_between(chain: SerialChain, start: Array, goal: Array, way: str, profil
     start, goal : ndarray, shape (n,)
         Postures (rad or m); along a line of the tip, the pose of the goal counts.
     way : str
-        One of ``JOG_DIRECTIONS``.
+        One of ``PATH_KINDS``.
     profile : str
         One of :data:`robomech_ros.trajectory.PROFILES`; not each of them suits a line.
 
@@ -65,7 +65,7 @@ def plan_between(chain: SerialChain, start: Array, goal: Array, way: str, profil
     RobomechError
         As for the planners: limits are missing, a posture is outside them.
     """
-    as_choice("way", way, JOG_DIRECTIONS)
+    as_choice("way", way, PATH_KINDS)
     if way == JOINTS:
         as_choice("profile", profile, tuple(PROFILES))
         if np.array_equal(start, goal):

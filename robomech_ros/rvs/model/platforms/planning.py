@@ -9,8 +9,8 @@ import numpy as np
 from robomech_ros.errors import BadValueError
 from robomech_ros.parallel import Mechanism, follow_drives, plan_drives, plan_platform
 from robomech_ros.rvs.model.planning import (
-    JOG_DIRECTIONS,
     JOINTS,
+    PATH_KINDS,
     SAME,
     MadePlan,
     along_line,
@@ -36,7 +36,7 @@ def plan_platform_between(
         Postures (rad or m), loops closed; along a line of the platform, the pose of the goal
         counts, otherwise its drives.
     way : str
-        One of ``JOG_DIRECTIONS``: the drives together, or the platform along a line.
+        One of ``PATH_KINDS``: the drives together, or the platform along a line.
     profile : str
         One of :data:`robomech_ros.trajectory.PROFILES`; not each of them suits a line.
 
@@ -47,7 +47,7 @@ def plan_platform_between(
     RobomechError
         As for the planners: limits are missing, a posture is outside them.
     """
-    as_choice("way", way, JOG_DIRECTIONS)
+    as_choice("way", way, PATH_KINDS)
     if way != JOINTS:
         poses = mechanism.pose(np.stack([start, goal]))
 
