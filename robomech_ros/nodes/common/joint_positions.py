@@ -19,8 +19,8 @@ from robomech_ros.typing import Array
 if TYPE_CHECKING:
     from robomech_ros.parallel import Mechanism
 
-# A link is moved by a chain, or by all limbs of a parallel robot.
-Way: TypeAlias = "SerialChain | Mechanism"
+# What moves a link: a chain, or all limbs of a parallel robot.
+Linkage: TypeAlias = "SerialChain | Mechanism"
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class JointPositions:
         #: Reads postures of a parallel robot; None for other robots.
         self.loops = None if model.mechanism is None else ClosedLoopPositions(model.mechanism)
 
-    def read(self, chain: Way, state: JointState, what: str) -> Array:
+    def read(self, chain: Linkage, state: JointState, what: str) -> Array:
         """Read the positions, shape (n,), that a request must give."""
         if self.loops is not None:
             return self._of(chain, self.loops.read(state, what, self.present_posture()))
@@ -70,11 +70,11 @@ class JointPositions:
         found = None if loops is None else self._monitor.positions(loops.mechanism.joint_names)
         return None if loops is None or found is None else loops.closed(found, "the present state")
 
-    def _of(self, way: Way, q: Array) -> Array:
-        """Pick the joints of a way from all joints (n,) of a parallel robot."""
+    def _of(self, linkage: Linkage, q: Array) -> Array:
+        """Pick the joints of a linkage from all joints (n,) of a parallel robot."""
         assert self.loops is not None
         at = dict(zip(self.loops.mechanism.joint_names, q, strict=True))
-        return np.array([at[name] for name in way.joint_names])
+        return np.array([at[name] for name in linkage.joint_names])
 
     def _read(self, chain: SerialChain, state: JointState, what: str) -> Array:
         whole, size = self._model.chain, len(state.position)
@@ -93,7 +93,7 @@ class JointPositions:
         return positions_by_name(state, chain.joint_names, what, self._model.joint_names)
 
     async def read_or_present(
-        self, chain: Way, state: JointState, what: str, patience: float
+        self, chain: Linkage, state: JointState, what: str, patience: float
     ) -> Array:
         """Read the positions, shape (n,); of an empty state, the present ones.
 
@@ -106,7 +106,7 @@ class JointPositions:
             return self.read(chain, state, what)
         return await self.at_rest(chain, patience, math.inf)
 
-    async def at_rest(self, chain: Way, patience: float, tolerance: float) -> Array:
+    async def at_rest(self, chain: Linkage, patience: float, tolerance: float) -> Array:
         """Read the present positions, shape (n,), of a robot that stands.
 
         Raises
@@ -126,7 +126,7 @@ class JointPositions:
             found = self.loops.complete(reported, "the present state")
         return self._of(chain, found)
 
-    def seed(self, chain: Way, state: JointState) -> Array:
+    def seed(self, chain: Linkage, state: JointState) -> Array:
         """Read a seed, shape (n,); of an empty state, the present positions or the mid-range.
 
         A present position outside the limits is taken at the limit: a robot at its stop, as it

@@ -4,7 +4,7 @@ import numpy as np
 
 from robomech_ros.dynamics import ChainDynamics, DynamicSystem
 from robomech_ros.execution.rejections import JointMismatchError
-from robomech_ros.nodes.common.joint_positions import JointPositions, Way
+from robomech_ros.nodes.common.joint_positions import JointPositions, Linkage
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.typing import Array
 
@@ -37,7 +37,7 @@ class Drives:
     def __init__(self, model: RobotModel, joints: JointPositions) -> None:
         self.system: DynamicSystem
         if model.mechanism is None:
-            self.way: Way = model.chain
+            self.way: Linkage = model.chain
             self.system, self.home = ChainDynamics(model.chain), model.chain.midrange()
         else:
             from robomech_ros.parallel import ParallelDynamics

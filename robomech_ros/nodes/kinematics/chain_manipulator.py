@@ -82,7 +82,7 @@ class ChainManipulator:
             f"inverse kinematics: {family}"
         )
 
-    def way_to(self, link: str) -> SerialChain:
+    def linkage_to(self, link: str) -> SerialChain:
         """Return the chain to a link that joints move."""
         chain = self._model.chain_to(link)
         if not chain.n:
@@ -92,7 +92,7 @@ class ChainManipulator:
 
     def carrier(self, link: str) -> tuple[SerialChain, SerialChain]:
         """Return the chain to a link that joints move, twice."""
-        return self.way_to(link), self.way_to(link)
+        return self.linkage_to(link), self.linkage_to(link)
 
     async def rows(
         self, ways: Sequence[SerialChain], states: Sequence[JointState], patience: float

@@ -22,7 +22,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices, Worker
 from robomech_ros.nodes.common.error_codes import OutcomeError, answer, guarded
 from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
-from robomech_ros.nodes.common.joint_positions import JointPositions, Way
+from robomech_ros.nodes.common.joint_positions import JointPositions, Linkage
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.parameters import NodeParameters
@@ -126,7 +126,7 @@ class KinematicsNode(Node):
 
     @guarded
     async def _solve_ik(self, request: Any, response: Any) -> Any:
-        way: Any = self._robot.way_to(request.tip_link)
+        way: Any = self._robot.linkage_to(request.tip_link)
         T = matrix_from_pose(request.target.pose, "target")
         solve = self._robot.solver(way, request)
         header, patience = request.target.header, self._table.settings.state_timeout
@@ -139,7 +139,7 @@ class KinematicsNode(Node):
 
     @guarded
     async def _solve_ik_batch(self, request: Any, response: Any) -> Any:
-        way, allowed = self._robot.way_to(""), self._table.settings.batch_timeout
+        way, allowed = self._robot.linkage_to(""), self._table.settings.batch_timeout
         T = matrices_from_pose_rows(request.poses)
         self._check_size("poses", len(T))
         options = {
@@ -170,7 +170,7 @@ class KinematicsNode(Node):
 
     @guarded
     async def _analyze_singularity(self, request: Any, response: Any) -> Any:
-        way: Any = self._robot.way_to(request.tip_link)
+        way: Any = self._robot.linkage_to(request.tip_link)
         q, point, axes = await self._posture_asked(way, request)
         report = await self._robot.singularity(way, q, point)
         encode_report(report, axes, self._model.full_frame(request.reference_frame), response)
@@ -181,7 +181,7 @@ class KinematicsNode(Node):
     @guarded
     async def _query_workspace(self, request: Any, response: Any) -> Any:
         settings, robot = self._table.settings, self._robot
-        robot.way_to("")
+        robot.linkage_to("")
         self._check_size("poses", len(request.poses))
         mask = robot.task_mask([bool(entry) for entry in request.task_mask])
         T = await poses_in_base(self._frames, request.poses, settings.state_timeout)
@@ -196,7 +196,7 @@ class KinematicsNode(Node):
         await self._show_boundary(T[0] if len(T) else None)
         return answer_in_time(response, done, len(T), settings.batch_timeout)
 
-    async def _posture_asked(self, way: Way, request: Any) -> tuple[Array, Array, Array | None]:
+    async def _posture_asked(self, way: Linkage, request: Any) -> tuple[Array, Array, Array | None]:
         """Read the posture (n,), the point (3,) and the axes of a request about a Jacobian.
 
         The axes are ``R_base_axes``, shape (3, 3), or None for those of the base.

@@ -57,7 +57,7 @@ class PlatformManipulator:
             f"{mechanism.n} joints, {mechanism.dof} drives"
         )
 
-    def way_to(self, link: str) -> Mechanism:
+    def linkage_to(self, link: str) -> Mechanism:
         """Return all limbs, which carry the platform; refuse other links."""
         platform = self._mechanism.platform_link
         if self._model.chain_to(link).tip != platform:
@@ -75,7 +75,7 @@ class PlatformManipulator:
     async def rows(
         self, ways: Sequence[SerialChain], states: Sequence[JointState], patience: float
     ) -> tuple[list[Array], str]:
-        """Read the positions (m, n) for each way: of one state of drives in all assembly modes.
+        """Read the positions (m, n) for each chain: of one state of drives in all assembly modes.
 
         Without states, they are the present positions.  The text is a remark on them.
         """
