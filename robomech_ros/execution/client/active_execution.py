@@ -11,7 +11,7 @@ from robomech_ros.outcomes import Code
 from robomech_ros.typing import Array
 
 # A robot that still moves this long after it should stand was stopped too late, s.
-_UNHEARD = 0.1
+_STOP_OVERDUE = 0.1
 
 
 class ActiveExecution:
@@ -159,7 +159,7 @@ class ActiveExecution:
     def _stopped(self, now: float) -> MotionResult | None:
         """See that the robot stands where it was sent, and end what was cancelled."""
         late, off, stands = self._watch.late, self._watch.off, self._watch.stands
-        if late > _UNHEARD and off and not stands and self._set_pace_again(now):
+        if late > _STOP_OVERDUE and off and not stands and self._set_pace_again(now):
             return None
         if late > self._settings.arrival_timeout and off:
             return MotionResult(Code.GOAL_TOLERANCE, f"it did not stop as commanded: {off}")

@@ -17,10 +17,10 @@ from robomech_ros.typing import Array
 CONFIRMATION = 1.0
 # How long there are no joint states when a controller without signs of life has died (s): some
 # middleware gives no signs inside one process.
-HUSH = 0.25
+SILENCE_LIMIT = 0.25
 # What the time between two looks counts of that at most (s): whoever was held up has not heard
 # what was said meanwhile, and hears it before the next look.
-_ONE_LOOK = 0.6 * HUSH
+_ONE_LOOK = 0.6 * SILENCE_LIMIT
 # A loop is looked at in so many places; a way out of less than this (rad, m) counts for none.
 _PLACES = 200
 _NOTICEABLE = 0.01
@@ -62,7 +62,7 @@ class GoalMonitor:
         self._delivery, self._gateway, self._settings = delivery, gateway, settings
         self._now = delivery.sent_at
         # How long there were no joint states, of which each look counts a part (s).
-        self._hushed = 0.0
+        self._silence = 0.0
         self._missing_since: float | None = None
         self._watch_from(positions)
 
@@ -74,7 +74,7 @@ class GoalMonitor:
     @property
     def _behind(self) -> bool:
         """Whether joint states may have come that whoever was held up has not heard yet."""
-        return self._progress.silent > 0.0 and self._hushed <= HUSH
+        return self._progress.silent > 0.0 and self._silence <= SILENCE_LIMIT
 
     def begin_anew(self) -> None:
         """Watch from now on what was sent instead, from where the robot is now."""
@@ -97,7 +97,7 @@ class GoalMonitor:
         self.late = self.elapsed - delivery.lasts
         positions = gateway.positions(delivery.names)
         self._progress.look(now, positions, gateway.update_count(delivery.names))
-        self._hushed = self._hushed + min(since, _ONE_LOOK) if self._progress.silent else 0.0
+        self._silence = self._silence + min(since, _ONE_LOOK) if self._progress.silent else 0.0
         if positions is None:
             # What was seen at last says more.
             self.off = self.off or f"no joint states of {', '.join(delivery.names)}"
@@ -141,7 +141,7 @@ class GoalMonitor:
     def _gone(self, patience: float) -> str:
         """Say what was not there for longer than `patience` (s); empty if all is there."""
         delivery, silent = self._delivery, self._progress.silent
-        if self._gateway.replaced or (self._gateway.died and self._hushed > HUSH):
+        if self._gateway.replaced or (self._gateway.died and self._silence > SILENCE_LIMIT):
             return "the controller has died: its process is gone, or stands still"
         missing = self._gateway.missing(delivery.transport)
         if not missing:

@@ -70,7 +70,7 @@ def when_robot_known(
         described, parts = load_walking(robot) if kind_of(robot) == "walking" else load(robot)
         model = RobotModel(described, settings, source.semantic(described), **parts)
         on_robot(model)
-        source.teach(model)
+        source.supply_groups(model)
 
     def load(robot: str) -> tuple[RobotDescription, dict[str, Any]]:
         loaded = load_tree_description(robot)
@@ -126,7 +126,7 @@ class _WaitingNode:
         self._done = False
         self._group, self._robot = settings.group, settings.robot_description
         self._by_topic = not self._robot
-        source.on_news = self._try
+        source.on_document = self._try
         self._place = node.resolve_topic_name(TOPIC if self._by_topic else SEMANTIC_TOPIC)
         text = self._waits_for_group()
         if self._by_topic:

@@ -32,12 +32,12 @@ class SemanticSource:
 
     Attributes
     ----------
-    on_news : callable
+    on_document : callable
         Called after a document came by the topic while no robot was known.
     """
 
     def __init__(self, node: Node, settings: RobotSettings) -> None:
-        self.on_news: Callable[[], object] = lambda: None
+        self.on_document: Callable[[], object] = lambda: None
         self._log = node.get_logger()
         self._complaints = ThrottledLog(self._log)
         self._place = node.resolve_topic_name(SEMANTIC_TOPIC)
@@ -66,7 +66,7 @@ class SemanticSource:
         known = self._read(description)
         return known if self._given else replace(known, states={})
 
-    def teach(self, model: RobotModel) -> None:
+    def supply_groups(self, model: RobotModel) -> None:
         """Let a robot know its groups, those that come later, too."""
         self._model = model
         known = self._read(model.description)
@@ -96,7 +96,7 @@ class SemanticSource:
             return
         before, self._heard = self._heard, message.data
         if self._model is None:
-            self.on_news()
+            self.on_document()
             return
         try:
             load_semantics(self._model.description, self._heard, self._groups)
@@ -104,7 +104,7 @@ class SemanticSource:
             self._drop(error)
             self._heard = before
             return
-        self.teach(self._model)
+        self.supply_groups(self._model)
 
     def _drop(self, error: RobomechError) -> None:
         self._heard = ""

@@ -5,7 +5,7 @@ import math
 # After so long (s) without a look the commands that wait may be of somebody who has let go since.
 HELD_UP = 0.5
 # For so long (s) after that such commands may still come out of the middleware.
-_DEAF = 0.2
+_BACKLOG = 0.2
 
 
 class StallMonitor:
@@ -20,7 +20,7 @@ class StallMonitor:
         """Say whether more than `most` (s) have gone by since the last look."""
         held_up = now > self._looked_at + most
         if held_up:
-            self._since, self._until = self._looked_at, now + _DEAF
+            self._since, self._until = self._looked_at, now + _BACKLOG
         self._looked_at = now
         return held_up
 

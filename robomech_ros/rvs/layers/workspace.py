@@ -57,8 +57,8 @@ class Choices:
     measure: str = MEASURES[0]
 
 
-class _LeftOffError(Exception):
-    """The map that is computed is not wanted any more."""
+class _MapCancelledError(Exception):
+    """The computed map is no longer wanted."""
 
 
 class WorkspaceLayer(Layer):
@@ -216,12 +216,12 @@ class WorkspaceLayer(Layer):
     def _compute_map(self, chosen: tuple[str, str], T: Array, wanted: int) -> None:
         def progress(done: int, total: int) -> None:
             if wanted != self._wanted:
-                raise _LeftOffError
+                raise _MapCancelledError
             self._tell(wanted, f"{done} of {total} points ...", running=True)
 
         try:
             found = computed_map(self._place.chain, *chosen, T, progress)
-        except _LeftOffError:
+        except _MapCancelledError:
             return
         except RobomechError as error:
             self._tell(wanted, f"No map: {error}", running=False)
