@@ -1,4 +1,4 @@
-"""How hard the points of a trajectory make the joints accelerate, compared with their limits."""
+"""Accelerations that a trajectory demands of the joints, as multiples of their limits."""
 
 from dataclasses import dataclass
 
@@ -68,7 +68,7 @@ class AccelerationRatio:
 def acceleration_ratio_of(
     waypoints: Waypoints, present: State, joints: Joints, late: float
 ) -> AccelerationRatio | None:
-    """Find where the interpolated curve is hardest on a joint.
+    """Find the largest acceleration of the interpolated curve, compared with its limit.
 
     Linear pieces, between points without velocities, do not count: their corners have no finite
     acceleration, and ros2_control follows them, too.  The way to a first point later than now

@@ -1,4 +1,4 @@
-"""The way of a robot onto a trajectory: joined in time, caught up with, or none yet."""
+"""Entry of a robot into a trajectory: in time, by catching up, or not possible yet."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -29,10 +29,9 @@ class EntryPath(NamedTuple):
     curve : PiecewisePolynomial
         From now on, to the end.
     schedule : ScheduleShift or None
-        Where the trajectory is that is being caught up with, or that goes by; None if the robot is
-        in time.
+        Of the trajectory that the robot catches up with or lets pass; None if it is in time.
     blocked : bool
-        Whether the limits leave no way from the present motion yet, which is to go on.
+        Whether the limits allow no entry yet, so that the present motion goes on.
     """
 
     curve: PiecewisePolynomial
@@ -49,10 +48,10 @@ def entry_path(
     before: ScheduleShift | None,
     unsettled: bool = False,
 ) -> EntryPath:
-    """Join a trajectory; catch up with one that comes late where to join it would be too hard.
+    """Join a trajectory, or catch up with a late one that the limits do not let it join.
 
-    So is one of a stream in time that comes soon after a jump of the clock, since its sender and
-    the robot left out different times.
+    Soon after a jump of the clock a message of a stream in time counts as late, since its sender
+    and the robot left out different times.
 
     Parameters
     ----------

@@ -243,7 +243,7 @@ class TrajectoryFollower:
     def _find_entry_path(
         self, waypoints: Waypoints, present: State, late: float, at: float, streamed: bool
     ) -> EntryPath:
-        """Find the way at a time (s), up to which the robot has moved."""
+        """Find the entry path at a time (s) up to which the robot has moved."""
         unsettled = streamed and self.now < self._unsettled_until
         before = self._present_schedule(at) if late > 0.0 or unsettled else None
         if unsettled and before is not None and not before.in_time:
@@ -251,7 +251,7 @@ class TrajectoryFollower:
         return entry_path(waypoints, present, self.joints, self.settings, late, before, unsettled)
 
     def _strain(self, waypoints: Waypoints, present: State, late: float) -> str:
-        """Refuse what is far too hard on a joint, and say what is a little so."""
+        """Refuse accelerations far above the limits, and describe those slightly above."""
         if not self.settings.interpolate:
             return ""
         strain = acceleration_ratio_of(waypoints, present, self.joints, late)
@@ -261,7 +261,7 @@ class TrajectoryFollower:
         return str(strain)
 
     def _present_schedule(self, at: float) -> ScheduleShift | None:
-        """Return what is followed, on a clock that is 0 at a time; None for nothing, or slowed."""
+        """Return the present schedule on a clock that is 0 at a time; None if slowed or at rest."""
         goal = self.active
         if goal is None or self.phase is not Phase.MOVING:
             return None

@@ -49,14 +49,14 @@ def join(
 ) -> PiecewisePolynomial:
     """Make the curve that leads from the present state along a trajectory to its end.
 
-    A first point at time 0 must be where the robot is, within tolerance; what is left of the
-    step, and the difference in velocity and acceleration if the robot moves, is smoothed out with a
-    quintic, in a time in which the limits of acceleration and jerk are kept, so that all three are
-    continuous, the acceleration unless the limits of position and velocity leave no room for that.
-    Where the trajectory needs the acceleration for itself, and begins at rest, it begins that
-    time later.  A first point later than that is reached from the present state as
-    the points among each other: linearly, or by a cubic or quintic where it has velocities and
-    accelerations.
+    A first point at time 0 must be where the robot is, within tolerance.  A quintic smooths out
+    the rest of the step and, if the robot moves, the differences in velocity and acceleration; it
+    takes as long as the limits of acceleration and jerk require.  All three are then continuous,
+    except the acceleration if the limits of position and velocity leave no room.  A trajectory
+    that begins at rest and needs the acceleration for itself begins later by that time.
+
+    A first point later than 0 is reached from the present state as any point from the one before:
+    linearly, or by a cubic or quintic if it has velocities and accelerations.
 
     Parameters
     ----------

@@ -1,10 +1,10 @@
 r"""Catching up with a trajectory that comes late: on its path, within all limits, never by a jump.
 
-Like a belt, the trajectory q(x) moves on with time, some time (the lag) behind its stamps: x = t.
-The robot is on the same path at another place and with another pace, and gets onto the belt by
-x = t + f(t), where the quintic f fades out.  What it is off the path fades out at the same time.
-Where the limits leave no room to catch up altogether, the lag remains: then later messages are in
-time for the robot, and the next one that leaves room brings it nearer.
+The trajectory q(x) has a schedule x = t, which may be behind its stamps by a lag.  The robot is
+elsewhere on the path, at another pace.  It joins the schedule by x = t + f(t), in which the
+quintic f fades out; its distance from the path fades out at the same time.  If the limits leave
+no room to catch up fully, a lag remains.  Later messages are then in time for the robot, and the
+next one that leaves room reduces the lag.
 """
 
 from collections.abc import Iterator
@@ -41,13 +41,13 @@ _NEARER = np.array([-0.005, -0.002, -0.001])
 _FASTEST = 1.5
 # So many of those that fit by samples are verified, and about as many of the others.
 _VERIFIED = 6
-# A state off by less than this (rad, m, per s and s^2; a pace by less) is on the belt.
+# A state off by less than this (rad, m, per s and s^2; a pace by less) is on schedule.
 _ON_IT = 1e-9
 # A robot that is off its place by less (rad or m) has kept to it.
 _NEAR = 1e-5
 # A fading that is over in less than this (s) is as good as over.
 _MOMENT = 5e-3
-# Places (s) where the robot is looked for on a belt, and how often the nearest one is improved.
+# Places (s) where the robot is looked for on a schedule, and how often the nearest one is improved.
 _STEP, _IMPROVED = 0.005, 3
 # A step of the acceleration is taken for a jerk of so long, as at 500 Hz, s.
 _KINK = 2e-3
@@ -174,7 +174,7 @@ def late_start(
     -------
     tuple or None
         What is to be followed from 0, now, on, to rest and within the limits (of acceleration and
-        jerk unless the trajectory itself exceeds them); and the belt.  None where there is no way.
+        jerk unless the trajectory itself exceeds them); and its schedule.  None without a path.
     """
     velocities = waypoints.velocities
     assert velocities is not None
@@ -189,7 +189,7 @@ def late_start(
 def extend_schedule(
     waypoints: Waypoints, joints: Joints, late: float, before: ScheduleShift
 ) -> ScheduleShift:
-    """Return the belt with what comes late on it, for a robot that cannot get onto that yet.
+    """Add a late trajectory to a schedule, for a robot that cannot join the trajectory yet.
 
     Parameters are those of `late_start`.
     """
@@ -219,7 +219,7 @@ def _candidate_curves(
 
 
 class _Search:
-    """Looks for ways onto belts."""
+    """Search for entry paths onto schedules."""
 
     def __init__(
         self, coming: PiecewisePolynomial, present: State, joints: Joints, cruise: Array
