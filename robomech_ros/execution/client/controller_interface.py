@@ -12,11 +12,11 @@ class ControllerInterface(Protocol):
     """The way to the controller and to the robot's state."""
 
     def missing(self, transport: Transport) -> str:
-        """Say what is not there to send by; empty if all is."""
+        """Name what a transport needs and does not find; empty if nothing."""
 
     @property
     def died(self) -> bool:
-        """Whether the controller was there and shows no sign of life any more."""
+        """Whether a controller that was there no longer shows signs of life."""
 
     @property
     def replaced(self) -> bool:
@@ -38,7 +38,7 @@ class ControllerInterface(Protocol):
         """Return the present positions, rad or m; None if not known."""
 
     def update_count(self, names: Sequence[str]) -> int:
-        """Return a number that has grown when all these joints were heard of anew."""
+        """Return a number that grows whenever all these joints have newer states."""
 
     def kinds(self, names: Sequence[str]) -> JointKinds:
         """Say which joints turn without limits, and in which units they are."""

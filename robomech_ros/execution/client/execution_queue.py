@@ -13,7 +13,7 @@ from robomech_ros.typing import Array
 
 
 class QueueFullError(TrajectoryRefusedError):
-    """As many trajectories wait as may."""
+    """The queue of waiting trajectories is full."""
 
     def __init__(self, capacity: int) -> None:
         self.capacity = capacity

@@ -1,4 +1,4 @@
-"""Sees by the joint states whether the robot arrives where a delivery ends."""
+"""Detects from the joint states whether the robot arrives at the end of a delivery."""
 
 import numpy as np
 
@@ -15,11 +15,11 @@ from robomech_ros.typing import Array
 
 # How long the joint states may take to confirm what the controller says, and to come at all, s.
 CONFIRMATION = 1.0
-# How long there are no joint states when a controller without signs of life has died (s): some
-# middleware gives no signs inside one process.
+# A controller without signs of life has died after so long (s) without joint states: some
+# middleware gives no signs of life inside one process.
 SILENCE_LIMIT = 0.25
-# What the time between two looks counts of that at most (s): whoever was held up has not heard
-# what was said meanwhile, and hears it before the next look.
+# The time between two looks counts for no more than this (s): a process that was held up
+# receives the messages of that time before its next look.
 _ONE_LOOK = 0.6 * SILENCE_LIMIT
 # A loop is looked at in so many places; a way out of less than this (rad, m) counts for none.
 _PLACES = 200

@@ -32,7 +32,7 @@ class MotionMonitor:
     curve : PiecewisePolynomial
         What the robot should follow, from where it was.
     compared : bool
-        Whether it was heard of twice since the trajectory should have ended.
+        Whether two joint states came since the trajectory should have ended.
     stands : bool
         Whether it was at the same place then.
     """
