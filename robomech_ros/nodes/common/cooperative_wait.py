@@ -40,7 +40,7 @@ class _Pauses:
         )
 
     def begin(self) -> Future:
-        """Return what is done when the pause is over."""
+        """Return a future that is done when the pause is over."""
         if self._timer.is_canceled():
             self._timer.reset()
         return self._over
@@ -107,7 +107,7 @@ class Worker:
         self._thread.start()
 
     def begin(self, work: Callable[[], _T]) -> Future:
-        """Have work done when all that came before is; gives what will hold its result."""
+        """Queue work behind all earlier work; returns a future of its result."""
         done: Future = Future()
         self._pieces.put((work, done))
         return done

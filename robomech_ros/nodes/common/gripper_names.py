@@ -1,4 +1,4 @@
-"""Which joints of a robot are its gripper, and what commands them, as parameters say."""
+"""Joints and controller of a gripper, as the parameters of a node name them."""
 
 from dataclasses import dataclass
 

@@ -89,7 +89,7 @@ class JointLimitsFile:
     document: Mapping[str, Any]
 
     def on(self, description: RobotDescription) -> RobotDescription:
-        """Return a robot these limits.
+        """Return a robot with these limits.
 
         Accelerations and jerks of the file replace those of the robot; its ranges of positions
         and its velocities only narrow them.

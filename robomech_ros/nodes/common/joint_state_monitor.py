@@ -75,14 +75,14 @@ class JointStateMonitor:
         return np.where(np.isfinite(speeds), speeds, 0.0)
 
     def update_count(self, joint_names: Sequence[str]) -> int:
-        """Return a number that has grown when every one of the joints was heard of anew.
+        """Return a number that grows whenever all these joints have newer states.
 
         It counts as of the last look at positions.
         """
         return min((self._heard_in.get(name, 0) for name in joint_names), default=0)
 
     def forget(self) -> None:
-        """Know no joint until it is heard of anew: whoever published them may be gone."""
+        """Discard all joint states: their publisher may be gone."""
         self._inbox.take_packed()
         self._states.clear()
 
@@ -101,7 +101,7 @@ class JointStateMonitor:
         return positions
 
     def _what_came(self) -> str:
-        """Say what was received where something is missing."""
+        """Describe the received joint states, for an error about missing ones."""
         refused = f" (and what could not be used: {self._fault})" if self._fault else ""
         if not self._states:
             return f"nothing received{refused}"

@@ -33,7 +33,7 @@ class SemanticSource:
     Attributes
     ----------
     on_document : callable
-        Called after a document came by the topic while no robot was known.
+        Called when an SRDF arrives by the topic before the robot is known.
     """
 
     def __init__(self, node: Node, settings: RobotSettings) -> None:
@@ -56,7 +56,7 @@ class SemanticSource:
         return bool(self._group) and self._group not in listed and not known
 
     def semantic(self, description: RobotDescription) -> SemanticDescription:
-        """Return what the chain of a robot is chosen by.
+        """Return the groups and postures that select the chain of a robot.
 
         Raises
         ------
@@ -67,7 +67,7 @@ class SemanticSource:
         return known if self._given else replace(known, states={})
 
     def supply_groups(self, model: RobotModel) -> None:
-        """Let a robot know its groups, those that come later, too."""
+        """Give a robot its groups, now and whenever another SRDF arrives."""
         self._model = model
         known = self._read(model.description)
         model.learn(known)

@@ -1,8 +1,8 @@
-"""Notices that its process was held up, and how old commands without a stamp may be after that."""
+"""Detects that its process was held up, and how old unstamped commands may then be."""
 
 import math
 
-# After so long (s) without a look the commands that wait may be of somebody who has let go since.
+# After so long (s) without a look, waiting commands may come from a user who has let go since.
 HELD_UP = 0.5
 # For so long (s) after that such commands may still come out of the middleware.
 _BACKLOG = 0.2

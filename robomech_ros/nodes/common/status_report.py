@@ -13,7 +13,7 @@ _DEPTH = 10
 
 @dataclass(frozen=True)
 class NodeHealth:
-    """How a node is.
+    """Health of a node.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class StatusReport:
     node : Node
         Owner of publisher and timer.
     part : str
-        What of the node is reported.
+        Reported part of the node.
     hardware : str
         What it belongs to.
     describe : callable

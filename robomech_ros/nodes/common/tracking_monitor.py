@@ -17,7 +17,7 @@ _LOOKS = 10
 
 
 class Fault(NamedTuple):
-    """Why a robot is let go, and the joints at fault."""
+    """Reason for no longer driving a robot, and the joints at fault."""
 
     why: str
     joints: tuple[str, ...]

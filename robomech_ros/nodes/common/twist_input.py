@@ -1,4 +1,4 @@
-"""Takes commands of twists from topics, and says which are not followed."""
+"""Reads twist commands from topics, and reports rejected ones."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _DEPTH = 10
 
 
 class TwistInput:
-    """Gives the commands that have come to what follows them.
+    """Passes received twist commands on to what follows them.
 
     Stamped ones come on a topic, those without a stamp on the one with ``_unstamped`` behind it.
     What has no stamp counts as new, but as old as it may be after the process was held up.

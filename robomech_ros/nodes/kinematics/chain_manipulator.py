@@ -91,7 +91,7 @@ class ChainManipulator:
         return chain
 
     def carrier(self, link: str) -> tuple[SerialChain, SerialChain]:
-        """Return the chain to a link that joints move, twice."""
+        """Return the chain to a link that joints move, as the carrier and as the linkage."""
         return self.linkage_to(link), self.linkage_to(link)
 
     async def rows(
@@ -206,7 +206,7 @@ class ChainManipulator:
 
 
 def _reachable_space(chain: SerialChain) -> _ReachableSpace:
-    """Find what holds for all poses of a robot; this takes some seconds."""
+    """Find the workspace, which is the same for all poses; this takes some seconds."""
     try:
         length = float(characteristic_length(chain))
     except RobomechError:

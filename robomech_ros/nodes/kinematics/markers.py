@@ -1,4 +1,4 @@
-"""Markers of what the tip can do in a posture, and of the boundary of the workspace."""
+"""Markers of the mobility of the tip in a posture, and of the boundary of the workspace."""
 
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, Any

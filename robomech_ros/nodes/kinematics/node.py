@@ -70,12 +70,12 @@ class KinematicsNode(Node):
         when_robot_known(self, self._table.settings, self._serve, parallel=True)
 
     def stop(self) -> None:
-        """Answer those who wait for what takes long."""
+        """Answer all requests that wait for long work."""
         text = f"the node {self.get_name()} shuts down"
         self._worker.give_up(OutcomeError(Code.REJECTED, text))
 
     def destroy_node(self) -> None:
-        """Take leave of ROS, and of the thread for long work."""
+        """Destroy the node, and end its thread for long work."""
         self._worker.close()
         super().destroy_node()
 

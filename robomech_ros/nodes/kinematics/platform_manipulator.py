@@ -162,7 +162,7 @@ class PlatformManipulator:
         return J, self._mechanism.actuated
 
     async def singularity(self, way: Mechanism, q: Array, point: Array) -> PostureReport:
-        """Say what the platform cannot do, or does by itself."""
+        """Report the lost motions of the platform, and those with locked drives."""
         # The first report finds the characteristic length.
         return await self._worker.do(partial(self._report, q, point))
 
