@@ -1,8 +1,8 @@
 """Lays the way of the joints for a twist that is held, node by node and posture by posture.
 
 Each node is corrected until the tip is where the twist, held since the first node, leads.  The way
-ends at the hard stop.  Beyond it leads only where the tip loses so little meanwhile that it remains
-on its line, as when a wrist passes its singularity.
+ends at the hard stop, the condition number ``stop_at``.  It goes on beyond only if the tip loses so
+little there that it remains on its line, as when a wrist passes its singularity.
 
 A way that begins beyond the hard stop leads out, or along the singularity: the twist is carried out
 wholly, whatever rates that takes.

@@ -1,4 +1,4 @@
-"""From where a twist leads out of a posture beyond the hard stop.
+"""Postures from which a twist leads out of a singularity.
 
 In a singular posture the joints can move in ways n that do not move the tip at first; a way of
 length s moves it by ``s^2 / 2 u . J'(n) n`` along a lost direction u.  Where that is in the
@@ -47,7 +47,7 @@ class Start(NamedTuple):
 
 
 def departures(resolver: TwistResolver, q: Array, twist: Array) -> list[Start]:
-    """Return from where a twist may lead out of a singularity, the best first.
+    """Return the postures from which a twist may lead out of a singularity, the best first.
 
     Parameters
     ----------

@@ -248,7 +248,7 @@ class TwistResolver:
         return missed
 
     def heading(self, q: Array, twist: Array, wholly: bool = False) -> Heading:
-        """Find where a twist leads that is carried out wholly, but for what is lost.
+        """Find the joint rates of a twist that is carried out in full, except for its lost part.
 
         Unlike the rates of :meth:`resolve`, these are smooth where singular values change their
         sign.
@@ -303,7 +303,7 @@ class TwistResolver:
     def _split(
         self, posture: _Posture, parts: Array, needed: Array, velocity: Array
     ) -> tuple[Array, Array]:
-        """Return the rates of what is not in danger of being lost, and of what is."""
+        """Return the rates of the safe part of a twist, and of the part about to be lost."""
         rank = len(parts)
         weak = posture.values < posture.lower
         none = posture.values < _UNCERTAIN * posture.least

@@ -1,4 +1,4 @@
-"""A robot that runs: it is drawn where its joints are, and the arm of the page is its goal."""
+"""A running robot, drawn at its reported posture; the arm of the page is its goal."""
 
 from __future__ import annotations
 
@@ -193,7 +193,7 @@ class LiveLayer(LivePage):
             self._leave_behind(False)
 
     def show_servo(self, news: ServoNews | None) -> None:
-        """Show what the servo says; None if nothing is heard of it."""
+        """Show the state of the servo; None without messages from it."""
         text = "" if news is None else news.text
         if news is not None and text and news.scale < 1.0:
             text = f"at {100.0 * news.scale:.0f} % of the speed: {text}"

@@ -1,4 +1,4 @@
-"""A robot that runs over the ground: it is drawn where it is heard to be, and jogged."""
+"""A running mobile robot: it is drawn at its reported pose, and can be jogged."""
 
 from __future__ import annotations
 

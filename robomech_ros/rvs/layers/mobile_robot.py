@@ -1,4 +1,4 @@
-"""A robot that moves over the ground of the page: command, what becomes of it, trail, way ahead."""
+"""A mobile robot on a page: its command, the executed part of it, trail and path ahead."""
 
 from __future__ import annotations
 

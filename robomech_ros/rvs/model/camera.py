@@ -23,7 +23,7 @@ FILLED, LEAST = 0.9, 0.02
 
 
 class Camera(NamedTuple):
-    """An eye.
+    """Position and target of a camera.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def marker_points(
 def fitted_camera(
     points: Array, *, fov: float = FIELD, aspect: float = ASPECT, backwards: Array | None = None
 ) -> Camera:
-    """Place an eye so that points just fit into its picture.
+    """Place a camera so that points just fit into its picture.
 
     Parameters
     ----------

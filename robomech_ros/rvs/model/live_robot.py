@@ -1,4 +1,4 @@
-"""A robot that runs: what a page asks of it, and what it tells a page."""
+"""A running robot: what a page requests of it, and what it reports to a page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A robot that runs, and moves over the ground: it is seen where it is heard to be."""
+"""A running mobile robot, shown at its reported pose."""
 
 from __future__ import annotations
 

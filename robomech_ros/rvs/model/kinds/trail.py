@@ -1,4 +1,4 @@
-"""The way over the ground that a robot has come."""
+"""Past positions of a robot on the ground."""
 
 from __future__ import annotations
 
