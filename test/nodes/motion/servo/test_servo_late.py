@@ -74,7 +74,7 @@ def test_the_servo_says_once_that_points_come_late(hand, capfd):
     hand.repeat(send, lambda: arm.position[0] > START[0] + 0.1)
     # The node itself is held up, with all that it computes.
     for _ in range(3):
-        hand.node._driver._stream.lead.sent(hand.node._motion_clock.now(), 0.05)
+        hand.node._driver.stream.lead.sent(hand.node._motion_clock.now(), 0.05)
         seen = arm.position[0]
         hand.repeat(send, lambda seen=seen: arm.position[0] > seen + 0.05)
     hand.until_still()
