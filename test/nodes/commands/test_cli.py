@@ -411,7 +411,6 @@ def test_the_demonstration_of_an_arm_loads_only_the_kernels_that_are_compiled_fo
     assert done.stdout.strip() == "[]"
 
 
-
 TRAJECTORY = """
 header: {frame_id: ''}
 joint_names: [waist, shoulder]
