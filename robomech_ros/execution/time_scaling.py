@@ -123,7 +123,9 @@ def paced_step(
         Where on the curve it is then (s), the pace, and how fast that changes (1/s).  Beyond the
         end of the curve time passes as it is.
     """
-    rate, left, end = 0.0, span, float(curve.breaks[-1])
+    left, end = span, float(curve.breaks[-1])
+    changes = pace != target and place < end
+    rate = _rate(curve, place, pace, target, 0.0, limit) if changes else 0.0
     while left > 0.0 and pace != target and place < end:
         step = min(left, max(_STEP, span / _MAX_STEPS))
         rate = _rate(curve, place, pace, target, step, limit)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.hands.contacts import Contact, as_origin, centre
+from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, centre
 from robomech_ros.hands.grasp_map import grasp_matrix, null_space, transmitted
 from robomech_ros.hands.hand import Hand, fingers_of, hand_posture
 from robomech_ros.kinematics import forward_kinematics
@@ -114,6 +114,7 @@ def grasp_mobility(
     Prattichizzo and Trinkle, Grasping, in: Springer Handbook of Robotics, 2nd ed. 2016, section
     38.3.
     """
+    contacts = as_contacts(contacts)
     J = hand_jacobian(hand, q, contacts, fingers=fingers)
     G = grasp_matrix(contacts, centre(contacts))
     together = null_space(np.hstack([G.T, -J]))
@@ -152,6 +153,7 @@ def finger_rates(
     slip : float
         What is left of the velocity at the contacts (m/s): 0 where the fingers can follow.
     """
+    contacts = as_contacts(contacts)
     J, t = hand_jacobian(hand, q, contacts, fingers=fingers), _six("twist", twist)
     G = grasp_matrix(contacts, np.zeros(3) if origin is None else origin)
     return _least_squares(J, G.T @ t)
@@ -183,6 +185,7 @@ def object_twist(
     slip : float
         What is left of the velocity at the contacts (m/s): 0 where the rates agree.
     """
+    contacts = as_contacts(contacts)
     J = hand_jacobian(hand, q, contacts, fingers=fingers)
     G = grasp_matrix(contacts, np.zeros(3) if origin is None else origin)
     return _least_squares(G.T, J @ hand_posture(hand, rates, "rates"))

@@ -32,6 +32,13 @@ def test_steps_of_any_length_follow_the_same_change():
         assert pace == pytest.approx(scaling.pace_at(0.7), abs=2e-2)
 
 
+def test_no_time_changes_the_pace_at_once_by_the_same_rate():
+    place, pace, rate = paced_step(wave().curve, 0.4, 1.0, 0.2, 0.0, LIMIT)
+    assert (place, pace) == (0.4, 1.0)
+    assert rate == pytest.approx(paced_step(wave().curve, 0.4, 1.0, 0.2, 1e-6, LIMIT)[2], rel=1e-3)
+    assert rate < -1.0
+
+
 def test_a_constant_pace_goes_on_for_ever():
     scaling = constant_pace(1.0, 0.0, 0.25)
     assert (scaling.place(5.0), scaling.pace_at(5.0), scaling.pace) == (1.0, 0.25, 0.25)

@@ -183,6 +183,7 @@ def test_twist_and_rates_lead_to_each_other():
     back, left = object_twist(HAND, q, contacts, rates, origin=o)
     assert back == pytest.approx(t, abs=1e-12)
     assert left < 1e-12
+    np.testing.assert_array_equal(finger_rates(HAND, q, iter(contacts), t, origin=o)[0], rates)
     rates[0] += 0.1
     assert object_twist(HAND, q, contacts, rates)[1] > 1e-4
 

@@ -67,8 +67,8 @@ class MarkerPublisher:
         self._show()
 
     def show_boundary(self, markers: list[Marker]) -> None:
-        """Show a boundary in place of the last one, unless it is the same or empty."""
-        if markers and markers is not self._boundary:
+        """Show a boundary in place of the last one, unless it is the same."""
+        if markers is not self._boundary and (markers or self._boundary):
             self._boundary = markers
             self._show()
 

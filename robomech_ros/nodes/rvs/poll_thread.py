@@ -69,6 +69,8 @@ class PollThread(ABC):
         """Read what comes seldom, and say what is wrong with the state of the robot."""
 
     def _look(self, now: float) -> None:
+        # Only what has been taken counts.
+        self._monitor.known_positions(self._joints)
         heard = self._monitor.update_count(self._joints)
         if heard > self._heard:
             self._heard, self._heard_at = heard, now

@@ -508,7 +508,7 @@ def test_help_says_what_options_are_for(capfd):
         "--no-servo all nodes but the servo (arms only)",
         "such as MoveIt's joint_limits.yaml (arms only)",
         "friction and effort limits (not for hands, walking machines)",
-        "--params-file PARAMS_FILE YAML with parameters --auto-execute",
+        "--params-file PARAMS_FILE YAML with parameters --dynamic",
     ):
         assert said in text
     assert "(arms and parallel robots only)" in " ".join(shown_help(capfd, "demo").split())

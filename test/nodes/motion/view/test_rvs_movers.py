@@ -8,6 +8,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
+from sensor_msgs.msg import JointState
 
 pytest.importorskip("viser")
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "rvs"))
@@ -227,6 +228,25 @@ def test_without_the_node_of_the_robot_the_page_says_so(graph, browse):
 
     wait_until(marked)
     assert base is not None
+
+
+def test_wheels_turn_on_the_page_while_odometry_is_silent(graph, browse):
+    node = graph.start(RvsNode, robot_description="mecanum", port=0)
+    browser = browse(node)
+    odometry = graph.client.create_publisher(Odometry, "mobile_base/odometry", 10)
+    states = graph.client.create_publisher(JointState, "joint_states", 10)
+    names = list(node._robot._feed._joints)
+
+    def drawn(angle):
+        states.publish(JointState(name=names, position=[angle] * len(names)))
+        return browser.page._arm.positions[names[0]] == angle
+
+    def placed():
+        odometry.publish(Odometry())
+        return drawn(0.5)
+
+    wait_until(placed)
+    wait_until(lambda: drawn(1.25))
 
 
 WILD = ["joint 0 + 1 1", "linear 2 + 1 1", "angular 0 - 1 1", "linear 0 + 1", "nan", ["x"]]
