@@ -15,7 +15,7 @@ _NEAREST = 1e-3
 
 
 def slowed_waypoints(waypoints: Waypoints, pace: float) -> Waypoints:
-    """Give waypoints of the same path at a constant pace: times longer, rates lower."""
+    """Return waypoints of the same path at a constant pace: times longer, rates lower."""
     velocities, accelerations = waypoints.velocities, waypoints.accelerations
     return Waypoints(
         waypoints.times / pace,
@@ -28,7 +28,7 @@ def slowed_waypoints(waypoints: Waypoints, pace: float) -> Waypoints:
 def paced_waypoints(
     curve: PiecewisePolynomial, waypoints: Waypoints, scaling: TimeScaling, lead: float
 ) -> Waypoints:
-    """Give waypoints of what is left of a curve, by a scaling.
+    """Return waypoints of what is left of a curve, by a scaling.
 
     Parameters
     ----------

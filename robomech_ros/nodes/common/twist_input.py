@@ -67,7 +67,7 @@ class TwistInput:
         return self._readers[0][0].topic
 
     def take(self) -> None:
-        """Give all that has come since the last look."""
+        """Return all that has come since the last look."""
         now = self._clock.now()
         if self._hold_ups.look(now):
             held_up = f"held up for {self._hold_ups.age(now):.3g} s"

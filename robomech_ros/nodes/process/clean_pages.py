@@ -1,4 +1,4 @@
-"""Gives back pages of libraries that a node needs only while it starts, such as the compiler's."""
+"""Give back pages of libraries that a node needs only while it starts, such as the compiler's."""
 
 import ctypes
 import mmap

@@ -100,7 +100,7 @@ class JoggedRobot:
 
     @property
     def condition(self) -> str:
-        """What is wrong with the state of the robot; empty for nothing."""
+        """Fault of the state of the robot; empty for none."""
         return self._feed.condition
 
     @property

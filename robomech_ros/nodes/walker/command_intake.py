@@ -23,7 +23,7 @@ _DEPTH = 10
 
 
 class CommandIntake:
-    """Gives the commands that have come to a walker.
+    """Commands that have come to a walker.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class CommandIntake:
         ]
 
     def take(self, stands: bool) -> None:
-        """Give what has come since the last look; one that does not stand takes twists only."""
+        """Return what has come since the last look; one that does not stand takes twists only."""
         self.commanded = False
         self.twists.take()
         for inbox, read in self._readers:

@@ -38,7 +38,7 @@ MAX_SOLUTIONS = 16
 
 
 class SearchGoal(NamedTuple):
-    """What a search looks for.
+    """Goal of a search.
 
     Parameters
     ----------
