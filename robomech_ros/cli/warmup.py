@@ -17,7 +17,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from robomech_ros._kernels.compiling.sources import PACKAGE, sources
 from robomech_ros.cli.kernel_cache import compiled, prune
-from robomech_ros.robots.robot_kinds import kind_of
+from robomech_ros.robots.robot_kinds import ARM, KINDS, check_name, kind_of
 
 _INSTALLATION = Path(__file__).resolve().parents[1]
 
@@ -57,7 +57,10 @@ def demonstration_modules(kind: str) -> tuple[str, ...]:
 
 def run(args: argparse.Namespace) -> int:
     """Import kernel modules with progress; returns 0."""
-    chosen = None if args.robot is None else demonstration_modules(kind_of(args.robot))
+    chosen = None
+    if args.robot is not None:
+        check_name(args.robot, (ARM, *KINDS))
+        chosen = demonstration_modules(kind_of(args.robot))
     warm(chosen, silent=args.quiet)
     return 0
 

@@ -1,11 +1,14 @@
 """Kernels that ``robomech warmup`` compiles, and their order."""
 
+from argparse import Namespace
+
 import pytest
 from numba.core.compiler import Flags
 from numba.core.targetconfig import TargetConfig
 
 from robomech_ros._kernels.compiling.sources import sources
 from robomech_ros.cli import warmup
+from robomech_ros.errors import UnknownRobotError
 
 
 def test_only_what_is_stale_is_compiled(monkeypatch):
@@ -33,6 +36,11 @@ def test_a_demonstration_needs_no_kernels_of_other_kinds(kind, used, unused):
     folders = {name.partition(".")[0] for name in warmup.demonstration_modules(kind)}
     assert used in folders
     assert not folders & (unused | {"servo"})
+
+
+def test_a_robot_that_is_not_there_is_refused_by_name():
+    with pytest.raises(UnknownRobotError, match="puma56.*puma560"):
+        warmup.run(Namespace(robot="puma56", quiet=True))
 
 
 def test_what_most_wait_for_comes_first():
