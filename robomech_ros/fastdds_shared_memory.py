@@ -10,7 +10,7 @@ from pathlib import Path
 
 # The first port of domain 0, and how many a domain has (DDSI-RTPS 2.5, section 9.6.2).
 _FIRST_PORT, _PORTS = 7400, 250
-# Where Fast DDS takes the ports for data from, in whatever domain.
+# Ports from which Fast DDS takes those for data, in every domain.
 PORTS_OF_ALL_DOMAINS = range(7000, _FIRST_PORT)
 FOLDER = Path("/dev/shm")
 _NAME = "fastdds_port"

@@ -24,7 +24,7 @@ _ONE_LOOK = 0.6 * SILENCE_LIMIT
 # A loop is looked at in so many places; a way out of less than this (rad, m) counts for none.
 _PLACES = 200
 _NOTICEABLE = 0.01
-# What of the planned way out must be seen: joint states come at intervals.
+# Least part of the planned way out that must be seen, since joint states come at intervals.
 _SEEN = 0.5
 
 

@@ -19,7 +19,7 @@ from robomech_ros.typing import Array
 if TYPE_CHECKING:
     from robomech_ros.parallel import Mechanism
 
-# What moves a link: a chain, or all limbs of a parallel robot.
+# A chain that moves a link, or all limbs of a parallel robot.
 Linkage: TypeAlias = "SerialChain | Mechanism"
 
 
@@ -116,7 +116,7 @@ class JointPositions:
         RobotMovesError
             A joint is faster than `tolerance` (rad/s or m/s), and was so all that time.
         """
-        # Of a parallel robot the drives have to be known.
+        # The drives of a parallel robot determine its other joints.
         names = chain.joint_names if self.loops is None else self.loops.mechanism.actuated
         reported = await self._monitor.wait_for(names, patience, tolerance, self._model.units)
         if self.loops is None:

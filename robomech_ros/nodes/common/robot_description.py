@@ -32,7 +32,7 @@ TOPIC = "robot_description"
 # The one group of joints where none are given, beside the name of the robot.
 WHOLE_CHAIN = "manipulator"
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-# Of /tf_static, as tf2_ros has it.
+# Quality of service of /tf_static, as in tf2_ros.
 STATIC_FRAMES = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 

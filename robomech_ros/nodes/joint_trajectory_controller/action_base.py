@@ -40,7 +40,7 @@ class ActionBase(ABC, Generic[Motion]):
         More for the action server.
     """
 
-    # What its goals are called in the log.
+    # Name of its goals in the log.
     _what: str
 
     def __init__(

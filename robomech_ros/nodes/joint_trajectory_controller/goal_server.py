@@ -59,7 +59,7 @@ class GoalServer(ActionBase[TrajectoryGoal]):
         return self._messages.ended(result, note), reached, cancelled
 
     def _start(self, request: Any, ended: Future) -> TrajectoryGoal:
-        # What of the request does not hold.
+        # Parts of the request that are not followed.
         notes: list[str] = []
 
         def tolerances(default: Tolerances) -> Tolerances:

@@ -24,7 +24,7 @@ Manipulator: TypeAlias = "ChainManipulator | PlatformManipulator"
 _FIRST, _FIRST_ITERATIVE = 64, 1
 # The next portion is twice as large after one shorter than this, s, and half after one longer.
 _SHORT, _LONG = 0.001, 0.003
-# What is computed on a portion stays in the processor's cache.
+# The arrays of so many poses stay in the processor's cache.
 _LARGEST = 512
 # Poses of a workspace query between two looks whether others wait: of a closed form, of a search.
 _PORTION, _PORTION_SEARCHED = 32, 1

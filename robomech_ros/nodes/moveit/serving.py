@@ -19,7 +19,7 @@ from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.robots import SerialChain
 
 _Callback = Callable[[Any, Any], Awaitable[Any]]
-# What these mean does not depend on the part of the request that they are found in.
+# Errors that mean the same in every part of a request.
 _CODES = (
     (FrameUnavailableError, MoveItErrorCodes.FRAME_TRANSFORM_FAILURE),
     (RobotMovesError, MoveItErrorCodes.START_STATE_INVALID),

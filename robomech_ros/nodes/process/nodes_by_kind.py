@@ -54,7 +54,7 @@ _OF_ARMS = ("joint_limits", "srdf", "group", "base_link", "tip_link", "calibrati
 
 
 def _loader(function: str) -> Callable[[str], object]:
-    # What is compiled for a kind is loaded only where there is a robot of it.
+    # Kernels of a kind are loaded only for a robot of that kind.
     return lambda robot: resolve_name(f"robomech_ros.{function}")(robot)
 
 

@@ -93,6 +93,6 @@ class PollThread(ABC):
                 # The thread goes on: it also says that states are old.
                 self.condition = f"The robot cannot be shown: {error!r}."
                 self._log.error(self.condition)
-            # What was missed is not made up for.
+            # Missed periods are not made up for.
             due = max(due + self._period, now)
             self._closing.wait(max(due - time.monotonic(), 0.0))

@@ -134,7 +134,7 @@ def _mechanism_length(mechanism: Mechanism) -> float:
 
 def _best_length(limbs: Wrenches, S: Array) -> float:
     """Return the length with the least condition number of any posture, 0 if none is regular."""
-    # Of unit twists in S those that turn most first: turns and displacements stay orthogonal.
+    # Unit twists in S, those that rotate most first: rotations and translations stay orthogonal.
     S = S @ np.swapaxes(np.linalg.svd(S[:, :_ANGULAR], full_matrices=True)[2], -1, -2)
     K = limbs.borne / np.repeat([limbs.size, 1.0], _ANGULAR) @ S
     kept = are_regular(K)
