@@ -16,7 +16,7 @@ from robomech_ros.typing import Array
 
 # Point messages that are kept from one trajectory to the next, 1 kB each.
 _POINTS_KEPT = 2000
-_FIELDS = ("positions", "velocities", "accelerations")
+_SLOTS = ("_positions", "_velocities", "_accelerations")
 
 
 def positions_by_name(
@@ -129,16 +129,18 @@ class TrajectoryPoints:
         new = [JointTrajectoryPoint() for _ in range(len(times) - len(self._points))]
         points = self._points[: len(times)] + new
         self._points += new[: max(0, _POINTS_KEPT - len(self._points))]
-        # A part of Python's array is copied faster than a row of numpy's.
-        fields = dict(zip(_FIELDS, map(floats, (positions, *rates)), strict=False))
-        whole, nano = np.divmod(np.rint(times * NANO).astype(np.int64), NANO)
-        end, n = 0, positions.shape[1]
-        for point, sec, nanosec in zip(points, whole.tolist(), nano.tolist(), strict=True):
-            begin, end = end, end + n
-            for name, numbers in fields.items():
-                setattr(point, name, numbers[begin:end])
-            time = point.time_from_start
-            time.sec, time.nanosec = sec, nanosec
+        n = positions.shape[1]
+        rows = [slice(k * n, (k + 1) * n) for k in range(len(times))]
+        # A part of Python's array is copied faster than a row of numpy's.  The setter of the field
+        # would copy it once more; its slot does not.
+        for slot, values in zip(_SLOTS, (positions, *rates), strict=False):
+            numbers = floats(values)
+            for point, row in zip(points, rows, strict=True):
+                setattr(point, slot, numbers[row])
+        nanoseconds = np.rint(times * NANO).astype(np.int64).tolist()
+        for point, instant in zip(points, nanoseconds, strict=True):
+            time = point._time_from_start
+            time._sec, time._nanosec = divmod(instant, NANO)
         return points
 
 
