@@ -15,7 +15,18 @@ import math
 import numpy as np
 
 from robomech_ros._kernels.algebra.bernstein import to_bernstein
-from robomech_ros._kernels.compiling.jit import IN1, IN3, OUT2, f8, i8, inline, kernel
+from robomech_ros._kernels.compiling.jit import (
+    IN1,
+    IN2,
+    IN3,
+    OUT2,
+    b1,
+    f8,
+    i8,
+    inline,
+    kernel,
+    lean,
+)
 
 # Peaks between samples are located to this part of the largest Bernstein coefficient.
 PEAK_ACCURACY = 1e-11
@@ -106,47 +117,58 @@ def peak_above(times, coefficients, scales, order, floor):
 
 
 @inline
-def _raised(coefficients, k, j, order, span, sign, doubt, best, control, stack):
+def _raised(coefficients, k, j, order, span, sign, slack, best, control, stack):
     """Return the largest value of joint j in piece k, with a sign, or the best if it is less."""
     degree = max(coefficients.shape[0] - order - 1, 0)
     total = _derivative(coefficients, k, j, order, span, sign, control)
     to_bernstein(control, degree)
     for i in range(degree + 1):
-        control[i] -= doubt
+        control[i] -= slack[order, k, j]
     return _highest(control, degree, best, 0.0, PEAK_ACCURACY * total, stack)
 
 
-@inline
-def _look_at_ends(spans, coefficients, order, slack, control, before, low, high, below, above):
-    """Write the extremes at the ends of all pieces as low and high (n,), and the largest step.
+@lean
+def _look_at_ends(spans, coefficients, slack, low, high, steps, ends, below, above, sums):
+    """Write the extremes at the ends of all pieces, and the other facts of `piece_extremes`.
 
-    The steps are written in place of `before` (2, n), which holds the last piece's end as well.
-    No value of a piece is outside `below` and `above`, (s, n): no power on [0, 1] is larger than 1.
+    No value of a piece is outside `below` and `above`, (d, s, n): no power on [0, 1] is larger
+    than 1.  The `sums` (2, n) are scratch.
     """
-    for j in range(coefficients.shape[2]):
-        low[j], high[j] = np.inf, -np.inf
-        before[1, j] = 0.0
-    for k in range(coefficients.shape[1]):
-        for j in range(coefficients.shape[2]):
-            _derivative(coefficients, k, j, order, spans[k], 1.0, control)
-            first, doubt = control[0], slack[order, k, j]
-            rise = fall = 0.0
-            for i in range(1, coefficients.shape[0] - order):
-                rise += max(control[i], 0.0)
-                fall += min(control[i], 0.0)
-            above[k, j], below[k, j] = first + rise - doubt, first + fall + doubt
-            last = first + rise + fall
-            high[j] = max(high[j], max(first, last) - doubt)
-            low[j] = min(low[j], min(first, last) + doubt)
-            if k > 0:
-                step = abs(first - before[0, j]) - max(doubt, slack[order, k - 1, j])
-                if not step <= before[1, j]:
-                    before[1, j] = step if step == step else np.inf
-            before[0, j] = last
+    size, pieces, joints = coefficients.shape
+    for order in range(low.shape[0]):
+        for j in range(joints):
+            low[order, j], high[order, j] = np.inf, -np.inf
+            steps[order, j] = ends[order, j] = 0.0
+    total, largest = sums[0], sums[1]
+    for k in range(pieces):
+        for order in range(low.shape[0]):
+            power = 1.0
+            for j in range(joints):
+                total[j] = largest[j] = 0.0
+            for i in range(order + 1, size):
+                power *= spans[k]
+                factor, row = power * _FACTORS[order, i - order], coefficients[i, k]
+                for j in range(joints):
+                    total[j] += factor * row[j]
+                    largest[j] += abs(factor * row[j])
+            for j in range(joints):
+                first, doubt = 0.0, slack[order, k, j]
+                if order < size:
+                    first = coefficients[order, k, j] * _FACTORS[order, 0]
+                above[order, k, j] = first + 0.5 * (total[j] + largest[j]) - doubt
+                below[order, k, j] = first + 0.5 * (total[j] - largest[j]) + doubt
+                last = first + total[j]
+                high[order, j] = max(high[order, j], max(first, last) - doubt)
+                low[order, j] = min(low[order, j], min(first, last) + doubt)
+                if k > 0:
+                    step = abs(first - ends[order, j]) - max(doubt, slack[order, k - 1, j])
+                    if not step <= steps[order, j]:
+                        steps[order, j] = step if step == step else np.inf
+                ends[order, j] = last
 
 
-@kernel(i8(IN1, IN3, IN3, OUT2, OUT2, OUT2))
-def piece_extremes(breaks, coefficients, slack, low, high, steps):
+@kernel(i8(IN1, IN3, IN3, OUT2, OUT2, OUT2, OUT2))
+def piece_extremes(breaks, coefficients, slack, low, high, steps, ends):
     """Find the extremes of the joints and of their first derivatives, and their largest steps.
 
     ``breaks`` (s + 1,) are where the pieces begin and the last one ends, increasing, and
@@ -155,28 +177,45 @@ def piece_extremes(breaks, coefficients, slack, low, high, steps):
     they count only as far as they are certain; d is 4 at most.
 
     ``low`` and ``high`` (d, n) are filled with extremes, to a part in 1e11 of the coefficients,
-    and ``steps`` (d, n) with the largest magnitudes of steps from one piece to the next; infinite
-    where one is no number.
+    ``steps`` (d, n) with the largest magnitudes of steps from one piece to the next; infinite
+    where one is no number, and ``ends`` (d, n) with the values at the end of the last piece.
     """
     spans = np.ones(coefficients.shape[1])
     for k in range(breaks.shape[0] - 1):
         spans[k] = breaks[k + 1] - breaks[k]
-    size = coefficients.shape[0]
+    size, orders = coefficients.shape[0], low.shape[0]
     control, stack = np.empty(size + 1), np.empty((_HALVINGS + 3, size + 1))
-    before = np.empty((2, coefficients.shape[2]))
-    below, above = np.empty(coefficients.shape[1:]), np.empty(coefficients.shape[1:])
-    for order in range(low.shape[0]):
+    below, above = np.empty(slack.shape), np.empty(slack.shape)
+    sums = np.empty((2, low.shape[1]))
+    _look_at_ends(spans, coefficients, slack, low, high, steps, ends, below, above, sums)
+    for order in range(orders):
         lows, highs = low[order], high[order]
-        ends = spans, coefficients, order, slack, control, before, lows, highs, below, above
-        _look_at_ends(*ends)
-        for j in range(low.shape[1]):
-            steps[order, j] = before[1, j]
         for k in range(coefficients.shape[1]):
             for j in range(low.shape[1]):
-                given = coefficients, k, j, order, spans[k]
-                doubt = slack[order, k, j]
-                if above[k, j] > highs[j]:
-                    highs[j] = _raised(*given, 1.0, doubt, highs[j], control, stack)
-                if below[k, j] < lows[j]:
-                    lows[j] = -_raised(*given, -1.0, doubt, -lows[j], control, stack)
+                # Arguments in a tuple would be counted for every piece.
+                if above[order, k, j] > highs[j]:
+                    highs[j] = _raised(
+                        coefficients, k, j, order, spans[k], 1.0, slack, highs[j], control, stack
+                    )
+                if below[order, k, j] < lows[j]:
+                    lows[j] = -_raised(
+                        coefficients, k, j, order, spans[k], -1.0, slack, -lows[j], control, stack
+                    )
     return 0
+
+
+@kernel(b1(IN2, IN2, IN2, IN1, IN1, f8, IN2, IN1, IN2, OUT2))
+def within_bounds(low, high, steps, lower, upper, slack, limits, tolerances, allowed, ratios):
+    """Judge what `piece_extremes` has found of position and three rates.
+
+    Positions may be from ``lower`` to ``upper`` (n,), and outside by ``slack``.  Filled are
+    ``ratios`` (3, n) of the rates to their ``limits`` (3, n), which may be as large as
+    ``tolerances`` (3,), and steps as large as ``allowed`` (3, n).  Returned is whether all is well.
+    """
+    good = True
+    for j in range(lower.shape[0]):
+        good = good and low[0, j] >= lower[j] - slack and high[0, j] <= upper[j] + slack
+        for k in range(3):
+            ratios[k, j] = max(-low[k + 1, j], high[k + 1, j], 0.0) / limits[k, j]
+            good = good and ratios[k, j] <= tolerances[k] and steps[k, j] <= allowed[k, j]
+    return good

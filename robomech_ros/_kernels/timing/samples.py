@@ -1,6 +1,12 @@
-"""Piecewise polynomials and their first three derivatives at many instants."""
+"""Piecewise polynomials and their first three derivatives at many instants, and back."""
 
-from robomech_ros._kernels.compiling.jit import IN1, IN3, OUT3, i8, inline, kernel
+import numpy as np
+
+from robomech_ros._kernels.compiling.jit import IN1, IN2, IN3, OUT3, b1, i8, inline, kernel
+from robomech_ros._kernels.timing.quintic import rounding_bounds, upper_coefficients
+
+_upper_coefficients = inline(upper_coefficients)
+_rounding_bounds = inline(rounding_bounds)
 
 
 @inline
@@ -47,3 +53,43 @@ def sample_pieces(breaks, coefficients, times, rates):
             rates[2, i, j] = moving * 2.0 * second
             rates[3, i, j] = moving * 6.0 * third
     return 0
+
+
+@kernel(b1(IN1, IN2, IN2, IN2, OUT3, OUT3))
+def quintic_pieces(times, positions, velocities, accelerations, coefficients, doubts):
+    """Interpolate samples (m, n) at ``times`` (m,), m at least 2, by quintics.
+
+    Returns whether all numbers are finite and the times increase; if so, ``coefficients`` (6, m -
+    1, n) are filled with powers of the time since the beginning of the piece, and ``doubts`` (4, m
+    - 1, n) with bounds of the errors of position and three rates that come from rounding.
+    """
+    samples, joints = positions.shape
+    largest = np.zeros((3, joints))
+    total = 0.0
+    for k in range(samples):
+        for j in range(joints):
+            q, v, a = positions[k, j], velocities[k, j], accelerations[k, j]
+            total += 0.0 * (q + v + a)
+            if k + 1 < samples:
+                largest[0, j] = max(largest[0, j], abs(q))
+                largest[1, j] = max(largest[1, j], abs(v))
+                largest[2, j] = max(largest[2, j], abs(a))
+    if not total == 0.0:
+        return False
+    for k in range(samples - 1):
+        h = times[k + 1] - times[k]
+        if not (h > 0.0 and h < np.inf):
+            return False
+        for j in range(joints):
+            v, a = velocities[k, j], accelerations[k, j]
+            coefficients[0, k, j], coefficients[1, k, j] = positions[k, j], v
+            coefficients[2, k, j] = 0.5 * a
+            rise = positions[k + 1, j] - positions[k, j]
+            upper = _upper_coefficients(
+                h, rise, v, velocities[k + 1, j], a, accelerations[k + 1, j]
+            )
+            bounds = _rounding_bounds(h, times[k + 1], largest[0, j], largest[1, j], largest[2, j])
+            coefficients[3, k, j], coefficients[4, k, j], coefficients[5, k, j] = upper
+            for order in range(4):
+                doubts[order, k, j] = bounds[order]
+    return True

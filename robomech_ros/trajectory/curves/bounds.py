@@ -16,6 +16,7 @@ Geometric Design 29, 2012, sections 3.3 and 3.5.
 import math
 from collections.abc import Callable
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -58,36 +59,41 @@ def steps(curve: PiecewisePolynomial, orders: tuple[int, ...]) -> Array:
     return after - before * _rate_scales(curve, orders)[:, :-1]
 
 
-def extremes(curve: PiecewisePolynomial, slack: Array | None = None) -> tuple[Array, Array]:
+def extremes(curve: PiecewisePolynomial) -> tuple[Array, Array]:
     """Find the smallest and the largest position and first three rates of each joint, (4, n) each.
 
-    They are exact to a part in 1e11 of the largest coefficient of a piece.  With `slack` (4, max(s,
-    1), n), by how much values may be wrong, they count only as far as they are certain.
+    They are exact to a part in 1e11 of the largest coefficient of a piece.
     """
-    low, high, _ = extremes_and_steps(curve, slack)
+    low, high, _, _ = extremes_and_steps(curve)
     return low, high
 
 
-def extremes_and_steps(
-    curve: PiecewisePolynomial, slack: Array | None = None
-) -> tuple[Array, Array, Array]:
-    """Find `extremes`, and how far position and its rates step at most between pieces, (4, n)."""
-    # Loaded here, since a controller looks at the bounds of what it is sent without compiled code.
-    find = _piece_extremes()
+def extremes_and_steps(curve: PiecewisePolynomial, slack: Array | None = None) -> Array:
+    """Find extremes, largest steps between pieces, and values at the end, of position and rates.
+
+    They are of shape (4, 4, n).  With `slack` (4, max(s, 1), n), by how much values may be wrong,
+    they count only as far as they are certain.
+    """
     if slack is None:
         slack = np.zeros((4, *curve.coefficients.shape[1:]))
-    low, high, largest = np.empty((3, 4, curve.joints))
+    found = np.empty((4, 4, curve.joints))
     given = (np.ascontiguousarray(one) for one in (curve.breaks, curve.coefficients, slack))
-    find(*given, low, high, largest)
-    return low, high, largest
+    compiled_peaks().extremes(*given, *found)
+    return found
+
+
+class _Peaks(NamedTuple):
+    extremes: Callable[..., int]
+    within: Callable[..., bool]
 
 
 @cache
-def _piece_extremes() -> Callable[..., int]:
+def compiled_peaks() -> _Peaks:
+    """Load what judges curves; a controller looks at what it is sent without compiled code."""
     from robomech_ros._kernels.compiling.jit import direct
-    from robomech_ros._kernels.timing.peaks import piece_extremes
+    from robomech_ros._kernels.timing import peaks
 
-    return direct(piece_extremes)
+    return _Peaks(direct(peaks.piece_extremes), direct(peaks.within_bounds))
 
 
 def first_above(coefficients: Array, bound: npt.ArrayLike) -> tuple[int, int] | None:

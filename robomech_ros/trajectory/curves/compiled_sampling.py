@@ -6,6 +6,8 @@ has :meth:`PiecewisePolynomial.sample`.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -26,6 +28,26 @@ def sample_many(curve: PiecewisePolynomial, t: npt.ArrayLike) -> Sample:
     given = (np.ascontiguousarray(values) for values in (curve.breaks, curve.coefficients))
     sample_pieces(*given, np.ascontiguousarray(times), rates)
     return Sample(*rates)
+
+
+def quintic_pieces(times: Any, *rates: Any) -> tuple[PiecewisePolynomial, Array] | None:
+    """Interpolate as `interpolant` does, and bound what rounding does to the curve, (4, s, n).
+
+    Return None unless `times` (m,), m at least 2, and positions, velocities and accelerations (m,
+    n) are there, all of them finite.
+    """
+    given = (times, *rates)
+    if not all(type(one) is np.ndarray and one.dtype == np.float64 for one in given):
+        return None
+    shape = (*times.shape, *rates[0].shape[1:])
+    if len(shape) != 2 or shape[0] < 2 or any(rate.shape != shape for rate in rates):
+        return None
+    from robomech_ros._kernels.timing import samples
+
+    found = np.empty((10, shape[0] - 1, shape[1]))
+    if not samples.quintic_pieces(*map(np.ascontiguousarray, given), found[:6], found[6:]):
+        return None
+    return PiecewisePolynomial(times.copy(), found[:6]), found[6:]
 
 
 def divided(curve: PiecewisePolynomial, breaks: Array) -> PiecewisePolynomial:

@@ -11,6 +11,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from robomech_ros._kernels.timing.quintic import upper_coefficients
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import check_finite, real_array
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
@@ -132,17 +133,10 @@ def _fill_cubic(
 def _fill_quintic(
     coefficients: Array, where: Selection, rise: Array, spans: Array, rates: Array, changes: Array
 ) -> None:
-    h = spans[where]
     v0, v1 = rates[:-1][where], rates[1:][where]
     a0, a1 = changes[:-1][where], changes[1:][where]
-    # What the parabola through the first end leaves over at the second one, per power of h.
-    square, half = h * h, a0 / 2.0
-    position = rise[where] / (square * h) - (v0 / h + half) / h
-    velocity = (v1 - v0 - a0 * h) / square
-    acceleration = (a1 - a0) / h
     coefficients[1, where] = v0
-    coefficients[2, where] = half
-    half = acceleration / 2.0
-    coefficients[3, where] = 10.0 * position - 4.0 * velocity + half
-    coefficients[4, where] = (-15.0 * position + 7.0 * velocity - acceleration) / h
-    coefficients[5, where] = (6.0 * position - 3.0 * velocity + half) / square
+    coefficients[2, where] = a0 / 2.0
+    upper = upper_coefficients(spans[where], rise[where], v0, v1, a0, a1)
+    for power, values in enumerate(upper, 3):
+        coefficients[power, where] = values

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from robomech_ros._kernels.timing.quintic import rounding_bounds
 from robomech_ros.errors import BadValueError, LimitExceededError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, listed
-from robomech_ros.trajectory.curves.bounds import extremes_and_steps
+from robomech_ros.trajectory.curves.bounds import compiled_peaks, extremes_and_steps
 from robomech_ros.trajectory.curves.checked_pieces import checked_pieces
+from robomech_ros.trajectory.curves.compiled_sampling import quintic_pieces
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, JointLimits, Limits, Rate
 from robomech_ros.trajectory.plans.violations import Violation, end_violations, violations_between
@@ -115,23 +118,16 @@ def verify(
     (True, True)
     """
     known, rates = Limits.of(limits), _checked_rates(rates)
-    curve, doubts = _curve_and_doubts(trajectory, known)
-    low, high, largest = extremes_and_steps(curve, doubts)
-    ratios = np.maximum(np.maximum(-low, high), 0.0)[1:] / known.rates
-    checked = [k for k, rate in enumerate(RATES) if rate in rates]
-    found = list(end_violations(curve, known, start, start_tolerance, from_zero, to_rest))
-    allowed = _allowed_steps(trajectory, curve, known, rates)
-    good = (
-        (low[0] >= known.lower - POSITION_SLACK).all()
-        and (high[0] <= known.upper + POSITION_SLACK).all()
-        and (largest[:3] <= allowed).all()
-        and (ratios[checked] <= 1.0 + LIMIT_SLACK).all()
-    )
-    if not good:
-        found += violations_between(curve, known, doubts, allowed, rates)
+    curve, doubts = _curve_and_doubts(trajectory, known, compiled=True)
+    low, high, largest, last = extremes_and_steps(curve, doubts)
+    wrong = list(end_violations(curve, known, start, start_tolerance, from_zero, to_rest, last))
+    allowed, ratios = _allowed_steps(trajectory, curve, known, rates), np.empty((3, curve.joints))
+    bounds = known.lower, known.upper, POSITION_SLACK, known.rates, _tolerances(rates), allowed
+    if not compiled_peaks().within(low, high, largest, *bounds, ratios):
+        wrong += violations_between(curve, known, doubts, allowed, rates)
     velocity, acceleration, jerk = ratios
     jerk[np.isfinite(known.jerk) & (largest[2] > LIMIT_SLACK * known.scales[1])] = np.inf
-    return Verification(velocity, acceleration, jerk, _first(found), largest[2])
+    return Verification(velocity, acceleration, jerk, _first(wrong), largest[2])
 
 
 def first_violation(
@@ -146,7 +142,8 @@ def first_violation(
     """Find what is wrong first with a trajectory, as `verify` does, but without compiled code."""
     known, rates = Limits.of(limits), _checked_rates(rates)
     curve, doubts = _curve_and_doubts(trajectory, known)
-    found = list(end_violations(curve, known, start, POSITION_SLACK, from_zero, to_rest))
+    last = curve.sample(curve.breaks[-1])
+    found = list(end_violations(curve, known, start, POSITION_SLACK, from_zero, to_rest, last))
     allowed = _allowed_steps(trajectory, curve, known, rates)
     return _first(found + violations_between(curve, known, doubts, allowed, rates))
 
@@ -159,27 +156,36 @@ def _checked_rates(rates: Sequence[Rate]) -> tuple[Rate, ...]:
     return given
 
 
+@cache
+def _tolerances(rates: tuple[Rate, ...]) -> Array:
+    """Return the largest ratios (3,) to limits, infinite for rates that are not checked."""
+    return np.array([1.0 + LIMIT_SLACK if rate in rates else np.inf for rate in RATES])
+
+
 def _first(found: list[Violation]) -> Violation | None:
     return min(found, key=lambda violation: violation.time, default=None)
 
 
-def _curve_and_doubts(trajectory: Any, limits: Limits) -> tuple[PiecewisePolynomial, Array]:
+def _curve_and_doubts(
+    trajectory: Any, limits: Limits, compiled: bool = False
+) -> tuple[PiecewisePolynomial, Array]:
     """Return the curve that is checked, and by how much rounding may change it."""
+    doubts = None
     if isinstance(trajectory, Waypoints):
-        curve = trajectory.curve
+        given = trajectory.positions, trajectory.velocities, trajectory.accelerations
+        found = quintic_pieces(trajectory.times, *given) if compiled else None
+        curve, doubts = found or (trajectory.curve, None)
     elif isinstance(trajectory, PiecewisePolynomial):
         curve = checked_pieces(trajectory, "trajectory", _LARGEST_ORDER)
+    elif isinstance(getattr(trajectory, "pieces", None), PiecewisePolynomial):
+        curve = trajectory.pieces
+        doubts = np.zeros((4, *curve.coefficients.shape[1:]))
     else:
-        pieces = getattr(trajectory, "pieces", None)
-        if not isinstance(pieces, PiecewisePolynomial):
-            expected = "Waypoints, a PiecewisePolynomial, or a trajectory with pieces"
-            raise BadValueError("trajectory", trajectory, expected)
-        curve = pieces
+        expected = "Waypoints, a PiecewisePolynomial, or a trajectory with pieces"
+        raise BadValueError("trajectory", trajectory, expected)
     if curve.joints != len(limits.joint_names):
         raise WrongSizeError("joints of the trajectory", curve.joints, len(limits.joint_names))
-    if isinstance(trajectory, Waypoints | PiecewisePolynomial):
-        return curve, _rounding(curve)
-    return curve, np.zeros((4, *curve.coefficients.shape[1:]))
+    return curve, _rounding(curve) if doubts is None else doubts
 
 
 def _allowed_steps(
@@ -199,23 +205,12 @@ def _allowed_steps(
 
 
 def _rounding(curve: PiecewisePolynomial) -> Array:
-    """Bound what the rounding of samples to floating point does to derivatives 0 to 3, (4, s, n).
-
-    The quintic through samples h apart multiplies errors of position by up to 60 / h^3 in its
-    jerk, errors of velocity by up to 36 / h^2 and so on; the factors here lie above all of them.
-    """
+    """Bound what the rounding of samples does to derivatives 0 to 3 of a curve, (4, s, n)."""
     bound = np.zeros((4, *curve.coefficients.shape[1:]))
-    if not len(curve.spans):
-        return bound
-    eps, h = float(np.finfo(np.float64).eps), curve.spans[:, None]
-    starts = np.zeros((3, curve.joints))
-    known = np.abs(curve.coefficients[:3]).max(axis=1)
-    starts[: len(known)] = known * np.array([[1.0], [1.0], [2.0]])[: len(known)]
-    late = np.abs(curve.breaks[1:])[:, None]
-    bound[0] = 240.0 * eps * starts[0] + eps * (240.0 * late + 120.0 * h) * starts[1]
-    for order in (1, 2, 3):
-        np.divide(bound[order - 1], h, out=bound[order])
-    third = 20.0 * eps * starts[2]
-    bound[:3] += third
-    bound[3] += third / h
+    if len(curve.spans):
+        starts = np.zeros((3, curve.joints))
+        known = np.abs(curve.coefficients[:3]).max(axis=1)
+        starts[: len(known)] = known
+        spans, ends = curve.spans[:, None], curve.breaks[1:, None]
+        bound[:] = rounding_bounds(spans, ends, starts[0], starts[1], 2.0 * starts[2])
     return bound

@@ -79,8 +79,9 @@ def end_violations(
     start_tolerance: float,
     from_zero: bool,
     to_rest: bool,
+    last: Sequence[Array],
 ) -> Iterable[Violation]:
-    """Yield what is wrong with the first and the last instant."""
+    """Yield what is wrong with the first and the last instant, whose rates are given."""
     expected = "a number of rad or m from 0 on"
     slack = real_within("start_tolerance", start_tolerance, expected, 0.0)
     from_zero, to_rest = as_flag("from_zero", from_zero), as_flag("to_rest", to_rest)
@@ -92,13 +93,9 @@ def end_violations(
         first = curve.coefficients[0, 0]
         yield from _worst("start position", limits, 0, begin, first, wanted, slack)
     if to_rest:
-        last = curve.sample(end)
         slacks, rest = LIMIT_SLACK * limits.scales, np.zeros(curve.joints)
-        for order, what, values in (
-            (1, "final velocity", last.velocity),
-            (2, "final acceleration", last.acceleration),
-        ):
-            yield from _worst(what, limits, order, end, values, rest, slacks[order - 1])
+        for order, what in enumerate(("final velocity", "final acceleration"), 1):
+            yield from _worst(what, limits, order, end, last[order], rest, slacks[order - 1])
 
 
 def _worst(

@@ -12,7 +12,6 @@ J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., sections 6.3,
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -42,20 +41,26 @@ class Law:
 
     Attributes
     ----------
-    progress : callable
-        s(tau), accurate relative to s itself for tau up to 1/2.
-    rates : callable
-        Its first three derivatives.
     peaks : dict
-        Their largest magnitudes.
+        Largest magnitudes of the first three derivatives.
     pieces : PiecewisePolynomial
         s(tau) as one joint.
     """
 
-    progress: Callable[[Array], Array]
-    rates: Callable[[Array], Rates]
     peaks: dict[Rate, float]
     pieces: PiecewisePolynomial
+
+    def progress(self, tau: Array) -> Array:
+        """Return s(tau), accurate relative to s itself for tau up to 1/2."""
+        return self.pieces.sample(tau).position.reshape(np.shape(tau))
+
+    def rates(self, tau: Array) -> Rates:
+        """Return its first three derivatives."""
+        # Counted from the nearer end, so that both ends are at rest exactly.
+        back = np.asarray(tau) > 0.5
+        sample = self.pieces.sample(np.where(back, 1.0 - tau, tau))
+        velocity, acceleration, jerk = (rate.reshape(np.shape(tau)) for rate in sample[1:])
+        return Rates(velocity, np.where(back, -acceleration, acceleration), jerk)
 
     @cached_property
     def magnitudes(self) -> tuple[float, float, float]:
@@ -73,41 +78,21 @@ def _one_piece(*coefficients: float) -> PiecewisePolynomial:
 
 def law_of(pieces: PiecewisePolynomial) -> Law:
     """Make a law of its pieces: from 0 to 1 in a time of 1, from rest to rest, and symmetric."""
-
-    def progress(tau: Array) -> Array:
-        return pieces.sample(tau).position.reshape(np.shape(tau))
-
-    def rates(tau: Array) -> Rates:
-        # Counted from the nearer end, so that both ends are at rest exactly.
-        back = np.asarray(tau) > 0.5
-        sample = pieces.sample(np.where(back, 1.0 - tau, tau))
-        velocity, acceleration, jerk = (rate.reshape(np.shape(tau)) for rate in sample[1:])
-        return Rates(velocity, np.where(back, -acceleration, acceleration), jerk)
-
     low, high = extremes(pieces)
     largest = np.maximum(-low, high)[1:, 0].tolist()
-    peaks: dict[Rate, float] = dict(zip(RATES, largest, strict=True))
-    return Law(progress, rates, peaks, pieces)
+    return Law(dict(zip(RATES, largest, strict=True)), pieces)
 
 
-def _progress345(tau: Array) -> Array:
-    return tau * tau * tau * (10.0 + tau * (6.0 * tau - 15.0))
+class _Cycloidal(Law):
+    """The law of the cycloidal motion, to which its pieces only come near."""
 
+    def progress(self, tau: Array) -> Array:
+        """Return s(tau)."""
+        return _progress_cycloidal(tau)
 
-def _rates345(tau: Array) -> Rates:
-    both = tau * (1.0 - tau)
-    return Rates(30.0 * both**2, 60.0 * both * (1.0 - 2.0 * tau), 60.0 - 360.0 * both)
-
-
-def _progress4567(tau: Array) -> Array:
-    return tau**4 * (35.0 + tau * (tau * (70.0 - 20.0 * tau) - 84.0))
-
-
-def _rates4567(tau: Array) -> Rates:
-    both = tau * (1.0 - tau)
-    return Rates(
-        140.0 * both**3, 420.0 * both**2 * (1.0 - 2.0 * tau), 840.0 * both * (1.0 - 5.0 * both)
-    )
+    def rates(self, tau: Array) -> Rates:
+        """Return its first three derivatives."""
+        return _rates_cycloidal(tau)
 
 
 def _progress_cycloidal(tau: Array) -> Array:
@@ -124,26 +109,6 @@ def _rates_cycloidal(tau: Array) -> Rates:
         2.0 * np.sin(0.5 * angle) ** 2,
         2.0 * math.pi * np.sin(angle),
         4.0 * math.pi**2 * np.cos(angle),
-    )
-
-
-def _progress_cubic(tau: Array) -> Array:
-    left = 0.5 - tau
-    late = 0.5 - left * (2.0 - 16.0 / 3.0 * left**2)
-    late = np.where(tau > 0.75, 1.0 - 16.0 / 3.0 * (1.0 - tau) ** 3, late)
-    return np.where(tau < 0.25, 16.0 / 3.0 * tau**3, late)
-
-
-def _rates_cubic(tau: Array) -> Rates:
-    # Since the nearer end, or until the middle.
-    since = np.minimum(tau, 1.0 - tau)
-    left = 0.5 - since
-    outer = since < 0.25
-    magnitude = 32.0 * np.where(outer, since, left)
-    return Rates(
-        np.where(outer, 16.0 * since**2, 2.0 - 16.0 * left**2),
-        np.where(tau < 0.5, magnitude, -magnitude),
-        np.where((tau < 0.25) | (tau >= 0.75), 32.0, -32.0),
     )
 
 
@@ -168,26 +133,17 @@ def _cycloidal_pieces() -> PiecewisePolynomial:
 
 
 POLY345 = Law(
-    _progress345,
-    _rates345,
     {"velocity": 15.0 / 8.0, "acceleration": 10.0 * math.sqrt(3.0) / 3.0, "jerk": 60.0},
     _one_piece(0.0, 0.0, 0.0, 10.0, -15.0, 6.0),
 )
 POLY4567 = Law(
-    _progress4567,
-    _rates4567,
     {"velocity": 35.0 / 16.0, "acceleration": 84.0 * math.sqrt(5.0) / 25.0, "jerk": 52.5},
     _one_piece(0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0),
 )
-CYCLOIDAL = Law(
-    _progress_cycloidal,
-    _rates_cycloidal,
-    {"velocity": 2.0, "acceleration": 2.0 * math.pi, "jerk": 4.0 * math.pi**2},
-    _cycloidal_pieces(),
+CYCLOIDAL = _Cycloidal(
+    {"velocity": 2.0, "acceleration": 2.0 * math.pi, "jerk": 4.0 * math.pi**2}, _cycloidal_pieces()
 )
 CUBIC = Law(
-    _progress_cubic,
-    _rates_cubic,
     {"velocity": 2.0, "acceleration": 8.0, "jerk": 32.0},
     _pieces(
         [0.0, 0.25, 0.75, 1.0],

@@ -16,6 +16,8 @@ import numpy.typing as npt
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.timing import straight as time_straight
+from robomech_ros.trajectory.curves.compiled_sampling import sample_many
+from robomech_ros.trajectory.curves.motion_to_rest import settled
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.profiles.laws import CUBIC, CYCLOIDAL, POLY345, POLY4567, Law
@@ -78,17 +80,7 @@ class RestToRest(StraightMotion):
 
         Before 0 the joints rest at the start, after T at the goal.
         """
-        times = checked_times(t)
-        inside = np.minimum(np.maximum(times, 0.0), self.duration)
-        tau = (inside / self.duration)[..., None]
-        rise = self.goal - self.start
-        # The half nearer to an end counts from that end, so that both are met exactly.
-        early = tau < 0.5
-        way = rise * self.LAW.progress(np.where(early, tau, 1.0 - tau))
-        position = np.where(early, self.start + way, self.goal - way)
-        rates = self.LAW.rates(tau)
-        scaled = [rise / self.duration**order * rate for order, rate in enumerate(rates, 1)]
-        return held_outside(Sample(position, *scaled), inside != times)
+        return settled(sample_many(self.pieces, t), t, self.pieces, self.goal)
 
     @cached_property
     def pieces(self) -> PiecewisePolynomial:
@@ -156,6 +148,20 @@ class Cycloidal(RestToRest):
     """
 
     LAW = CYCLOIDAL
+
+    def sample(self, t: npt.ArrayLike) -> Sample:
+        """Sample as other motions, but along the sine itself: the pieces only come near it."""
+        times = checked_times(t)
+        inside = np.minimum(np.maximum(times, 0.0), self.duration)
+        tau = (inside / self.duration)[..., None]
+        rise = self.goal - self.start
+        # The half nearer to an end counts from that end, so that both are met exactly.
+        early = tau < 0.5
+        way = rise * self.LAW.progress(np.where(early, tau, 1.0 - tau))
+        position = np.where(early, self.start + way, self.goal - way)
+        rates = self.LAW.rates(tau)
+        scaled = [rise / self.duration**order * rate for order, rate in enumerate(rates, 1)]
+        return held_outside(Sample(position, *scaled), inside != times)
 
 
 class CubicSplineMotion(RestToRest):

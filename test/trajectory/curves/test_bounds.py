@@ -88,7 +88,7 @@ def test_values_count_only_as_far_as_they_are_certain():
     curve = random_curve(1, 3)
     slack = np.zeros((4, *curve.coefficients.shape[1:]))
     slack[1] = 0.25
-    low, high = extremes(curve, slack)
+    low, high, _, _ = extremes_and_steps(curve, slack)
     sure_low, sure_high = extremes(curve)
     np.testing.assert_array_equal(low[[0, 2, 3]], sure_low[[0, 2, 3]])
     np.testing.assert_allclose(low[1], sure_low[1] + 0.25, atol=1e-10)
