@@ -60,7 +60,9 @@ def nearest_turns(points: npt.ArrayLike, continuous: npt.ArrayLike) -> tuple[Arr
     """
     places = joint_points(points)
     given = listed("continuous", continuous, "True or False for each joint")
-    free = np.array([as_flag(f"continuous[{i}]", one) for i, one in enumerate(given)])
+    if not isinstance(continuous, np.ndarray) or continuous.dtype != np.bool_:
+        continuous = [as_flag(f"continuous[{i}]", one) for i, one in enumerate(given)]
+    free = np.asarray(continuous)
     if free.shape != places[0].shape:
         raise WrongSizeError("continuous", free.shape, places[0].shape)
     if not free.any():

@@ -237,6 +237,11 @@ class Limits:
         return np.stack([self.velocity, self.acceleration, self.jerk])
 
     @cached_property
+    def least_rates(self) -> Array:
+        """The smallest limits of velocity, acceleration and jerk of any joint, (3,)."""
+        return self.rates.min(axis=1, initial=np.inf)
+
+    @cached_property
     def scales(self) -> Array:
         """Limits of velocity, acceleration and jerk, (3, n); 1 where there is none."""
         return np.where(np.isfinite(self.rates), self.rates, 1.0)

@@ -11,6 +11,7 @@ import numpy as np
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import positive_number, whole_number
+from robomech_ros.trajectory.curves.compiled_sampling import compiled
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import Trajectory
@@ -100,10 +101,10 @@ def discretise(
     max_points = whole_number("max_points", max_points, "a whole number from 2 on", 2)
     jerk_error = positive_number("jerk_error", jerk_error, "rad or m over s^3, above 0")
     breaks = _distinct_breaks(pieces, jerk_error)
-    lengths = breaks[1:] - breaks[:-1]
-    counts = np.maximum(np.ceil(lengths / period * (1.0 - 1e-9)), 1.0)
-    if counts.sum() + 1 > max_points:
-        spare = max(max_points - 1 - len(lengths), 1)
+    spread = compiled("samples", "spread_instants")
+    count = spread(breaks, period, np.empty(0))
+    if count > max_points:
+        spare = max(max_points - len(breaks), 1)
         least = math.ceil(trajectory.duration / spare * 1e6) / 1e6
         raise BadValueError(
             "sample_period",
@@ -111,15 +112,11 @@ def discretise(
             f"at least {least:g} s: the trajectory lasts {trajectory.duration:.6g} s and may have "
             f"{max_points} points",
         )
-    whole = counts.astype(np.int64)
-    piece = np.arange(len(whole)).repeat(whole)
-    since = np.arange(len(piece)) - (whole.cumsum() - whole)[piece]
-    instants = np.empty(len(piece) + 1)
-    instants[:-1] = breaks[piece] + (lengths / counts)[piece] * since
+    instants = np.empty(int(count))
+    spread(breaks, period, instants)
     instants[-1] = trajectory.duration
-    times = np.rint(instants * _NANOSECONDS) / _NANOSECONDS
+    times = instants.copy()
     times[-1] = math.ceil(trajectory.duration * _NANOSECONDS - 1e-3) / _NANOSECONDS
-    instants[:-1] = times[:-1]
     sample = trajectory.sample(instants)
     return Waypoints(times, sample.position, sample.velocity, sample.acceleration)
 
@@ -136,6 +133,8 @@ def position_rounding(positions: Array) -> float:
 
 def _distinct_breaks(curve: PiecewisePolynomial, jerk_error: float) -> Array:
     """List the breaks, a middle one for those that nearly coincide; the two ends for sure."""
+    if len(curve.breaks) == 2:
+        return curve.breaks
     nearest = float(np.cbrt(position_rounding(curve.coefficients[0]) / jerk_error))
     nearest = max(nearest, _NEAREST)
     breaks = curve.breaks

@@ -204,13 +204,17 @@ def piece_extremes(breaks, coefficients, slack, low, high, steps, ends):
     return 0
 
 
-@kernel(b1(IN2, IN2, IN2, IN1, IN1, f8, IN2, IN1, IN2, OUT2))
-def within_bounds(low, high, steps, lower, upper, slack, limits, tolerances, allowed, ratios):
+@kernel(b1(IN2, IN2, IN2, IN1, IN1, IN2, IN1, IN2, f8, f8, OUT2))
+def within_bounds(
+    low, high, steps, lower, upper, limits, tolerances, allowed, slack, step_slack, ratios
+):
     """Judge what `piece_extremes` has found of position and three rates.
 
     Positions may be from ``lower`` to ``upper`` (n,), and outside by ``slack``.  Filled are
     ``ratios`` (3, n) of the rates to their ``limits`` (3, n), which may be as large as
     ``tolerances`` (3,), and steps as large as ``allowed`` (3, n).  Returned is whether all is well.
+    The ratio of a limited jerk is infinite where the acceleration steps by more than a part,
+    ``step_slack``, of its own limit.
     """
     good = True
     for j in range(lower.shape[0]):
@@ -218,4 +222,7 @@ def within_bounds(low, high, steps, lower, upper, slack, limits, tolerances, all
         for k in range(3):
             ratios[k, j] = max(-low[k + 1, j], high[k + 1, j], 0.0) / limits[k, j]
             good = good and ratios[k, j] <= tolerances[k] and steps[k, j] <= allowed[k, j]
+        scale = limits[1, j] if limits[1, j] < np.inf else 1.0
+        if limits[2, j] < np.inf and steps[2, j] > step_slack * scale:
+            ratios[2, j] = np.inf
     return good

@@ -1,9 +1,24 @@
 """Piecewise polynomials and their first three derivatives at many instants, and back."""
 
+import math
+
 import numpy as np
 
-from robomech_ros._kernels.compiling.jit import IN1, IN2, IN3, OUT3, b1, i8, inline, kernel
+from robomech_ros._kernels.compiling.jit import (
+    IN1,
+    IN2,
+    IN3,
+    OUT1,
+    OUT3,
+    b1,
+    f8,
+    i8,
+    inline,
+    kernel,
+)
 from robomech_ros._kernels.timing.quintic import rounding_bounds, upper_coefficients
+
+NANOSECONDS = 1e9
 
 _upper_coefficients = inline(upper_coefficients)
 _rounding_bounds = inline(rounding_bounds)
@@ -53,6 +68,26 @@ def sample_pieces(breaks, coefficients, times, rates):
             rates[2, i, j] = moving * 2.0 * second
             rates[3, i, j] = moving * 6.0 * third
     return 0
+
+
+@kernel(f8(IN1, f8, OUT1))
+def spread_instants(breaks, period, instants):
+    """Count the instants at all breaks (s + 1,) and evenly between them, a ``period`` (s) apart.
+
+    They are written, all but the last rounded to nanoseconds, as far as there is room.
+    """
+    count = 0.0
+    for k in range(breaks.shape[0] - 1):
+        span = breaks[k + 1] - breaks[k]
+        parts = max(math.ceil(span / period * (1.0 - 1e-9)), 1.0)
+        if count + parts < instants.shape[0]:
+            for i in range(int(parts)):
+                t = breaks[k] + span / parts * i
+                instants[int(count) + i] = np.rint(t * NANOSECONDS) / NANOSECONDS
+        count += parts
+    if count < instants.shape[0]:
+        instants[int(count)] = breaks[breaks.shape[0] - 1]
+    return count + 1.0
 
 
 @kernel(b1(IN1, IN2, IN2, IN2, OUT3, OUT3))

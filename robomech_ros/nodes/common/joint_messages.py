@@ -150,7 +150,6 @@ def joint_trajectory(
     positions: Array,
     velocities: Array,
     accelerations: Array,
-    points: TrajectoryPoints | None = None,
 ) -> JointTrajectory:
     """Make a trajectory message from sampled curves.
 
@@ -162,16 +161,14 @@ def joint_trajectory(
         Times from start (s).
     positions, velocities, accelerations : ndarray, shape (m, n)
         rad or m, and per s and s^2.
-    points : TrajectoryPoints, optional
-        To be filled; default new ones.
 
     Returns
     -------
     JointTrajectory
         With stamp 0: start when received.
     """
-    filled = (points or TrajectoryPoints()).filled(times, positions, velocities, accelerations)
-    return JointTrajectory(joint_names=list(joint_names), points=filled)
+    points = TrajectoryPoints().filled(times, positions, velocities, accelerations)
+    return JointTrajectory(joint_names=list(joint_names), points=points)
 
 
 def stream_message(

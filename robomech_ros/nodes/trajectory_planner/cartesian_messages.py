@@ -165,7 +165,7 @@ def encode_path_plan(
 ) -> Any:
     """Fill a PlanCartesian response with what can be followed, and why not more."""
     if plan.samples is not None:
-        response.trajectory = encode_waypoints(plan.samples, joint_names, messages)
+        encode_waypoints(plan.samples, joint_names, messages, response.trajectory)
     response.fraction, stop = float(plan.fraction), plan.stop
     response.stop_index = len(wanted.waypoints) if stop is None else stop.index
     if stop is None:

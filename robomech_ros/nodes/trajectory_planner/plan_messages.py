@@ -9,7 +9,7 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_interfaces.srv import PlanJoint
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.nodes.common.joint_messages import TrajectoryPoints, joint_trajectory
+from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.message_fields import (
     check_waypoints,
     duration_from_seconds,
@@ -20,6 +20,7 @@ from robomech_ros.nodes.common.message_fields import (
 from robomech_ros.nodes.trajectory_planner.settings import SHORTEST_PERIOD, PlannerSettings
 from robomech_ros.trajectory import VIA_PROFILES, Limits, SampledPlan, Waypoints
 from robomech_ros.trajectory.plans.fitting_plan import check_duration
+from robomech_ros.trajectory.plans.point_to_point import both_within
 from robomech_ros.trajectory.plans.via_polynomials import MOST_VIAS
 from robomech_ros.typing import Array
 
@@ -124,8 +125,7 @@ def plan_points(start: Array, via: Array, goal: Array, limits: Limits) -> Array:
         Start or goal is outside the position limits, or beyond all sense.
     """
     points = np.concatenate([start[None], via, goal[None]])
-    lowest, highest = limits.ranges
-    if not ((points >= lowest) & (points <= highest)).all():
+    if not both_within(start, goal, limits.ranges):
         limits.check_start(start)
         limits.check_goal(goal)
         _check_size(start, "start", limits)
@@ -182,7 +182,7 @@ def encode_plan(
 ) -> Any:
     """Fill a PlanJoint response; ratios are relative to the limits of the joints, not scaled."""
     points, peaks = plan.waypoints, plan.verification
-    response.trajectory = encode_waypoints(points, limits.joint_names, messages)
+    encode_waypoints(points, limits.joint_names, messages, response.trajectory)
     response.duration = duration_from_seconds(float(points.times[-1]))
     velocity, acceleration, jerk = (options[name] for name in _SCALES)
     response.peak_velocity_ratio = floats(peaks.peak_velocity_ratio * velocity)
@@ -193,10 +193,9 @@ def encode_plan(
 
 
 def encode_waypoints(
-    points: Waypoints, joint_names: Sequence[str], messages: TrajectoryPoints
-) -> JointTrajectory:
-    """Make the trajectory message of waypoints that have velocities and accelerations."""
-    velocities: Any = points.velocities
-    accelerations: Any = points.accelerations
-    rows = points.times, points.positions, velocities, accelerations
-    return joint_trajectory(joint_names, *rows, points=messages)
+    points: Waypoints, names: Sequence[str], messages: TrajectoryPoints, trajectory: JointTrajectory
+) -> None:
+    """Fill the trajectory message of waypoints that have velocities and accelerations."""
+    rates: Any = points.velocities, points.accelerations
+    trajectory.joint_names = list(names)
+    trajectory.points = messages.filled(points.times, points.positions, *rates)

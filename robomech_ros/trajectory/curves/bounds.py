@@ -14,13 +14,12 @@ Geometric Design 29, 2012, sections 3.3 and 3.5.
 """
 
 import math
-from collections.abc import Callable
 from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from robomech_ros.trajectory.curves.compiled_sampling import compiled
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.typing import Array, BoolArray
 
@@ -77,23 +76,9 @@ def extremes_and_steps(curve: PiecewisePolynomial, slack: Array | None = None) -
     if slack is None:
         slack = np.zeros((4, *curve.coefficients.shape[1:]))
     found = np.empty((4, 4, curve.joints))
-    given = (np.ascontiguousarray(one) for one in (curve.breaks, curve.coefficients, slack))
-    compiled_peaks().extremes(*given, *found)
+    given = map(np.ascontiguousarray, (curve.breaks, curve.coefficients, slack))
+    compiled("peaks", "piece_extremes")(*given, *found)
     return found
-
-
-class _Peaks(NamedTuple):
-    extremes: Callable[..., int]
-    within: Callable[..., bool]
-
-
-@cache
-def compiled_peaks() -> _Peaks:
-    """Load what judges curves; a controller looks at what it is sent without compiled code."""
-    from robomech_ros._kernels.compiling.jit import direct
-    from robomech_ros._kernels.timing import peaks
-
-    return _Peaks(direct(peaks.piece_extremes), direct(peaks.within_bounds))
 
 
 def first_above(coefficients: Array, bound: npt.ArrayLike) -> tuple[int, int] | None:

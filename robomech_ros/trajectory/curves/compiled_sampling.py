@@ -6,6 +6,9 @@ has :meth:`PiecewisePolynomial.sample`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -16,17 +19,22 @@ from robomech_ros.trajectory.sample import Sample, checked_times
 from robomech_ros.typing import Array
 
 
+@cache
+def compiled(module: str, kernel: str) -> Callable[..., Any]:
+    """Load a kernel of trajectories, to be called with contiguous arrays of its very types."""
+    from robomech_ros._kernels.compiling.jit import direct
+
+    return direct(getattr(import_module(f"robomech_ros._kernels.timing.{module}"), kernel))
+
+
 def sample_many(curve: PiecewisePolynomial, t: npt.ArrayLike) -> Sample:
     """Sample positions and derivatives at instants (s), shape () or (m,)."""
     times = checked_times(t)
     if not times.ndim:
         return curve.sample(times)
-    # Loaded here, since the motions of a planner are also made where nobody samples them.
-    from robomech_ros._kernels.timing.samples import sample_pieces
-
     rates = np.empty((4, len(times), curve.joints))
-    given = (np.ascontiguousarray(values) for values in (curve.breaks, curve.coefficients))
-    sample_pieces(*given, np.ascontiguousarray(times), rates)
+    given = map(np.ascontiguousarray, (curve.breaks, curve.coefficients, times))
+    compiled("samples", "sample_pieces")(*given, rates)
     return Sample(*rates)
 
 
@@ -42,21 +50,18 @@ def quintic_pieces(times: Any, *rates: Any) -> tuple[PiecewisePolynomial, Array]
     shape = (*times.shape, *rates[0].shape[1:])
     if len(shape) != 2 or shape[0] < 2 or any(rate.shape != shape for rate in rates):
         return None
-    from robomech_ros._kernels.timing import samples
-
-    found = np.empty((10, shape[0] - 1, shape[1]))
-    if not samples.quintic_pieces(*map(np.ascontiguousarray, given), found[:6], found[6:]):
+    found, through = np.empty((10, shape[0] - 1, shape[1])), compiled("samples", "quintic_pieces")
+    if not through(*map(np.ascontiguousarray, given), found[:6], found[6:]):
         return None
     return PiecewisePolynomial(times.copy(), found[:6]), found[6:]
 
 
 def divided(curve: PiecewisePolynomial, breaks: Array) -> PiecewisePolynomial:
     """Write a curve over finer breaks (s + 1,)."""
-    from robomech_ros._kernels.timing import constraint_rows
-
     size, _, joints = curve.coefficients.shape
     local = np.empty((len(breaks) - 1, joints, size))
-    constraint_rows.local_path(curve.breaks, curve.coefficients, breaks, local)
+    given = map(np.ascontiguousarray, (curve.breaks, curve.coefficients, breaks))
+    compiled("constraint_rows", "local_path")(*given, local)
     return PiecewisePolynomial(breaks, np.ascontiguousarray(local.transpose(2, 0, 1)))
 
 

@@ -25,7 +25,7 @@ from robomech_ros.trajectory.timing.time_optimal_motions import TimeOptimalMotio
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 from robomech_ros.typing import Array
 
-_both_within = direct(time_straight.both_within)
+both_within = direct(time_straight.both_within)
 # Least scale of a limit: a motion at a millionth of the speed takes weeks, and the powers of its
 # duration are still far from overflow.
 SMALLEST_SCALE = 1e-6
@@ -155,7 +155,7 @@ def point_to_point(
     allowed = scaled_limits(known, method, velocity_scale, acceleration_scale, jerk_scale)
     shape = allowed.lower.shape
     start, goal = joint_values("start", q0, shape), joint_values("goal", q1, shape)
-    if not _both_within(start, goal, allowed.ranges):
+    if not both_within(start, goal, allowed.ranges):
         check_numbers("start", start)
         check_numbers("goal", goal)
         allowed.check_start(start)

@@ -113,7 +113,7 @@ def sampled_motion(
     known = Limits.of(limits)
     first = known.with_margin if free else known
     factors = np.ones((3, len(known.joint_names)))
-    jerk_error = min(_JERK_ERROR * float(known.jerk.min(initial=np.inf)), _LARGEST_JERK_ERROR)
+    jerk_error = min(_JERK_ERROR * float(known.least_rates[2]), _LARGEST_JERK_ERROR)
 
     def sampled(motion: PiecewiseTrajectory) -> SampledPlan:
         waypoints = discretise(motion, period, max_points, jerk_error=jerk_error)
@@ -226,10 +226,9 @@ def _shown_ratios(plan: SampledPlan, limits: Limits) -> Array:
     it counts where samples are so near to each other that it can be seen.
     """
     # Rounding of positions can use up the margins of acceleration or jerk.
-    shortest = float(np.diff(plan.waypoints.times).min(initial=np.inf))
-    acceleration = MARGIN * float(limits.acceleration.min(initial=np.inf))
-    jerk = JERK_MARGIN * float(limits.jerk.min(initial=np.inf))
-    least = shortest**2 * min(acceleration, shortest * jerk)
+    times, (_, acceleration, jerk) = plan.waypoints.times, limits.least_rates.tolist()
+    shortest = float((times[1:] - times[:-1]).min(initial=np.inf))
+    least = shortest**2 * min(MARGIN * acceleration, shortest * JERK_MARGIN * jerk)
     if not position_rounding(plan.waypoints.positions) > least:
         found = plan.verification
         return np.array(

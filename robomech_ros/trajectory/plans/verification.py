@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,9 @@ import numpy.typing as npt
 from robomech_ros._kernels.timing.quintic import rounding_bounds
 from robomech_ros.errors import BadValueError, LimitExceededError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, listed
-from robomech_ros.trajectory.curves.bounds import compiled_peaks, extremes_and_steps
+from robomech_ros.trajectory.curves.bounds import extremes_and_steps
 from robomech_ros.trajectory.curves.checked_pieces import checked_pieces
-from robomech_ros.trajectory.curves.compiled_sampling import quintic_pieces
+from robomech_ros.trajectory.curves.compiled_sampling import compiled, quintic_pieces
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, JointLimits, Limits, Rate
 from robomech_ros.trajectory.plans.violations import Violation, end_violations, violations_between
@@ -122,12 +122,11 @@ def verify(
     low, high, largest, last = extremes_and_steps(curve, doubts)
     wrong = list(end_violations(curve, known, start, start_tolerance, from_zero, to_rest, last))
     allowed, ratios = _allowed_steps(trajectory, curve, known, rates), np.empty((3, curve.joints))
-    bounds = known.lower, known.upper, POSITION_SLACK, known.rates, _tolerances(rates), allowed
-    if not compiled_peaks().within(low, high, largest, *bounds, ratios):
+    limits_of = known.lower, known.upper, known.rates, _tolerances(rates), allowed
+    within = compiled("peaks", "within_bounds")
+    if not within(low, high, largest, *limits_of, POSITION_SLACK, LIMIT_SLACK, ratios):
         wrong += violations_between(curve, known, doubts, allowed, rates)
-    velocity, acceleration, jerk = ratios
-    jerk[np.isfinite(known.jerk) & (largest[2] > LIMIT_SLACK * known.scales[1])] = np.inf
-    return Verification(velocity, acceleration, jerk, _first(wrong), largest[2])
+    return Verification(*ratios, _first(wrong), largest[2])
 
 
 def first_violation(
@@ -189,18 +188,22 @@ def _curve_and_doubts(
 
 
 def _allowed_steps(
-    trajectory: object, curve: PiecewisePolynomial, limits: Limits, rates: Sequence[Rate]
+    trajectory: object, curve: PiecewisePolynomial, limits: Limits, rates: tuple[Rate, ...]
 ) -> Array:
     """Find how far position, velocity and acceleration may step, shape (3, n)."""
-    allowed = np.empty((3, curve.joints))
-    allowed[0], allowed[1:] = POSITION_SLACK, np.inf
-    if "acceleration" not in rates:
-        return allowed
-    limited = np.isfinite(limits.acceleration)
-    if curve.coefficients[2:].any():
-        np.multiply(LIMIT_SLACK, limits.scales[0], out=allowed[1], where=limited)
-    if not getattr(trajectory, "ACCELERATION_STEPS", True):
-        np.multiply(LIMIT_SLACK, limits.scales[1], out=allowed[2], where=limited)
+    smooth = not getattr(trajectory, "ACCELERATION_STEPS", True)
+    return _steps_within(limits, rates, bool(curve.coefficients[2:].any()), smooth)
+
+
+@lru_cache(maxsize=16)
+def _steps_within(limits: Limits, rates: tuple[Rate, ...], bent: bool, smooth: bool) -> Array:
+    """Find the same of a curve that bends, and whose acceleration must not step."""
+    allowed = np.full((3, len(limits.joint_names)), np.inf)
+    allowed[0] = POSITION_SLACK
+    limited = np.isfinite(limits.acceleration) & ("acceleration" in rates)
+    for order, counts in enumerate((bent, smooth), 1):
+        slack = LIMIT_SLACK * limits.scales[order - 1]
+        np.copyto(allowed[order], slack, where=limited & counts)
     return allowed
 
 
