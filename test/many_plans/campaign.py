@@ -99,7 +99,7 @@ def measured(planned: Planned) -> dict[str, float]:
     assert (spans > 0.0).all(), f"breaks {int((spans <= 0.0).sum())} times do not increase"
     assert pieces.breaks[0] == 0.0 and pieces.breaks[-1] == planned.motion.duration
     scale = 1.0 + np.abs(planned.points).max()
-    low, high, steps = extremes_and_steps(pieces)
+    low, high, steps, _ = extremes_and_steps(pieces)
     rates = np.where(np.isfinite(planned.limits.rates), planned.limits.rates, np.inf)
     peaks = np.maximum(np.maximum(-low, high)[1:], _sampled_peaks(planned))
     kept = [RATES.index(rate) for rate in planned.rates]

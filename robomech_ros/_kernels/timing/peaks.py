@@ -92,30 +92,6 @@ def _derivative(coefficients, k, j, order, span, scale, control):
     return largest
 
 
-@kernel(f8(IN1, IN3, IN1, i8, f8))
-def peak_above(times, coefficients, scales, order, floor):
-    """Find the largest magnitude of a derivative over its limit, ``floor`` at least.
-
-    ``times`` (p + 1,) are where the pieces begin and end (s), ``coefficients`` (c, p, n) powers of
-    the time since the beginning of the piece, lowest first, and ``scales`` (n,) one over the limit
-    of each joint.  The ``order`` is 1 for velocity, 2 for acceleration, 3 for jerk.
-    """
-    degree = max(coefficients.shape[0] - 1 - order, 0)
-    control, stack = np.empty(degree + 1), np.empty((_HALVINGS + 3, degree + 2))
-    for k in range(coefficients.shape[1]):
-        span = times[k + 1] - times[k]
-        for j in range(coefficients.shape[2]):
-            scale = scales[j]
-            if _derivative(coefficients, k, j, order, span, scale, control) <= floor:
-                continue
-            for _ in range(2):
-                _derivative(coefficients, k, j, order, span, scale, control)
-                to_bernstein(control, degree)
-                floor = _highest(control, degree, floor, 1e-9, 0.0, stack)
-                scale = -scale
-    return floor
-
-
 @inline
 def _raised(coefficients, k, j, order, span, sign, slack, best, control, stack):
     """Return the largest value of joint j in piece k, with a sign, or the best if it is less."""

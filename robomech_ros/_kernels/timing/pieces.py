@@ -16,6 +16,9 @@ from robomech_ros._kernels.compiling.jit import (
     inline,
     kernel,
 )
+from robomech_ros._kernels.timing.quintic import upper_coefficients
+
+_upper_coefficients = inline(upper_coefficients)
 
 # Gauss-Legendre quadrature of order 12 on [0, 1]: half the nodes and the weights.
 _NODES = (0.03376524289842397, 0.16939530676686774, 0.38069040695840156)
@@ -72,16 +75,9 @@ def _state(local, x0, x1, theta, span, sigma, state):
 
 @inline
 def _quintic(before, after, j, duration):
-    """Return the powers 3 to 5 of the quintic between two states of joint j, times T^2 and more."""
-    p, v, a = before[0, j], before[1, j], before[2, j]
-    rise = after[0, j] - p - duration * (v + 0.5 * duration * a)
-    tilt = (after[1, j] - v - duration * a) * duration
-    bow = (after[2, j] - a) * duration * duration
-    return (
-        10.0 * rise - 4.0 * tilt + 0.5 * bow,
-        -15.0 * rise + 7.0 * tilt - bow,
-        6.0 * rise - 3.0 * tilt + 0.5 * bow,
-    )
+    """Return the coefficients 3 to 5 of the quintic between two states of joint j."""
+    rise = after[0, j] - before[0, j]
+    return _upper_coefficients(duration, rise, before[1, j], after[1, j], before[2, j], after[2, j])
 
 
 @kernel(f8(IN1, IN1, IN1))
@@ -112,11 +108,10 @@ def piece_counts(local, spans, thetas, x, scales, accuracy, counts):
         half = _duration(x0, x1, thetas[k], spans[k], 0.0, 0.5)
         for i in range(3):
             _state(local[k], x0, x1, thetas[k], spans[k], _coordinate(x0, x1, 0.5 * i), states[i])
-        tau = half / whole
         error = 0.0
         for j in range(joints):
             c3, c4, c5 = _quintic(states[0], states[2], j, whole)
-            value = tau * (6.0 * c3 + tau * (12.0 * c4 + tau * 20.0 * c5)) / (whole * whole)
+            value = half * (6.0 * c3 + half * (12.0 * c4 + half * 20.0 * c5))
             error = max(error, abs(states[0, 2, j] + value - states[1, 2, j]) * scales[j])
         count = 1
         if error > accuracy:
@@ -155,9 +150,8 @@ def write_pieces(local, spans, thetas, x, counts, times, coordinates, speeds, co
                 coefficients[0, piece, j] = local[k, j, 0] + before[0, j]
                 coefficients[1, piece, j] = before[1, j]
                 coefficients[2, piece, j] = 0.5 * before[2, j]
-                coefficients[3, piece, j] = c3 / duration**3
-                coefficients[4, piece, j] = c4 / duration**4
-                coefficients[5, piece, j] = c5 / duration**5
+                coefficients[3, piece, j], coefficients[4, piece, j] = c3, c4
+                coefficients[5, piece, j] = c5
             times[piece + 1] = times[piece] + duration
             coordinates[piece + 1] = reached + sigma * span
             square = x0 + sigma * (x1 - x0 + bend * (1.0 - sigma))

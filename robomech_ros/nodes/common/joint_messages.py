@@ -121,24 +121,26 @@ class TrajectoryPoints:
     def __init__(self) -> None:
         self._points: list[JointTrajectoryPoint] = []
 
-    def filled(self, times: Array, positions: Array, *rates: Array) -> list[JointTrajectoryPoint]:
-        """Return m points at times (m,) (s), always with the same number of rates.
+    def filled(
+        self, times: Array | None, positions: Array, *rates: Array
+    ) -> list[JointTrajectoryPoint]:
+        """Return m points at times (m,) (s), or all at 0, always with the same number of rates.
 
         Positions, and velocities and accelerations if given, are of shape (m, n) (rad or m).
         """
-        new = [JointTrajectoryPoint() for _ in range(len(times) - len(self._points))]
-        points = self._points[: len(times)] + new
+        m, n = positions.shape
+        new = [JointTrajectoryPoint() for _ in range(m - len(self._points))]
+        points = self._points[:m] + new
         self._points += new[: max(0, _POINTS_KEPT - len(self._points))]
-        n = positions.shape[1]
-        rows = [slice(k * n, (k + 1) * n) for k in range(len(times))]
+        rows = [slice(k * n, (k + 1) * n) for k in range(m)]
         # A part of Python's array is copied faster than a row of numpy's.  The setter of the field
         # would copy it once more; its slot does not.
         for slot, values in zip(_SLOTS, (positions, *rates), strict=False):
             numbers = floats(values)
             for point, row in zip(points, rows, strict=True):
                 setattr(point, slot, numbers[row])
-        nanoseconds = np.rint(times * NANO).astype(np.int64).tolist()
-        for point, instant in zip(points, nanoseconds, strict=True):
+        instants = [0] * m if times is None else np.rint(times * NANO).astype(np.int64).tolist()
+        for point, instant in zip(points, instants, strict=True):
             time = point._time_from_start
             time._sec, time._nanosec = divmod(instant, NANO)
         return points

@@ -162,11 +162,14 @@ class JointStateMonitor:
         return joint_names[fastest], float(speeds[fastest])
 
     def _take_all(self, joint_names: Sequence[str]) -> None:
+        packed = self._inbox.take_packed()
+        if not packed:
+            return
         # Newest first, until every joint ever heard of was seen: most messages stay packed.
         wanted = {*joint_names, *self._states}
         seen: dict[str, _JointSample] = {}
         newest_fault = ""
-        for data in reversed(self._inbox.take_packed()):
+        for data in reversed(packed):
             states, fault = _read(data)
             newest_fault = newest_fault or fault
             for name, state in states.items():

@@ -175,6 +175,8 @@ class RobotFrames:
         NoStateError
             Joints move the frame, and where they are is not known.
         """
+        if not frame:
+            return None
         place = await self.place(frame, patience, stamp)
         given = at or {}
         missing = [name for name in place.joint_names if name not in given]

@@ -22,6 +22,9 @@ from robomech_ros.outcomes import Code
 from robomech_ros.typing import Array, IntArray
 
 _METRICS = ("linf", "l2")
+# Lists of a result, and where a response keeps them: its setters would copy the numbers once more.
+_DISTANCES = ("seed_distance", "position_error", "orientation_error")
+_SLOTS = {name: f"_{name}s" for name in (*_DISTANCES, "condition_number", "limit_margin")}
 # Modes of SolveIK; SolveIKBatch has the first two.
 _NEAREST, _FIRST = 1, 2
 
@@ -79,10 +82,9 @@ def encode_result(
 ) -> Any:
     """Fill a SolveIK response with an InverseKinematicsResult or PlatformSolutions."""
     response.joint_names = list(joint_names)
-    response.solutions = points.filled(np.zeros(len(result.q)), result.q)
-    distances = ("seed_distance", "position_error", "orientation_error")
-    for name in (*distances, "condition_number", "limit_margin"):
-        setattr(response, f"{name}s", floats(getattr(result, name)))
+    response.solutions = points.filled(None, result.q)
+    for name, slot in _SLOTS.items():
+        setattr(response, slot, floats(getattr(result, name)))
     response.branches = list(result.branches)
     response.complete = result.complete
     response.family = result.family

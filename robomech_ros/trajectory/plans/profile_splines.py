@@ -85,6 +85,5 @@ def _least_deviation(law: Law, count: int) -> Array:
     tau = (np.arange(_PARTS * (count - 1)) + 0.5) / (_PARTS * (count - 1))
     # Column k is the spline with value 1 at knot k and 0 at the others.
     unit = cubic_spline(x, np.eye(count), "rest").sample(tau).position
-    wanted = np.where(tau < 0.5, law.progress(tau), 1.0 - law.progress(1.0 - tau))
-    inner = np.linalg.lstsq(unit[:, 1:-1], wanted - unit[:, -1], rcond=None)[0]
+    inner = np.linalg.lstsq(unit[:, 1:-1], law.progress(tau) - unit[:, -1], rcond=None)[0]
     return np.concatenate([[0.0], inner, [1.0]])

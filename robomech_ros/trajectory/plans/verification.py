@@ -126,7 +126,8 @@ def verify(
     within = compiled("peaks", "within_bounds")
     if not within(low, high, largest, *limits_of, POSITION_SLACK, LIMIT_SLACK, ratios):
         wrong += violations_between(curve, known, doubts, allowed, rates)
-    return Verification(*ratios, _first(wrong), largest[2])
+    velocity, acceleration, jerk = ratios
+    return Verification(velocity, acceleration, jerk, _first(wrong), largest[2])
 
 
 def first_violation(

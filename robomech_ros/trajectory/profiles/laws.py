@@ -51,7 +51,11 @@ class Law:
     pieces: PiecewisePolynomial
 
     def progress(self, tau: Array) -> Array:
-        """Return s(tau), accurate relative to s itself for tau up to 1/2."""
+        """Return s(tau), accurate relative to the way from the nearer end."""
+        way = self._begun(np.minimum(tau, 1.0 - tau))
+        return np.where(tau < 0.5, way, 1.0 - way)
+
+    def _begun(self, tau: Array) -> Array:
         return self.pieces.sample(tau).position.reshape(np.shape(tau))
 
     def rates(self, tau: Array) -> Rates:
@@ -86,8 +90,7 @@ def law_of(pieces: PiecewisePolynomial) -> Law:
 class _Cycloidal(Law):
     """The law of the cycloidal motion, to which its pieces only come near."""
 
-    def progress(self, tau: Array) -> Array:
-        """Return s(tau)."""
+    def _begun(self, tau: Array) -> Array:
         return _progress_cycloidal(tau)
 
     def rates(self, tau: Array) -> Rates:

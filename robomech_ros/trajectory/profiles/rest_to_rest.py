@@ -151,17 +151,11 @@ class Cycloidal(RestToRest):
 
     def sample(self, t: npt.ArrayLike) -> Sample:
         """Sample as other motions, but along the sine itself: the pieces only come near it."""
-        times = checked_times(t)
-        inside = np.minimum(np.maximum(times, 0.0), self.duration)
-        tau = (inside / self.duration)[..., None]
-        rise = self.goal - self.start
-        # The half nearer to an end counts from that end, so that both are met exactly.
-        early = tau < 0.5
-        way = rise * self.LAW.progress(np.where(early, tau, 1.0 - tau))
-        position = np.where(early, self.start + way, self.goal - way)
-        rates = self.LAW.rates(tau)
+        times, rise = checked_times(t), self.goal - self.start
+        inside = np.clip(times, 0.0, self.duration)
+        rates = self.LAW.rates((inside / self.duration)[..., None])
         scaled = [rise / self.duration**order * rate for order, rate in enumerate(rates, 1)]
-        return held_outside(Sample(position, *scaled), inside != times)
+        return held_outside(Sample(super().sample(t).position, *scaled), inside != times)
 
 
 class CubicSplineMotion(RestToRest):

@@ -134,10 +134,9 @@ def _instants(law: Law, count: int) -> Array:
 
 def _coordinates(section: PathSection, law: Law, tau: Array) -> tuple[Array, ...]:
     """Path coordinate and its first two rates over a duration of 1, shape (m, 1)."""
-    done = np.where(tau < 0.5, law.progress(tau), 1.0 - law.progress(1.0 - tau))
     rates = law.rates(tau)
     velocity, acceleration = section.length * rates.velocity, section.length * rates.acceleration
-    return section.at(done)[:, None], velocity[:, None], acceleration[:, None]
+    return section.at(law.progress(tau))[:, None], velocity[:, None], acceleration[:, None]
 
 
 def _jerk_limited(section: PathSection) -> PiecewisePolynomial:

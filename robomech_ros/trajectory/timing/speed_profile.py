@@ -8,7 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from robomech_ros._kernels.timing import peaks as time_peaks, pieces as time_pieces
+from robomech_ros._kernels.timing import pieces as time_pieces
+from robomech_ros.trajectory.curves.bounds import extremes
 from robomech_ros.trajectory.curves.compiled_sampling import PiecewiseMotion
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, lasting_pieces
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
@@ -144,11 +145,10 @@ class TimeOptimal(PiecewiseMotion):
 
         All peaks are found between the samples as well.
         """
-        slower, floor = 1.0, 1.0 + _ROUNDING
+        slower, (low, high) = 1.0, extremes(self.pieces)
         for order, limit in enumerate(limits, 1):
-            given = self.pieces.breaks, self.pieces.coefficients, 1.0 / limit
-            peak = float(time_peaks.peak_above(*given, order, floor))
-            if peak > floor:
+            peak = float((np.maximum(-low, high)[order] / limit).max())
+            if peak > 1.0 + _ROUNDING:
                 slower = max(slower, (peak + _ROUNDING) ** (1.0 / order))
         return self.stretched(slower)
 

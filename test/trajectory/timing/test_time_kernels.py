@@ -5,10 +5,9 @@ from math import comb
 import numpy as np
 import pytest
 
-from robomech_ros._kernels.timing import constraint_rows as time_rows, peaks as time_peaks
+from robomech_ros._kernels.timing import constraint_rows as time_rows
 from robomech_ros.errors import NonFiniteError
 from robomech_ros.trajectory import PiecewisePolynomial
-from robomech_ros.trajectory.curves.bounds import extremes
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 
 
@@ -33,19 +32,6 @@ def test_rows_are_the_bernstein_coefficients_of_the_acceleration(degree):
             mine = slice(j * (degree + 1), (j + 1) * (degree + 1))
             found = (first[k, mine] * x0 + second[k, mine] * x1) @ np.array(basis)
             np.testing.assert_allclose(found, exact, atol=1e-12)
-
-
-@pytest.mark.parametrize("order", [1, 2, 3])
-def test_peaks_between_the_samples(order):
-    rng = np.random.default_rng(order)
-    for _ in range(20):
-        breaks = np.cumsum(np.append(0.0, rng.uniform(0.5, 2, 5)))
-        curve = PiecewisePolynomial(breaks, rng.normal(size=(6, 5, 3)))
-        limits = rng.uniform(0.5, 2, 3)
-        exact = max(np.abs(found[order] / limits).max() for found in extremes(curve))
-        given = breaks, curve.coefficients, 1.0 / limits, order
-        assert time_peaks.peak_above(*given, 0.1) == pytest.approx(exact, rel=2e-8)
-        assert time_peaks.peak_above(*given, 2.0 * exact) == 2.0 * exact
 
 
 @pytest.mark.parametrize("size", [1, 2, 4, 6, 10])
