@@ -36,6 +36,8 @@ def _run(node: str, argv: Sequence[str]) -> NoReturn:
     # The linear algebra of NumPy and SciPy would reserve 80 MB for each processor; our matrices
     # are small.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Numba would load it wherever it is installed.
+    sys.modules.setdefault("coverage", None)  # type: ignore[arg-type]
     if node not in NODE_MODULES:
         names = ", ".join(NODE_MODULES)
         print(f"unknown node {node!r}; available: {names}", file=sys.stderr)
