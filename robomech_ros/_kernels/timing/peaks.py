@@ -93,7 +93,7 @@ def _derivative(coefficients, k, j, order, span, scale, control):
 
 
 @inline
-def _raised(coefficients, k, j, order, span, sign, slack, best, control, stack):
+def _raised(coefficients, slack, control, stack, k, j, order, span, sign, best):
     """Return the largest value of joint j in piece k, with a sign, or the best if it is less."""
     degree = max(coefficients.shape[0] - order - 1, 0)
     total = _derivative(coefficients, k, j, order, span, sign, control)
@@ -159,24 +159,20 @@ def piece_extremes(breaks, coefficients, slack, low, high, steps, ends):
     spans = np.ones(coefficients.shape[1])
     for k in range(breaks.shape[0] - 1):
         spans[k] = breaks[k + 1] - breaks[k]
-    size, orders = coefficients.shape[0], low.shape[0]
+    size = coefficients.shape[0]
     control, stack = np.empty(size + 1), np.empty((_HALVINGS + 3, size + 1))
     below, above = np.empty(slack.shape), np.empty(slack.shape)
     sums = np.empty((2, low.shape[1]))
     _look_at_ends(spans, coefficients, slack, low, high, steps, ends, below, above, sums)
-    for order in range(orders):
+    arrays = coefficients, slack, control, stack
+    for order in range(low.shape[0]):
         lows, highs = low[order], high[order]
         for k in range(coefficients.shape[1]):
             for j in range(low.shape[1]):
-                # Arguments in a tuple would be counted for every piece.
                 if above[order, k, j] > highs[j]:
-                    highs[j] = _raised(
-                        coefficients, k, j, order, spans[k], 1.0, slack, highs[j], control, stack
-                    )
+                    highs[j] = _raised(*arrays, k, j, order, spans[k], 1.0, highs[j])
                 if below[order, k, j] < lows[j]:
-                    lows[j] = -_raised(
-                        coefficients, k, j, order, spans[k], -1.0, slack, -lows[j], control, stack
-                    )
+                    lows[j] = -_raised(*arrays, k, j, order, spans[k], -1.0, -lows[j])
     return 0
 
 

@@ -18,7 +18,7 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.timing.quintic import rounding_bounds, upper_coefficients
 
-NANOSECONDS = 1e9
+_NANOSECONDS = 1e9
 
 _upper_coefficients = inline(upper_coefficients)
 _rounding_bounds = inline(rounding_bounds)
@@ -74,19 +74,16 @@ def sample_pieces(breaks, coefficients, times, rates):
 def spread_instants(breaks, period, instants):
     """Count the instants at all breaks (s + 1,) and evenly between them, a ``period`` (s) apart.
 
-    They are written, all but the last rounded to nanoseconds, as far as there is room.
+    If there is room, all but the last are written, rounded to nanoseconds.
     """
     count = 0.0
     for k in range(breaks.shape[0] - 1):
         span = breaks[k + 1] - breaks[k]
         parts = max(math.ceil(span / period * (1.0 - 1e-9)), 1.0)
-        if count + parts < instants.shape[0]:
-            for i in range(int(parts)):
-                t = breaks[k] + span / parts * i
-                instants[int(count) + i] = np.rint(t * NANOSECONDS) / NANOSECONDS
+        for i in range(int(parts) if instants.shape[0] else 0):
+            t = breaks[k] + span / parts * i
+            instants[int(count) + i] = np.rint(t * _NANOSECONDS) / _NANOSECONDS
         count += parts
-    if count < instants.shape[0]:
-        instants[int(count)] = breaks[breaks.shape[0] - 1]
     return count + 1.0
 
 
@@ -101,16 +98,11 @@ def quintic_pieces(times, positions, velocities, accelerations, coefficients, do
     samples, joints = positions.shape
     largest = np.zeros((3, joints))
     total = 0.0
-    for k in range(samples):
+    for k in range(samples - 1):
         for j in range(joints):
-            q, v, a = positions[k, j], velocities[k, j], accelerations[k, j]
-            total += 0.0 * (q + v + a)
-            if k + 1 < samples:
-                largest[0, j] = max(largest[0, j], abs(q))
-                largest[1, j] = max(largest[1, j], abs(v))
-                largest[2, j] = max(largest[2, j], abs(a))
-    if not total == 0.0:
-        return False
+            largest[0, j] = max(largest[0, j], abs(positions[k, j]))
+            largest[1, j] = max(largest[1, j], abs(velocities[k, j]))
+            largest[2, j] = max(largest[2, j], abs(accelerations[k, j]))
     for k in range(samples - 1):
         h = times[k + 1] - times[k]
         if not (h > 0.0 and h < np.inf):
@@ -127,4 +119,6 @@ def quintic_pieces(times, positions, velocities, accelerations, coefficients, do
             coefficients[3, k, j], coefficients[4, k, j], coefficients[5, k, j] = upper
             for order in range(4):
                 doubts[order, k, j] = bounds[order]
-    return True
+            # A number that is not finite leaves none in its place.
+            total += 0.0 * coefficients[5, k, j]
+    return total == 0.0

@@ -186,16 +186,10 @@ def sampled_point_to_point(
         Limits.of(limits), method, velocity_scale, acceleration_scale, jerk_scale
     )
     seconds = checked_duration(duration)
+    options: dict[str, Any] = {"duration": seconds, "start_velocity": start_velocity}
 
     def planner(tightened: Limits) -> PiecewiseTrajectory:
-        return point_to_point(
-            q0,
-            q1,
-            limits=tightened,
-            profile=profile,
-            duration=seconds,
-            start_velocity=start_velocity,
-        )
+        return point_to_point(q0, q1, limits=tightened, profile=profile, **options)
 
     return sampled_motion(
         planner, q0, allowed, period=period, max_points=max_points, free=seconds is None

@@ -212,9 +212,7 @@ def _rounding(curve: PiecewisePolynomial) -> Array:
     """Bound what the rounding of samples does to derivatives 0 to 3 of a curve, (4, s, n)."""
     bound = np.zeros((4, *curve.coefficients.shape[1:]))
     if len(curve.spans):
-        starts = np.zeros((3, curve.joints))
         known = np.abs(curve.coefficients[:3]).max(axis=1)
-        starts[: len(known)] = known
-        spans, ends = curve.spans[:, None], curve.breaks[1:, None]
-        bound[:] = rounding_bounds(spans, ends, starts[0], starts[1], 2.0 * starts[2])
+        q, v, half = np.pad(known, ((0, 3 - len(known)), (0, 0)))
+        bound[:] = rounding_bounds(curve.spans[:, None], curve.breaks[1:, None], q, v, 2.0 * half)
     return bound

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from robomech_ros._kernels.timing.quintic import upper_coefficients
 from robomech_ros.errors import BadValueError, DurationTooShortError, LimitExceededError
 from robomech_ros.trajectory.curves.bounds import extremes
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
@@ -231,8 +232,7 @@ def curve_of(
     # The quintic's powers since the beginning of each segment, which begins at a part of it.
     part = breaks[:-1] / breaks[-1]
     shifts = _SHIFTS * part[:, None, None] ** _SHIFTED
-    quintic = np.stack([10.0 * missing, -15.0 * missing, 6.0 * missing])
-    quintic += np.stack([-4.0 * faster, 7.0 * faster, -3.0 * faster]) * breaks[-1]
+    quintic = np.stack(upper_coefficients(1.0, missing, 0.0, faster * breaks[-1], 0.0, 0.0))
     scales = breaks[-1] ** -np.arange(6.0)
     coefficients += (shifts @ quintic).transpose(1, 0, 2) * scales[:, None, None]
     return PiecewisePolynomial(breaks, coefficients)
