@@ -111,10 +111,6 @@ def _look_at_ends(spans, coefficients, slack, low, high, steps, ends, below, abo
     than 1.  The `sums` (2, n) are scratch.
     """
     size, pieces, joints = coefficients.shape
-    for order in range(low.shape[0]):
-        for j in range(joints):
-            low[order, j], high[order, j] = np.inf, -np.inf
-            steps[order, j] = ends[order, j] = 0.0
     total, largest = sums[0], sums[1]
     for k in range(pieces):
         for order in range(low.shape[0]):
@@ -163,6 +159,7 @@ def piece_extremes(breaks, coefficients, slack, low, high, steps, ends):
     control, stack = np.empty(size + 1), np.empty((_HALVINGS + 3, size + 1))
     below, above = np.empty(slack.shape), np.empty(slack.shape)
     sums = np.empty((2, low.shape[1]))
+    low[:], high[:], steps[:], ends[:] = np.inf, -np.inf, 0.0, 0.0
     _look_at_ends(spans, coefficients, slack, low, high, steps, ends, below, above, sums)
     arrays = coefficients, slack, control, stack
     for order in range(low.shape[0]):

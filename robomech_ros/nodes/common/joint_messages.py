@@ -147,17 +147,13 @@ class TrajectoryPoints:
 
 
 def joint_trajectory(
-    joint_names: Sequence[str],
-    times: Array,
-    positions: Array,
-    velocities: Array,
-    accelerations: Array,
+    names: Sequence[str], times: Array, positions: Array, velocities: Array, accelerations: Array
 ) -> JointTrajectory:
     """Make a trajectory message from sampled curves.
 
     Parameters
     ----------
-    joint_names : sequence of str
+    names : sequence of str
         n joints.
     times : ndarray, shape (m,)
         Times from start (s).
@@ -170,7 +166,7 @@ def joint_trajectory(
         With stamp 0: start when received.
     """
     points = TrajectoryPoints().filled(times, positions, velocities, accelerations)
-    return JointTrajectory(joint_names=list(joint_names), points=points)
+    return JointTrajectory(joint_names=list(names), points=points)
 
 
 def stream_message(

@@ -53,13 +53,10 @@ class MarkerPublisher:
         self._base, self._on_watched = base, on_watched
         self._posture: list[Marker] = []
         self._boundary: list[Marker] = []
-        self._publisher = node.create_publisher(
-            MarkerArray,
-            "~/markers",
-            LATCHED,
-            callback_group=ReentrantCallbackGroup(),
-            event_callbacks=PublisherEventCallbacks(matched=self._matched),
-        )
+        # Subscribers of another type or quality of service report that themselves.
+        events = PublisherEventCallbacks(matched=self._matched, use_default_callbacks=False)
+        options: Any = {"callback_group": ReentrantCallbackGroup(), "event_callbacks": events}
+        self._publisher = node.create_publisher(MarkerArray, "~/markers", LATCHED, **options)
 
     def show_posture(self, markers: list[Marker]) -> None:
         """Show a posture in place of the last one."""

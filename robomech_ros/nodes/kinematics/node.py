@@ -6,6 +6,7 @@ from time import perf_counter
 from typing import Any
 
 from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from sensor_msgs.msg import JointState, PointCloud2
 
@@ -95,7 +96,11 @@ class KinematicsNode(Node):
         ):
             serve(self, kind, name, callback, callback_group=ReentrantCallbackGroup())
         self._markers = MarkerPublisher(self, model.base_frame, self._show_first_boundary)
-        self._cloud = self.create_publisher(PointCloud2, "~/workspace", LATCHED)
+        # Subscribers of another type or quality of service report that themselves.
+        silent = PublisherEventCallbacks(use_default_callbacks=False)
+        self._cloud = self.create_publisher(
+            PointCloud2, "~/workspace", LATCHED, event_callbacks=silent
+        )
         moveit = model.mechanism is None and add_moveit_services(
             self, self._frames, lambda: self._table.settings.state_timeout, self._check_size
         )

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from rclpy.callback_groups import CallbackGroup
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
@@ -91,9 +92,10 @@ class Inbox:
         self._early: list[bytes] = []
         best_effort = ReliabilityPolicy.BEST_EFFORT
         newest = QoSProfile(depth=depth, history=HistoryPolicy.KEEP_LAST, reliability=best_effort)
-        self._subscription = node.create_subscription(
-            kind, topic, self._receive, newest, callback_group=self._group, raw=True
-        )
+        options: dict[str, Any] = {"callback_group": self._group, "raw": True}
+        # The events of a subscription that the executor passes over would only be in its way.
+        options["event_callbacks"] = SubscriptionEventCallbacks(use_default_callbacks=bool(wake))
+        self._subscription = node.create_subscription(kind, topic, self._receive, newest, **options)
 
     def attend(self, attended: bool) -> None:
         """Have the executor look after it, or not."""

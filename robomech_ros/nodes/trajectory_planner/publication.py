@@ -35,8 +35,12 @@ class PlanPublication:
 
     def __init__(self, node: Node, model: RobotModel) -> None:
         self._node, self._base = node, model.base_frame
-        self._trajectories = node.create_publisher(JointTrajectory, "~/planned_trajectory", LATCHED)
-        on_match = PublisherEventCallbacks(matched=self._matched)
+        # Subscribers of another type or quality of service report that themselves.
+        silent = PublisherEventCallbacks(use_default_callbacks=False)
+        self._trajectories = node.create_publisher(
+            JointTrajectory, "~/planned_trajectory", LATCHED, event_callbacks=silent
+        )
+        on_match = PublisherEventCallbacks(matched=self._matched, use_default_callbacks=False)
         self._paths = node.create_publisher(
             Path, "~/planned_path", LATCHED, event_callbacks=on_match
         )
