@@ -55,11 +55,11 @@ def matrix_from_pose(pose: Pose, what: str = "pose") -> Array:
         raise BadQuaternionError([x, y, z, w], f"{what}.orientation: {reason}, {expected}")
     x, y, z, w = x / norm, y / norm, z / norm, w / norm
     return np.array((
-        (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w), p.x),
-        (2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w), p.y),
-        (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y), p.z),
-        (0.0, 0.0, 0.0, 1.0),
-    ))  # fmt: skip
+        1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w), p.x,
+        2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w), p.y,
+        2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y), p.z,
+        0.0, 0.0, 0.0, 1.0,
+    )).reshape(4, 4)  # fmt: skip
 
 
 def require_finite(what: str, vector: object, fields: Sequence[str] = "xyz") -> None:

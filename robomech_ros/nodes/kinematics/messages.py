@@ -25,6 +25,7 @@ _METRICS = ("linf", "l2")
 # Lists of a result, and where a response keeps them: its setters would copy the numbers once more.
 _DISTANCES = ("seed_distance", "position_error", "orientation_error")
 _SLOTS = {name: f"_{name}s" for name in (*_DISTANCES, "condition_number", "limit_margin")}
+_SLOTS["blocking_excess"] = "_blocking_excess"
 # Modes of SolveIK; SolveIKBatch has the first two.
 _NEAREST, _FIRST = 1, 2
 
@@ -89,7 +90,6 @@ def encode_result(
     response.complete = result.complete
     response.family = result.family
     response.blocking_joints = list(result.blocking_joints)
-    response.blocking_excess = array("d", result.blocking_excess)
     response.solve_time = duration_from_seconds(solve_seconds)
     response.error_code = int(result.status)
     response.error_msg = result.reason
