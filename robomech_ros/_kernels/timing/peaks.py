@@ -153,8 +153,7 @@ def piece_extremes(breaks, coefficients, slack, low, high, steps, ends):
     where one is no number, and ``ends`` (d, n) with the values at the end of the last piece.
     """
     spans = np.ones(coefficients.shape[1])
-    for k in range(breaks.shape[0] - 1):
-        spans[k] = breaks[k + 1] - breaks[k]
+    spans[: breaks.shape[0] - 1] = breaks[1:] - breaks[:-1]
     size = coefficients.shape[0]
     control, stack = np.empty(size + 1), np.empty((_HALVINGS + 3, size + 1))
     below, above = np.empty(slack.shape), np.empty(slack.shape)

@@ -1,6 +1,7 @@
 """Publications of the latest plan, after the planner's response has been sent."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
@@ -37,13 +38,10 @@ class PlanPublication:
         self._node, self._base = node, model.base_frame
         # Subscribers of another type or quality of service report that themselves.
         silent = PublisherEventCallbacks(use_default_callbacks=False)
-        self._trajectories = node.create_publisher(
-            JointTrajectory, "~/planned_trajectory", LATCHED, event_callbacks=silent
-        )
+        make = partial(node.create_publisher, qos_profile=LATCHED)
+        self._trajectories = make(JointTrajectory, "~/planned_trajectory", event_callbacks=silent)
         on_match = PublisherEventCallbacks(matched=self._matched, use_default_callbacks=False)
-        self._paths = node.create_publisher(
-            Path, "~/planned_path", LATCHED, event_callbacks=on_match
-        )
+        self._paths = make(Path, "~/planned_path", event_callbacks=on_match)
         self._waiting: tuple[JointTrajectory, Callable[[], Array]] | None = None
         self._poses: list[PoseStamped] = []
         self._unsent: Callable[[], Array] | None = None

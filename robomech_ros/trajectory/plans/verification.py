@@ -126,8 +126,7 @@ def verify(
     within = compiled("peaks", "within_bounds")
     if not within(low, high, largest, *limits_of, POSITION_SLACK, LIMIT_SLACK, ratios):
         wrong += violations_between(curve, known, doubts, allowed, rates)
-    velocity, acceleration, jerk = ratios
-    return Verification(velocity, acceleration, jerk, _first(wrong), largest[2])
+    return Verification(ratios[0], ratios[1], ratios[2], _first(wrong), largest[2])
 
 
 def first_violation(
