@@ -202,8 +202,7 @@ def _steps_within(limits: Limits, rates: tuple[Rate, ...], bent: bool, smooth: b
     allowed[0] = POSITION_SLACK
     limited = np.isfinite(limits.acceleration) & ("acceleration" in rates)
     for order, counts in enumerate((bent, smooth), 1):
-        slack = LIMIT_SLACK * limits.scales[order - 1]
-        np.copyto(allowed[order], slack, where=limited & counts)
+        np.copyto(allowed[order], LIMIT_SLACK * limits.scales[order - 1], where=limited & counts)
     return allowed
 
 
