@@ -40,11 +40,8 @@ _FACTORS = np.array([[float(math.perm(i + d, d)) for i in range(10)] for d in ra
 
 
 @inline
-def _highest(control, degree, floor, relative, absolute, stack):
-    """Find the largest value on [0, 1] from Bernstein coefficients, or floor if it is less.
-
-    It is found to the sum of a part of itself and an absolute error.
-    """
+def _highest(control, degree, floor, accuracy, stack):
+    """Find the largest value on [0, 1] from Bernstein coefficients to an accuracy, or the floor."""
     for i in range(degree + 1):
         stack[0, i] = control[i]
     stack[0, degree + 1] = 0.0
@@ -57,7 +54,7 @@ def _highest(control, degree, floor, relative, absolute, stack):
         largest = stack[count, 0]
         for i in range(1, degree + 1):
             largest = max(largest, stack[count, i])
-        if not largest > floor + relative * abs(floor) + absolute:
+        if not largest > floor + accuracy:
             continue
         depth = stack[count, degree + 1]
         if depth >= _HALVINGS or step == _MOST - 1:
@@ -100,7 +97,7 @@ def _raised(coefficients, slack, control, stack, k, j, order, span, sign, best):
     to_bernstein(control, degree)
     for i in range(degree + 1):
         control[i] -= slack[order, k, j]
-    return _highest(control, degree, best, 0.0, PEAK_ACCURACY * total, stack)
+    return _highest(control, degree, best, PEAK_ACCURACY * total, stack)
 
 
 @lean
