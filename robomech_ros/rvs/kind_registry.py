@@ -33,8 +33,7 @@ class ViewKind(NamedTuple):
 
     def load(self, robot: str | os.PathLike[str]) -> TreeView:
         """Load a robot by name, path or text; errors are those of its kind."""
-        view: TreeView = resolve_name(f"robomech_ros.rvs.model.{self.loader}")(robot)
-        return view
+        return resolve_name(f"robomech_ros.rvs.model.{self.loader}")(robot)
 
     def make_layers(self) -> list[LayerMaker]:
         """Return the layers; what is compiled for a kind is loaded here, where there is one."""

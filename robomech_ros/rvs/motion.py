@@ -131,8 +131,7 @@ class Motion:
 
     def at(self, times: ArrayLike) -> Array:
         """Return positions (..., n) at times (...) in s, as a controller passes through q."""
-        curve: Array = self._curve.sample(np.asarray(times) - self.times[0]).position
-        return curve
+        return self._curve.sample(np.asarray(times) - self.times[0]).position
 
     @cached_property
     def _curve(self) -> PiecewisePolynomial:

@@ -20,8 +20,7 @@ _LARGEST_FILE = 1 << 28
 def from_topic(topic: str, timeout: float) -> JointTrajectory | None:
     """Wait for a latched trajectory."""
     with command_node("robomech_plot") as node:
-        message: JointTrajectory | None = latched_message(node, JointTrajectory, topic, timeout)
-        return message
+        return latched_message(node, JointTrajectory, topic, timeout)
 
 
 def from_file(path: Path) -> JointTrajectory:

@@ -270,8 +270,7 @@ class RobotModel:
             at_home = dict(zip(way.joint_names, way.home().tolist(), strict=True))
             at_home |= self.semantic.home() | dict(zip(self.chain.joint_names, own, strict=True))
             q = np.array([at_home[joint] for joint in way.joint_names])
-            inside: Array = np.clip(q, way.lower, way.upper)
-            return inside
+            return np.clip(q, way.lower, way.upper)
         given = dict(zip(self.chain.joint_names, own.tolist(), strict=True))
         positions = self.description.joint_positions(given)
         return np.array([positions[joint] for joint in way.joint_names])

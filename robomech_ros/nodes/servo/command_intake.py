@@ -122,5 +122,4 @@ def _joint_jog(node: Node) -> type | None:
         if getattr(error, "name", "") != "control_msgs":
             node.get_logger().warning(f"no delta_joint_cmds: {error}")
         return None
-    found: type = JointJog
-    return found
+    return JointJog

@@ -103,5 +103,4 @@ def _asks_for_latest(trajectory: JointTrajectory) -> bool:
 async def _end_of(delivery: ExecutionRequest) -> ExecutionReport:
     ended: Future = Future()
     delivery.listen(lambda report: ended.done() or ended.set_result(report))
-    report: ExecutionReport = await ended
-    return report
+    return await ended

@@ -76,8 +76,7 @@ def message_from_delivery(delivery: ExecutionRequest, now: int) -> JointTrajecto
         As it came, unless it is sent at another pace.
     """
     if not delivery.paced:
-        message: JointTrajectory = delivery.trajectory
-        return message
+        return delivery.trajectory
     header = copy.copy(delivery.trajectory.header)
     if delivery.paced_on_way:
         header.stamp = _stamp(now, delivery.delay)

@@ -86,14 +86,12 @@ class AnalysisLayer(Layer):
         for name in LABELS:
             self._switches.add_to(folder, name)
             if name == "force":
-                choose = partial(self.ask, "part", self._choose_part)
-                folder.dropdown(PART, tuple(ROWS), self._kept["part"], choose)
-        best = partial(self.ask, "go", self._go)
-        folder.button("Go to the least condition number", best)
+                folder.dropdown(PART, tuple(ROWS), self._kept["part"], self._choose_part)
+        folder.button("Go to the least condition number", self._go)
 
     @property
     def _judges(self) -> bool:
-        """Whether the posture is judged, for which the characteristic length is needed."""
+        """Whether the posture is judged, which needs the characteristic length."""
         return self._switches["numbers"] or self._switches["lost"]
 
     def _choose_part(self, value: Any) -> None:

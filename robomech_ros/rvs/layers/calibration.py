@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -36,10 +35,9 @@ class CalibrationLayer(Layer):
     def __init__(self, place: LayerContext, result: HandEyeResult, tracking: Array) -> None:
         super().__init__(place)
         self._result = result
-        chain = place.chain
+        chain, seen = place.chain, place.seen
         self._markers = calibration_markers(result, tracking, chain.base, chain.tip)
         self._nodes = MarkerNodes(place.server.scene, place.path)
-        self._shown = True
         self._nodes.show(SOURCE, self._markers)
         # They would cover what is small.
         for what in ("ghosts", "gizmo"):
@@ -47,17 +45,13 @@ class CalibrationLayer(Layer):
         # Where the last sample was taken, if the arm gets there.
         place.arm.drag(result.robot_poses[-1])
         place.arm.release()
-        place_camera(place.server, self._points())
+        at = place.arm.positions
+        points = [visible_points(seen, [at]), marker_points(seen, self._markers, at)]
+        place_camera(place.server, np.vstack(points))
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        turn = partial(self._place.run, (self, "shown"))
-        folder.checkbox("shown", self._shown, lambda shown: turn(partial(self._turn, shown)))
+        folder.checkbox("shown", True, self._turn)
         folder.text().content = fact_table("calibration", calibration_facts(self._result))
 
     def _turn(self, shown: object) -> None:
-        self._shown = shown is True
-        self._nodes.show(SOURCE, self._markers if self._shown else ())
-
-    def _points(self) -> Array:
-        seen, at = self._place.seen, self._place.arm.positions
-        return np.vstack([visible_points(seen, [at]), marker_points(seen, self._markers, at)])
+        self._nodes.show(SOURCE, self._markers if shown is True else ())

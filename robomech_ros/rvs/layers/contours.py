@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -74,8 +73,7 @@ class ContoursLayer(Layer):
             folder.text().content = small_text([missing])
             return
         hint = "Postures are where both curves cross and the other equations vanish, too"
-        switch = partial(self.ask, "contours", self._switch)
-        self._box = folder.checkbox("contours", False, switch, hint)
+        self._box = folder.checkbox("contours", False, self._switch, hint)
         names = minor_names()
         self._view = CurveView(gui, self, names, (0, len(names) - 1))
         self._view.show(False)
@@ -136,8 +134,7 @@ class ContoursLayer(Layer):
 
 def _here(q: Array) -> Array:
     """Return joints 4 and 5 within the turn that is drawn."""
-    here: Array = (q[list(JOINTS)] + np.pi) % (2.0 * np.pi) - np.pi
-    return here
+    return (q[list(JOINTS)] + np.pi) % (2.0 * np.pi) - np.pi
 
 
 def _apart(q: Array, p: Array) -> float:

@@ -27,7 +27,8 @@ class GripperLayer(Layer):
         The robot that runs, which is commanded; by default the gripper of the page moves.
     """
 
-    label, order, expanded = "Gripper", 4.5, True
+    # A value of the slider is noted at once, so that the slider is not set back meanwhile.
+    label, order, expanded, asks = "Gripper", 4.5, True, False
 
     def __init__(self, place: LayerContext, robot: LiveRobot | None = None) -> None:
         super().__init__(place)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -80,39 +79,33 @@ class HandLayer(Layer):
     def controls(self, client: Any) -> Controls:
         """Give a browser the folders "Grasp" and "Contacts"."""
         grasp = super().controls(client)
-        self._contacts = Folder(client.gui, self._place.units, "Contacts", self.order + 0.1)
+        self._contacts = self._add_folder(client.gui, "Contacts", self.order + 0.1)
         with self._contacts:
             for k, name in enumerate(self.hand.hand.finger_names):
                 self._add_spot(self._contacts, k, name)
         return AllControls([grasp, self._contacts])
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        hand, ask = self.hand, self.ask
+        hand, choose = self.hand, self._choose_contact
         self._table = folder.text()
-        shape = partial(ask, "shape", self._choose_shape)
-        folder.dropdown("shape", SHAPES, hand.held.shape, shape)
-        size = partial(ask, "size", self._choose_size)
-        folder.slider("size", "m", hand.sizes, hand.held.size, size, SIZE_HINT)
-        model = partial(ask, "model", self._choose_contact, "model")
-        folder.dropdown("contacts", MODELS, hand.model, model, MODEL_HINT)
+        folder.dropdown("shape", SHAPES, hand.held.shape, self._choose_shape)
+        folder.slider("size", "m", hand.sizes, hand.held.size, self._choose_size, SIZE_HINT)
+        folder.dropdown("contacts", MODELS, hand.model, partial(choose, "model"), MODEL_HINT)
         for name, (most, hint) in SHARES.items():
-            share = partial(ask, name, self._choose_contact, name)
-            folder.slider(name, "", (0.0, most), getattr(hand, name), share, hint)
+            value = getattr(hand, name)
+            folder.slider(name, "", (0.0, most), value, partial(choose, name), hint)
         for name, (rows, hint) in LOADS.items():
-            value = gui.add_vector3(name, hand.load[rows].tolist(), step=LOAD_STEP, hint=hint)
-            folder.listen(value, partial(ask, name, self._choose_load, name))
+            field = gui.add_vector3(name, hand.load[rows].tolist(), step=LOAD_STEP, hint=hint)
+            folder.listen(field, partial(self.ask, name, self._choose_load, name))
         for part in self.on:
             self._switches.add_to(folder, part)
 
     def _add_spot(self, folder: Folder, finger: int, name: str) -> None:
-        spot = self.hand.spots[finger]
-
-        def choose(what: str) -> Callable[[Any], None]:
-            return partial(self.ask, (finger, what), self._choose_spot, finger, what)
-
-        folder.checkbox(f"{name} touches", spot.touches, choose("touches"))
+        spot, choose = self.hand.spots[finger], partial(self._choose_spot, finger)
+        folder.checkbox(f"{name} touches", spot.touches, partial(choose, "touches"))
         for what, (low, high, unit) in SPOT.items():
-            folder.slider(f"{name} {what}", unit, (low, high), getattr(spot, what), choose(what))
+            value, change = getattr(spot, what), partial(choose, what)
+            folder.slider(f"{name} {what}", unit, (low, high), value, change)
 
     # What browsers ask for, on the thread of the page.
 

@@ -86,8 +86,7 @@ class LiveLayer(LivePage):
             if way is not None:
                 way()
 
-        buttons: Controls = self._goal_buttons
-        return buttons
+        return self._goal_buttons
 
     def _add_jog(self, gui: Any, chain: SerialChain) -> Controls:
         folder = Folder(gui, self._place.units, "Jog", 3.5)

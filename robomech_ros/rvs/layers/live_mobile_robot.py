@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from typing import Any
 
 from numpy.typing import NDArray
@@ -78,7 +77,7 @@ class LiveMobileRobotLayer(LivePage):
     def _fill(self, folder: Folder, gui: Any) -> None:
         followed = self._followed
         pad = HoldField(gui, 0, self._hold, self._robot.let_go, self.refuse)
-        folder.text().content = hold_pad(pad.identifier, [followed.ways])
+        folder.text().content = hold_pad(pad.identifier, [followed.directions])
         self._pads = [pad]
         if followed.gaits:
             hint = "Choose one, in which it walks on as soon as it stands"
@@ -86,7 +85,7 @@ class LiveMobileRobotLayer(LivePage):
         if followed.shifts:
             self._add_trunk(folder)
         self._switches.add_to(folder, "trail")
-        folder.button("Clear trail", partial(self.ask, "clear", followed.trail.clear))
+        folder.button("Clear trail", followed.trail.clear)
 
     def _add_trunk(self, folder: Folder) -> None:
         """Add sliders and buttons for the pose that the trunk is to take."""
@@ -110,9 +109,9 @@ class LiveMobileRobotLayer(LivePage):
             self.refuse(error)
 
     def _hold(self, beat: HoldHeartbeat, speed: float) -> None:
-        direction, ways = beat.direction, self._followed.ways
-        if (direction.kind, direction.index) not in [(way.kind, way.axis) for way in ways]:
-            expected = ", ".join(f"'{way.kind} {way.axis}' ({way.name})" for way in ways)
+        direction, known = beat.direction, self._followed.directions
+        if (direction.kind, direction.index) not in [(one.kind, one.axis) for one in known]:
+            expected = ", ".join(f"'{one.kind} {one.axis}' ({one.name})" for one in known)
             raise BadValueError("jog", f"{direction.kind} {direction.index}", expected)
         self._robot.hold(beat, speed)
 
@@ -132,7 +131,7 @@ class LiveMobileRobotLayer(LivePage):
 
     def show_pose(self, positions: Mapping[str, float], place: NDArray[Any]) -> None:
         """Draw the robot with its joints there (rad or m), at x, y (m) and heading (rad)."""
-        self.ask("place", self._followed.hear, positions, place)
+        self.ask("place", self._followed.update, positions, place)
 
     def show_stance(self, stance: Stance) -> None:
         """Draw on which feet it stands, and say how safely."""
@@ -143,9 +142,7 @@ class LiveMobileRobotLayer(LivePage):
 
     def show_condition(self, text: str, links: Sequence[str], *, warns: bool) -> None:
         """Say how it is, or warn of what limits it, and mark links."""
-        self._place.ask(
-            (self, "condition"), lambda: self._followed.tell(text, links, refused=warns)
-        )
+        self.ask("condition", lambda: self._followed.tell(text, links, refused=warns))
 
 
 def _checked(shift: Shift, value: object) -> float:

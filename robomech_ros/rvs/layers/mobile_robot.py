@@ -60,7 +60,8 @@ class MobileRobotLayer(Layer):
         robot = self._robot
         if not robot.stands:
             self._begin()
-        self._trail.show(robot.trail if self._switches["trail"] else robot.trail[:0])
+        points = robot.trail.points
+        self._trail.show(points if self._switches["trail"] else points[:0])
         self._ahead.show(robot.path_ahead())
         if self.is_open:
             self._table.content = fact_table(robot.kind, robot.facts())
@@ -73,10 +74,9 @@ class MobileRobotLayer(Layer):
                 command = partial(self._command, name, k)
                 folder.slider(name, unit, (-most, most), float(robot.command[k]), command)
         hint = f"On: {verb}s as commanded, within the limits. Off: stops within them"
-        follow = partial(self.ask, "follow", self._follow)
-        folder.checkbox(verb, self._follows, follow, hint)
+        folder.checkbox(verb, self._follows, self._follow, hint)
         self._switches.add_to(folder, "trail")
-        folder.button("Clear trail", partial(self.ask, "clear", robot.forget))
+        folder.button("Clear trail", robot.trail.clear)
         self._table = folder.text()
 
     def close(self) -> None:
@@ -86,9 +86,6 @@ class MobileRobotLayer(Layer):
         self._thread.join()
 
     def _command(self, name: str, axis: int, value: Any) -> None:
-        self.ask(name, self._set, name, axis, value)
-
-    def _set(self, name: str, axis: int, value: Any) -> None:
         unit, most = AXES[axis][1], float(self._robot.most[axis])
         given = finite_number(name, value, unit)
         if abs(given) > most:

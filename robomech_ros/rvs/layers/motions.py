@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 import threading
 import time
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -91,19 +90,17 @@ class MotionLayer(Layer):
         self._status = folder.text()
         for label, which in ((START, "start"), (GOAL, "goal")):
             hint = f"The present posture is the {which} of a plan"
-            folder.button(label, partial(self.ask, label, self.remember, which), hint)
-        way = partial(self.ask, "way", self._choose, "way")
-        folder.dropdown("Way", PATH_KINDS, self.way, way)
-        profile = partial(self.ask, "profile", self._choose, "profile")
+            folder.button(label, partial(self.remember, which), hint)
+        folder.dropdown("Way", PATH_KINDS, self.way, partial(self._choose, "way"))
+        profile = partial(self._choose, "profile")
         folder.dropdown("Profile", tuple(PROFILES), self.profile, profile)
         self._add_playing(folder, gui)
-        draw = partial(self.ask, "curves", self.choose_curves)
-        folder.dropdown("Curves", CURVES, self.curves, draw)
-        self._add_box(folder, "sweep of ghosts", self.sweep, self._choose_sweep)
-        folder.button("Forget the plan", partial(self.ask, "forget", self.forget))
+        folder.dropdown("Curves", CURVES, self.curves, self.choose_curves)
+        folder.checkbox("sweep of ghosts", self.sweep, self._choose_sweep)
+        folder.button("Forget the plan", self.forget)
         with gui.add_folder("Trace", expand_by_default=False):
             for link, shown in self.traced.items():
-                self._add_box(folder, link, shown, partial(self._choose_trace, link))
+                folder.checkbox(link, shown, partial(self._choose_trace, link))
         self._load()
 
     def _add_playing(self, folder: Folder, gui: Any) -> None:
@@ -111,24 +108,13 @@ class MotionLayer(Layer):
         self._time = gui.add_slider("Time", 0.0, 1.0, STEP, 0.0, hint="s")
         self._time.precision = DECIMALS
         folder.listen(self._time, partial(self.ask, "seek", self.seek))
-        self._play = folder.button("Play", partial(self.ask, "play", self.play_or_pause))
+        self._play = folder.button("Play", self.play_or_pause)
         hint = "Times as fast as planned"
         speed = gui.add_slider("Speed", SLOWEST, FASTEST, SPEED_STEP, player.speed, hint=hint)
         folder.listen(speed, partial(self.ask, "speed", player.set_speed))
-        self._add_box(folder, "loop", player.loop, partial(_set_flag, player, "loop"))
+        folder.checkbox("loop", player.loop, partial(_set_flag, player, "loop"))
         hint = "The robot itself goes where the ghost at the time is"
-        along = partial(_set_flag, self, "along")
-        self._add_box(folder, "arm goes along", self.along, along, hint)
-
-    def _add_box(
-        self,
-        folder: Folder,
-        label: str,
-        checked: bool,
-        change: Callable[[object], None],
-        hint: str | None = None,
-    ) -> None:
-        folder.checkbox(label, checked, partial(self.ask, ("box", label), change), hint)
+        folder.checkbox("arm goes along", self.along, partial(_set_flag, self, "along"), hint)
 
     def _load(self) -> None:
         """Show another plan in the controls."""

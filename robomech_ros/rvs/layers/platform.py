@@ -55,8 +55,7 @@ class PlatformLayer(Layer):
             self._table.content = fact_table("platform", self._lines())
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        list_other = partial(self.ask, "ghosts", self._list_other)
-        folder.dropdown("ghosts", LISTS, self._kind, list_other)
+        folder.dropdown("ghosts", LISTS, self._kind, self._list_other)
         for name in LABELS:
             self._switches.add_to(folder, name)
         self._table = folder.text()

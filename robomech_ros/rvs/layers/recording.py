@@ -59,11 +59,10 @@ class RecordingLayer(Layer):
         return folder
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        client, ask = self._client, self.ask
-        record = partial(ask, "record", self.record_or_end)
-        label = END if self.recorder.running else RECORD
-        self.record = folder.button(label, record, "What the arm does becomes the plan")
-        download = partial(ask, "download", self.download, client)
+        client, label = self._client, END if self.recorder.running else RECORD
+        hint = "What the arm does becomes the plan"
+        self.record = folder.button(label, self.record_or_end, hint)
+        download = partial(self.download, client)
         folder.button("Save the plan", download, "As a page in a file that plays it")
         picture = partial(save_picture, client, "view.png")
         folder.button("Save a picture", picture, "Of the scene, as PNG")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 from robomech_ros.rvs.model.walking.walker_view import WalkerView
@@ -45,9 +44,8 @@ class WalkingLayer(Layer):
 
     def _fill(self, folder: Folder, gui: Any) -> None:
         hint = "In which it walks on as soon as it stands"
-        choose = partial(self.ask, "gait", self._choose)
         gaits, chosen = self._robot.gaits, self._robot.chosen_gait
-        self._gait = folder.dropdown("gait", gaits, chosen, choose, hint)
+        self._gait = folder.dropdown("gait", gaits, chosen, self._choose, hint)
         hint = "Of the feet that stand, and the way from the mass centre to its nearest edge"
         self._switches.add_to(folder, SHOWN, hint)
         self._table = folder.text()

@@ -125,21 +125,16 @@ class WorkspaceLayer(Layer):
             "points": ("density", tuple(DENSITIES)),
             "coloured by": ("measure", MEASURES),
         }
-        self._choices = [
-            folder.dropdown(
-                label,
-                values,
-                getattr(self._chosen, name),
-                partial(self.ask, name, self._choose, name, values),
-            )
-            for label, (name, values) in choices.items()
-        ]
-        compute = partial(self.ask, "map", self._begin_map)
-        self._compute = folder.button("Compute the map", compute)
-        self._cancel = folder.button("Cancel", partial(self.ask, "cancel", self._cancel_map))
+        self._choices = []
+        for label, (name, values) in choices.items():
+            choose = partial(self._choose, name, values)
+            choice = folder.dropdown(label, values, getattr(self._chosen, name), choose)
+            self._choices.append(choice)
+        self._compute = folder.button("Compute the map", self._begin_map)
+        self._cancel = folder.button("Cancel", self._cancel_map)
         self._legend = folder.text()
         self._switches.add_to(folder, "cut", "Leave a sector open, so that one sees inside")
-        see = partial(self.ask, "see", fit_view, self._place, self._client)
+        see = partial(fit_view, self._place, self._client)
         self._see = folder.button("See all of it", see)
 
     def close(self) -> None:

@@ -76,8 +76,7 @@ class ArmView(DraggableRobot):
         forward_kinematics(self.chain, values)
         for joint, value in enumerate(values.tolist()):
             self._check_inside(joint, value)
-        inside: Array = np.clip(values, self.chain.lower, self.chain.upper)
-        return inside
+        return np.clip(values, self.chain.lower, self.chain.upper)
 
     def like(self, chain: SerialChain) -> ArmView:
         """Return another arm in the same posture, or at home where it has no such posture."""

@@ -46,8 +46,7 @@ def residual_ratios(result: HandEyeResult) -> Array:
         Angle or distance, whichever is greater, as a multiple of its root mean square by the noise.
     """
     noise = np.maximum([result.noise.rotation, result.noise.position], 1e-12)
-    ratios: Array = (result.residuals / (math.sqrt(3.0) * noise)).max(axis=1, initial=0.0)
-    return ratios
+    return (result.residuals / (math.sqrt(3.0) * noise)).max(axis=1, initial=0.0)
 
 
 def position_half_axes(result: HandEyeResult) -> tuple[Array, Array]:

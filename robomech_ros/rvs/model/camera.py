@@ -128,5 +128,4 @@ def fitted_camera(
 def _corners(vertices: Array, pose: Array) -> Array:
     ends = np.stack([vertices.min(axis=0), vertices.max(axis=0)])
     corners = np.array(list(itertools.product(*ends.T)))
-    placed: Array = corners @ pose[:3, :3].T + pose[:3, 3]
-    return placed
+    return corners @ pose[:3, :3].T + pose[:3, 3]

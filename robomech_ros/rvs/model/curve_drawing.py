@@ -135,22 +135,20 @@ def placed_points(axes: tuple[Axis, Axis], points: Array, side: float = SIDE) ->
 
 
 def curve_line(axes: tuple[Axis, Axis], pieces: Sequence[Array], side: float = SIDE) -> str:
-    """Return the way of a curve's pieces (k, 2) in the picture, as the ``d`` of a path."""
+    """Return the pieces (k, 2) of a curve in the picture, as the ``d`` of a path."""
     text = []
     for piece in pieces:
-        points = _thinned(placed_points(axes, piece, side))
+        points = thinned(placed_points(axes, piece, side), FINE)
         text.append("M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points.tolist()))
     return "".join(text)
 
 
-def _thinned(points: Array) -> Array:
-    """Leave out points of a line that are close to each other, but not its ends."""
-    if len(points) < 3:
-        return points
-    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    first = np.diff(np.floor(way / FINE), prepend=-1.0) > 0.0
-    first[-1] = True
-    return points[first]
+def thinned(points: Array, spacing: float) -> Array:
+    """Leave out points of a line that are closer to each other than a spacing, but not its ends."""
+    lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    kept = np.diff(np.floor(lengths / spacing), prepend=-1.0) > 0.0
+    kept[-1] = True
+    return points[kept]
 
 
 def _steps(axes: tuple[Axis, Axis], path: Array | None) -> str:
@@ -194,8 +192,8 @@ def _across(axis: Axis, side: float) -> str:
         x = LEFT + side * (value - axis.low) / (axis.high - axis.low)
         text.append(_tick_line(f"M{x:.1f} {BOTTOM}v{TICK}"))
         text.append(_words(label, f'x="{x:.1f}" y="{BOTTOM + 15:g}"'))
-    place = f'x="{LEFT + 0.5 * side:g}" y="{HEIGHT - 6:g}"'
-    return "".join([*text, _words(_title(axis), place)])
+    position = f'x="{LEFT + 0.5 * side:g}" y="{HEIGHT - 6:g}"'
+    return "".join([*text, _words(_title(axis), position)])
 
 
 def _up(axis: Axis) -> str:
@@ -204,12 +202,12 @@ def _up(axis: Axis) -> str:
         y = BOTTOM - TOP * (value - axis.low) / (axis.high - axis.low)
         text.append(_tick_line(f"M{LEFT} {y:.1f}h{-TICK}"))
         text.append(_words(label, f'x="{LEFT - 7:g}" y="{y + 3.5:.1f}"', "end"))
-    place = f'transform="translate(11 {BOTTOM - 0.5 * TOP:g}) rotate(-90)"'
-    return "".join([*text, _words(_title(axis), place)])
+    position = f'transform="translate(11 {BOTTOM - 0.5 * TOP:g}) rotate(-90)"'
+    return "".join([*text, _words(_title(axis), position)])
 
 
-def _words(text: str, place: str, anchor: str = "middle") -> str:
-    return f'<text {place} text-anchor="{anchor}">{html.escape(text)}</text>'
+def _words(text: str, position: str, anchor: str = "middle") -> str:
+    return f'<text {position} text-anchor="{anchor}">{html.escape(text)}</text>'
 
 
 def _tick_line(d: str) -> str:

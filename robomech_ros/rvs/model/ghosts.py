@@ -139,8 +139,7 @@ class Ghosts:
         # A cylinder is the same the other way round.
         tilt = np.linalg.norm(np.cross(axes[:, None], axes), axis=-1)
         same = shift + 0.5 * length * tilt < SAME * radius
-        again: BoolArray = np.tril(np.moveaxis(same, -1, 0), -1).any(axis=-1).T
-        return again
+        return np.tril(np.moveaxis(same, -1, 0), -1).any(axis=-1).T
 
 
 class NoGhosts:

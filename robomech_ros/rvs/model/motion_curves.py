@@ -110,8 +110,7 @@ def _bounds(robot: SerialChain | Mechanism, limit: str, shown: list[int]) -> tup
 def _rate(values: Array, times: Array) -> Array:
     if len(times) < 2:
         return np.zeros_like(values)
-    rate: Array = np.gradient(values, times, axis=0)
-    return rate
+    return np.gradient(values, times, axis=0)
 
 
 def _of_unit(

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.robots import RobotDescription
 from robomech_ros.rolling.library import RollingRobot
 from robomech_ros.rolling.tree import BASE_JOINTS
+from robomech_ros.rvs.model.kinds.mobile_robot import MobileRobotView, Trail
 from robomech_ros.rvs.model.kinds.rolling import BaseView
-from robomech_ros.rvs.model.kinds.trail import Trail
 from robomech_ros.rvs.model.kinds.tree_view import TreeView
 from robomech_ros.typing import Array
 
@@ -67,77 +66,56 @@ class ObservedRobot(TreeView):
 
     Parameters
     ----------
-    description : RobotDescription
-        With the joints that place it.
-    end : str
-        The link that says where it is.
-    verb : str
-        What it does: drive, or walk.
+    view : MobileRobotView
+        The same robot at rest, which is drawn.
     joints : sequence of str
-        Those that are heard of.
+        Those that are reported.
     placed : callable
         Gives the joints that place it, for its pose over the ground (4, 4).
-    ways : sequence of JogDirection
+    directions : sequence of JogDirection
         In which it can be jogged.
     gaits : sequence of str, optional
         In which it can walk.
     shifts : sequence of Shift, optional
         Of the trunk: x, y, z, roll, pitch, yaw.
-    room : float, optional
-        Side of the square that is seen (m).
 
     Attributes
     ----------
     trail : Trail
-        Where it was.
+        Past positions.
     """
 
     def __init__(
         self,
-        description: RobotDescription,
-        end: str,
-        verb: str,
+        view: MobileRobotView,
         joints: Sequence[str],
         placed: Callable[[Array], Mapping[str, float]],
-        ways: Sequence[JogDirection],
+        directions: Sequence[JogDirection] = JOG_DIRECTIONS,
         gaits: Sequence[str] = (),
         shifts: Sequence[Shift] = (),
-        room: float = 0.0,
     ) -> None:
-        super().__init__(description, {}, end)
-        self.verb, self.ways, self.gaits = verb, tuple(ways), tuple(gaits)
-        self.shifts = tuple(shifts)
-        self.joints, self.placed = tuple(joints), placed
-        self.room = room
+        super().__init__(view.description, {}, view.end)
+        self.verb, self.room, self.joints, self.placed = view.verb, view.room, joints, placed
+        self.directions, self.gaits, self.shifts = directions, gaits, shifts
         self.trail = Trail()
 
-    def hear(self, positions: Mapping[str, float], place: ArrayLike) -> None:
-        """Be where the robot is.
-
-        Parameters
-        ----------
-        positions : mapping of str to float
-            rad or m, by joint.
-        place : array_like, shape (3,)
-            x, y (m) and heading (rad).
-        """
+    def update(self, positions: Mapping[str, float], position: ArrayLike) -> None:
+        """Take joints (rad or m, by name), and x, y (m) and heading (rad), shape (3,)."""
         self.place(positions)
-        self.trail.add(place)
+        self.trail.add(position)
 
 
 def observed_base(robot: RollingRobot) -> ObservedRobot:
     """Return a rolling robot that runs."""
     base = robot.base
-    ways = JOG_DIRECTIONS if base.axle is None else (JOG_DIRECTIONS[0], JOG_DIRECTIONS[2])
-    seen = BaseView(robot)
+    directions = JOG_DIRECTIONS if base.axle is None else JOG_DIRECTIONS[::2]
     turned = [f"{name}_steering" for name in base.steered]
     joints = (*base.names, *turned, *(f"{name}_bracket" for name in base.casters))
 
     def placed(T: Array) -> Mapping[str, float]:
         return dict(zip(BASE_JOINTS, on_plane(T).tolist(), strict=True))
 
-    what = seen.description, seen.end, seen.verb, joints, placed, ways
-    return ObservedRobot(*what, room=seen.room)
+    return ObservedRobot(BaseView(robot), joints, placed, directions)
 
 
 def observed_walker(robot: LeggedRobot) -> ObservedRobot:
@@ -146,17 +124,16 @@ def observed_walker(robot: LeggedRobot) -> ObservedRobot:
     from robomech_ros.rvs.model.walking.placed_tree import placing
     from robomech_ros.rvs.model.walking.walker_view import WalkerView
 
-    seen = WalkerView(robot)
+    view = WalkerView(robot)
 
     def placed(T: Array) -> Mapping[str, float]:
-        return placing(on_plane(T), T, seen.height)
+        return placing(on_plane(T), T, view.height)
 
     shifts = [
-        Shift(name.replace("_", " "), unit, seen.travel(k).high)
-        for k, (name, unit) in enumerate(zip(seen.joint_names, seen.units, strict=True))
+        Shift(name.replace("_", " "), unit, view.travel(k).high)
+        for k, (name, unit) in enumerate(zip(view.joint_names, view.units, strict=True))
     ]
-    what = seen.description, seen.end, seen.verb, robot.joint_names, placed, JOG_DIRECTIONS
-    return ObservedRobot(*what, seen.gaits, shifts, seen.room)
+    return ObservedRobot(view, robot.joint_names, placed, gaits=view.gaits, shifts=shifts)
 
 
 def on_plane(T: Array) -> Array:

@@ -11,6 +11,7 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinetostatics import Workspace, workspace_boundary
 from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
 from robomech_ros.robots import SerialChain
+from robomech_ros.rvs.model.curve_drawing import thinned
 from robomech_ros.rvs.model.curve_problems import Axis
 from robomech_ros.rvs.model.solids import Solid
 from robomech_ros.typing import Array, BoolArray, IntArray
@@ -57,8 +58,7 @@ class SectionView:
 
     def local(self, T: Array) -> Array:
         """Return the point (3,) in the frame of joint 1, the tip being at a pose (4, 4) (m)."""
-        point: Array = self.space.section.in_frame(T[:3, :3] @ self.in_tip + T[:3, 3])
-        return point
+        return self.space.section.in_frame(T[:3, :3] @ self.in_tip + T[:3, 3])
 
     def azimuth(self, T: Array) -> float:
         """Return where the section is in which the point is: turned (rad), or slid (m)."""
@@ -78,8 +78,7 @@ class SectionView:
         else:
             c, s = math.cos(self.azimuth(T)), math.sin(self.azimuth(T))
             shift[:2, :2] = ((c, -s), (s, c))
-        moved: Array = section.base @ shift
-        return moved
+        return section.base @ shift
 
     def target(self, coordinates: Array, T: Array) -> Array:
         """Return the pose of the tip (4, 4) that brings the point to coordinates (2,) (m).
@@ -142,8 +141,7 @@ class SectionView:
             return np.ones(len(points), dtype=bool)
         near = SAME * (self.axes[1].high - self.axes[1].low)
         across = points[:, None] - np.concatenate(drawn)
-        apart: BoolArray = np.hypot(across[..., 0], across[..., 1]).min(axis=1) > near
-        return apart
+        return np.hypot(across[..., 0], across[..., 1]).min(axis=1) > near
 
     def _swept(self, points: Array, values: Array) -> Array:
         a, b = (np.tile(part, len(values)) for part in points.T)
@@ -159,11 +157,7 @@ class SectionView:
         return np.column_stack(order)
 
     def _thinned(self, points: Array) -> Array:
-        least = FINE * (self.axes[1].high - self.axes[1].low)
-        way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-        kept = np.diff(np.floor(way / least), prepend=-1.0) > 0.0
-        kept[-1] = True
-        return points[kept]
+        return thinned(points, FINE * (self.axes[1].high - self.axes[1].low))
 
 
 def section_view(chain: SerialChain) -> SectionView:
@@ -229,8 +223,7 @@ def is_in_opening(azimuths: Array) -> BoolArray:
     """Tell which azimuths (rad) are in the open sector."""
     middle, half = OPENING
     away = np.remainder(azimuths - middle + np.pi, 2.0 * np.pi) - np.pi
-    inside: BoolArray = np.abs(away) < half
-    return inside
+    return np.abs(away) < half
 
 
 def _axes(space: Workspace, low: Array, high: Array) -> tuple[Axis, Axis]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 from robomech_ros.rvs.page.units import AngleSlider, Units, UnitText
@@ -22,12 +23,22 @@ class Folder:
         Among the folders of the page.
     expanded : bool, optional
         Whether it is open at first.
+    ask : callable, optional
+        Has the change of a control, known by its label, made elsewhere; by default it is made on
+        the thread of the server.
     """
 
     def __init__(
-        self, gui: Any, units: Units, label: str, order: float, *, expanded: bool = False
+        self,
+        gui: Any,
+        units: Units,
+        label: str,
+        order: float,
+        *,
+        expanded: bool = False,
+        ask: Callable[..., None] = lambda label, change, *values: change(*values),
     ) -> None:
-        self._gui, self._units = gui, units
+        self._gui, self._units, self._ask = gui, units, ask
         self._folder = gui.add_folder(label, order=order, expand_by_default=expanded)
         self._handles: list[Any] = []
         self._boxes: dict[str, Any] = {}
@@ -57,7 +68,7 @@ class Folder:
     ) -> AngleSlider:
         """Add a slider for a value of a unit between two ends; its changes are in this unit."""
         slider = self._units.slider(self._gui, label, unit, ends, value, hint or f"{unit}")
-        self.listen(slider, changed)
+        self.listen(slider, partial(self._ask, label, changed))
         return slider
 
     def checkbox(
@@ -65,7 +76,7 @@ class Folder:
     ) -> Any:
         """Add a checkbox."""
         box = self._boxes[label] = self._gui.add_checkbox(label, checked, hint=hint)
-        return self.listen(box, changed)
+        return self.listen(box, partial(self._ask, label, changed))
 
     def dropdown(
         self,
@@ -77,7 +88,7 @@ class Folder:
     ) -> Any:
         """Add a choice between options."""
         handle = self._gui.add_dropdown(label, options, initial_value=chosen, hint=hint)
-        return self.listen(handle, changed)
+        return self.listen(handle, partial(self._ask, label, changed))
 
     def mark(self, label: str, checked: bool) -> None:
         """Mark a checkbox, of which something else was the switch."""
@@ -102,7 +113,7 @@ class Folder:
 
         @handle.on_click
         async def _(_: Any) -> None:
-            pressed()
+            self._ask(label, pressed)
 
         return handle
 

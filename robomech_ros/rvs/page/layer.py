@@ -10,9 +10,9 @@ from typing import Any, NamedTuple, Protocol
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.arm import ArmView
 from robomech_ros.rvs.model.draggable import DraggableRobot
-from robomech_ros.rvs.model.plan_view import PlanView
 from robomech_ros.rvs.model.platforms.platform_view import PlatformView
 from robomech_ros.rvs.model.visual_model import VisualModel
+from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.robot_nodes import RobotNodes
@@ -49,6 +49,29 @@ class Switch(NamedTuple):
 
     is_on: Callable[[], bool]
     turn: Callable[[bool], None]
+
+
+class PlanView:
+    """The plan that a page shows, or none; not for several threads at a time.
+
+    Attributes
+    ----------
+    motion : Motion or None
+    name : str
+        What it is, for people.
+    """
+
+    def __init__(self) -> None:
+        self.motion: Motion | None = None
+        self.name = ""
+
+    def show(self, motion: Motion | None, name: str) -> None:
+        """Show a motion instead of the present one."""
+        self.motion, self.name = motion, name
+
+    def forget(self) -> None:
+        """Show none."""
+        self.show(None, "")
 
 
 @dataclass(frozen=True)
@@ -149,11 +172,13 @@ class Layer:
     Attributes
     ----------
     label, order, expanded : str, float, bool
-        Name of the layer's folder of controls, its place among the folders, and whether it is open
-        at first.
+        Name of the layer's folder of controls, its position among the folders, and whether it is
+        open at first.
+    asks : bool
+        Whether changes of the controls are made on the thread of the page, not of the server.
     """
 
-    label, order, expanded = "", 0.0, False
+    label, order, expanded, asks = "", 0.0, False, True
 
     def __init__(self, place: LayerContext) -> None:
         self._place = place
@@ -165,13 +190,18 @@ class Layer:
 
     def controls(self, client: Any) -> Controls:
         """Give the browser that commands (viser.ClientHandle) a folder of controls."""
-        self._folder = folder = Folder(
-            client.gui, self._place.units, self.label, self.order, expanded=self.expanded
+        self._folder = folder = self._add_folder(
+            client.gui, self.label, self.order, expanded=self.expanded
         )
         with folder:
             self._fill(folder, client.gui)
         self.show()
         return folder
+
+    def _add_folder(self, gui: Any, label: str, order: float, **options: Any) -> Folder:
+        if self.asks:
+            options["ask"] = self.ask
+        return Folder(gui, self._place.units, label, order, **options)
 
     def _fill(self, folder: Folder, gui: Any) -> None:
         """Add the controls to a folder of a browser (viser.GuiApi)."""

@@ -11,12 +11,11 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.arm import ArmView
 from robomech_ros.rvs.model.draggable import DraggableRobot
-from robomech_ros.rvs.model.plan_view import PlanView, check_same_joints
 from robomech_ros.rvs.model.platforms.platform_view import PlatformView
 from robomech_ros.rvs.model.visual_model import VisualModel, load_visual_model
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.clients import AllControls, Controls, PageClients
-from robomech_ros.rvs.page.layer import Layer, LayerContext, LayerMaker, Switch
+from robomech_ros.rvs.page.layer import Layer, LayerContext, LayerMaker, PlanView, Switch
 from robomech_ros.rvs.page.panel import AT_FIRST, Panel
 from robomech_ros.rvs.page.scene import BASE, PageScene
 from robomech_ros.rvs.page.surroundings import set_theme
@@ -191,7 +190,7 @@ class RobotPage(ServedPage):
         name : str, optional
             What it is, for people.
         """
-        check_same_joints(motion, self._planned_joints())
+        self._check_joints(motion)
         self._ask("plan", lambda: self._show_plan(motion, name))
 
     def forget_plan(self) -> None:
@@ -202,13 +201,18 @@ class RobotPage(ServedPage):
 
     def _show_plan(self, motion: Motion, name: str) -> None:
         # Another robot may have come meanwhile.
-        check_same_joints(motion, self._planned_joints())
+        self._check_joints(motion)
         self._plan.show(motion, name)
 
-    def _planned_joints(self) -> tuple[str, ...]:
+    def _check_joints(self, motion: Motion) -> None:
+        """Refuse a motion that is not one of the joints of this robot."""
         if not isinstance(self._arm, ArmView | PlatformView):
             raise BadValueError("plan", self._arm.name, "one of an arm or a parallel robot")
-        return self._arm.state_joints
+        if not isinstance(motion, Motion):
+            raise BadValueError("motion", motion, "a Motion")
+        names, joints = tuple(motion.chain.joint_names), self._arm.state_joints
+        if names != joints:
+            raise BadValueError("joints of the motion", names, ", ".join(joints))
 
     def _make_controls(self, client: Any) -> Controls:
         self._panel = None

@@ -32,7 +32,7 @@ class Switches:
         on: dict[str, bool],
         changed: Callable[[str, bool], None] = lambda name, asked: None,
     ) -> None:
-        self._place, self._labels, self._on, self._changed = place, labels, on, changed
+        self._labels, self._on, self._changed = labels, on, changed
         self._folder: Folder | None = None
         for name, label in labels.items():
             place.offered[label] = Switch(partial(on.__getitem__, name), partial(self.turn, name))
@@ -43,7 +43,7 @@ class Switches:
     def add_to(self, folder: Folder, name: str, hint: str | None = None) -> None:
         """Add the checkbox of a switch to a folder."""
         self._folder = folder
-        folder.checkbox(self._labels[name], self._on[name], partial(self._ask, name), hint)
+        folder.checkbox(self._labels[name], self._on[name], partial(self._take, name), hint)
 
     def turn(self, name: str, on: bool, asked: bool = False) -> None:
         """Switch on or off."""
@@ -52,6 +52,5 @@ class Switches:
         if self._folder is not None:
             self._folder.mark(self._labels[name], on)
 
-    def _ask(self, name: str, value: Any) -> None:
-        label = self._labels[name]
-        self._place.ask((self, name), lambda: self.turn(name, as_flag(label, value), True))
+    def _take(self, name: str, value: Any) -> None:
+        self.turn(name, as_flag(self._labels[name], value), True)

@@ -25,7 +25,7 @@ def test_a_base_drives_on_the_page_and_leaves_a_trail(shown):
     page._layers[0]._command("forward", 1, 0.4)
     tab.wait_for("__viserMutable.nodeRefFromName['/base/way_ahead']")
     press(tab, field("drive"))
-    wait_until(lambda: len(base.trail) > 10)
+    wait_until(lambda: len(base.trail.points) > 10)
     tab.wait_for("__viserMutable.nodeRefFromName['/base/trail']")
     press(tab, field("drive"))
     wait_until(lambda: base.stands)

@@ -31,7 +31,7 @@ def test_a_base_drives_as_commanded_on_an_arc_and_leaves_a_trail(name):
     went = moved(before, base.command * 10 * PERIOD)
     np.testing.assert_allclose(base.pose[:2], went[:2], atol=1e-9)
     assert math.remainder(base.pose[2] - went[2], 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
-    np.testing.assert_allclose(base.trail[-1, :2], base.pose[:2], atol=0.02)
+    np.testing.assert_allclose(base.trail.points[-1, :2], base.pose[:2], atol=0.02)
     np.testing.assert_allclose(base.path_ahead()[0, :2], base.pose[:2])
     joints, rates = base.positions, dict(base.facts())
     assert set(joints) == set(base.state_joints)
@@ -42,8 +42,8 @@ def test_a_base_drives_as_commanded_on_an_arc_and_leaves_a_trail(name):
         if base.stands:
             break
     assert base.stands and not np.array_equal(base.pose, arrived_at)
-    base.forget()
-    assert len(base.trail) == 0
+    base.trail.clear()
+    assert len(base.trail.points) == 0
 
 
 def test_wheels_at_their_limits_are_named_and_marked():
@@ -125,7 +125,7 @@ def test_a_browser_drives_the_base_and_lets_it_brake(driven):
     wait_until(lambda: base.command[1] == 0.5)
     assert not base.pose.any()
     send_value(connection, found["drive"]._impl.uuid, True)
-    wait_until(lambda: base.motion.twist[1] == pytest.approx(0.5) and len(base.trail) > 10)
+    wait_until(lambda: base.motion.twist[1] == pytest.approx(0.5) and len(base.trail.points) > 10)
     send_value(connection, found["drive"]._impl.uuid, False)
     wait_until(lambda: base.stands)
     wait_until(lambda: not page._layers[0].moves)

@@ -49,13 +49,13 @@ def test_a_machine_walks_on_feet_that_stay_and_leaves_a_trail(name):
         lifted |= set(np.flatnonzero(~after.contacts).tolist())
     assert lifted == set(range(len(walker.robot.legs)))
     assert walker.study.sentence.startswith("Walks on ") and not walker.stands
-    trail = walker.trail
+    trail = walker.trail.points
     assert len(trail) > 2 and (np.diff(trail[:, 0]) > 0.0).all()
     np.testing.assert_allclose(walker.path_ahead()[0, :2], [walker.positions["base_x"], 0.0])
     settled(walker)
     assert walker.support.contacts.all() and walker.study.sentence.startswith("Stands on ")
-    walker.forget()
-    assert len(walker.trail) == 0
+    walker.trail.clear()
+    assert len(walker.trail.points) == 0
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -209,7 +209,7 @@ def test_a_browser_has_it_walk_and_stop(walked):
     wait_until(lambda: walker.command[1] == 0.08)
     assert walker.stands
     send_value(connection, found["walk"]._impl.uuid, True)
-    wait_until(lambda: walker.positions["base_x"] > 0.03 and len(walker.trail) > 2)
+    wait_until(lambda: walker.positions["base_x"] > 0.03 and len(walker.trail.points) > 2)
     send_value(connection, found["walk"]._impl.uuid, False)
     wait_until(lambda: walker.stands and not page._layers[0].moves)
     assert walker.support.contacts.all()

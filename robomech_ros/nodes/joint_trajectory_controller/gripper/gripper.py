@@ -216,8 +216,7 @@ def _limits(joints: Sequence[Joint]) -> Limits:
 def _efforts(joints: Sequence[Joint], most: float) -> Array:
     """Return the most that each drive exerts, N m or N, shape (n,); NaN where that is not known."""
     own = np.array([joint.effort for joint in joints])
-    strongest: Array = np.fmin(own, most) if most else own
-    return strongest
+    return np.fmin(own, most) if most else own
 
 
 def _at_rest(model: RobotModel, names: Sequence[str]) -> Array:

@@ -51,8 +51,7 @@ class HandGhosts:
         moved = [np.abs(np.array(p) - h[0]).max(axis=1) for p, h in zip(parts, here, strict=True)]
         differs = np.array(moved) > SAME
         weights = np.where(differs.any(axis=0), differs, True).astype(np.float64)
-        mean: Array = (weights[..., None] * at).sum(axis=0) / weights.sum(axis=0)[:, None]
-        return mean
+        return (weights[..., None] * at).sum(axis=0) / weights.sum(axis=0)[:, None]
 
     def placed(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> GhostPieces:
         """Place the pieces of ghosts; those of the first posture come first.

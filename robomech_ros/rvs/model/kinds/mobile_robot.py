@@ -3,23 +3,55 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections import deque
 from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from robomech_ros.robots import RobotDescription
 from robomech_ros.rolling.arcs import moved
 from robomech_ros.rvs.model.draggable import SliderRange
-from robomech_ros.rvs.model.kinds.trail import Trail, on_ground
 from robomech_ros.rvs.model.kinds.tree_view import TreeView
 from robomech_ros.typing import Array
 
-# For how long the way ahead is drawn (s), in so many pieces.
+# For how long the path ahead is drawn (s), in so many pieces.
 AHEAD, PIECES = 3.0, 60
+# Most positions of a trail, and their least distance (m, rad).
+MOST_POSITIONS, APART = 2000, 0.01
+# Height of a line over the ground (m), which would hide it.
+LIFT = 0.004
 
-# Of a twist: its name, its unit, and its place in [w, vx, vy].
+# Of a twist: its name, its unit, and its index in [w, vx, vy].
 AXES = (("turn", "rad/s", 0), ("forward", "m/s", 1), ("sideways", "m/s", 2))
+
+
+class Trail:
+    """Past positions of a robot; the oldest ones are dropped."""
+
+    def __init__(self) -> None:
+        self._positions: deque[Array] = deque(maxlen=MOST_POSITIONS)
+
+    def add(self, pose: ArrayLike) -> None:
+        """Add x, y (m) and heading (rad), unless the last ones are as near as these."""
+        position = np.array(pose, dtype=np.float64)
+        if not self._positions or np.abs(self._positions[-1] - position).max() > APART:
+            self._positions.append(position)
+
+    def clear(self) -> None:
+        """Begin anew."""
+        self._positions.clear()
+
+    @property
+    def points(self) -> Array:
+        """The positions, on the ground, shape (m, 3) (m)."""
+        return on_ground(np.array(self._positions).reshape(-1, 3))
+
+
+def on_ground(positions: Array) -> Array:
+    """Return points on the ground, just above it, for positions (m, 2 or more) (m)."""
+    return np.column_stack([positions[:, :2], np.full(len(positions), LIFT)])
 
 
 class MobileRobotView(TreeView):
@@ -31,6 +63,8 @@ class MobileRobotView(TreeView):
         What it does: drive, or walk.
     period : float
         s.
+    trail : Trail
+        Past positions.
     command : ndarray, shape (3,)
         The twist [w, vx, vy] that it is to have (rad/s, m/s).
     most : ndarray, shape (3,)
@@ -49,7 +83,7 @@ class MobileRobotView(TreeView):
     ) -> None:
         super().__init__(description, travels, end)
         self.command = np.zeros(3)
-        self._trail = Trail()
+        self.trail = Trail()
 
     @property
     @abstractmethod
@@ -85,15 +119,6 @@ class MobileRobotView(TreeView):
             return np.empty((0, 3))
         times = np.linspace(0.0, AHEAD, PIECES + 1)
         return on_ground(np.array([moved(pose, twist * time) for time in times]))
-
-    @property
-    def trail(self) -> Array:
-        """Past positions, shape (m, 3) (m)."""
-        return self._trail.points
-
-    def forget(self) -> None:
-        """Begin a new trail."""
-        self._trail.clear()
 
 
 def twist_facts(twist: Array, most: Sequence[float] | Array) -> list[tuple[str, str]]:

@@ -87,7 +87,7 @@ class BaseView(MobileRobotView):
         turn = math.remainder(heading, 2.0 * math.pi)
         self.place(dict(zip(BASE_JOINTS, (x, y, turn), strict=True)) | wheels)
         self.place(self._angles())
-        self._trail.add(simulated.pose)
+        self.trail.add(simulated.pose)
         self.preview()
 
     def preview(self) -> None:

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from robomech_ros.rvs.model.kinds.trail import on_ground
+from robomech_ros.rvs.model.kinds.mobile_robot import on_ground
 from robomech_ros.typing import Array, BoolArray
 from robomech_ros.walking import stability_margin, support_polygon
 

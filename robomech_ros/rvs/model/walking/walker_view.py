@@ -137,7 +137,7 @@ class WalkerView(MobileRobotView):
         self._wanted[:] = 0.0
         self.moved_joint, self._refusal = None, ""
         self._on_its_way = True
-        self.forget()
+        self.trail.clear()
         self._show(self._walker.update())
 
     def choose_gait(self, gait: str) -> None:
@@ -158,7 +158,7 @@ class WalkerView(MobileRobotView):
             self._update = update = self._walker.update()
             still = float(np.abs(update.rates).max()) <= REST
             self._on_its_way = update.walking or not still or bool(command.any())
-        self._trail.add(self._update.base)
+        self.trail.add(self._update.base)
         self._show(self._update)
 
     def preview(self) -> None:

@@ -73,7 +73,7 @@ def test_a_base_is_jogged_and_drawn_where_it_drives(graph, browse, name):
     graph.start(MobileBaseNode, robot_description=name)
     browser = page_of(graph, browse, name)
     assert not place(browser).any()
-    ways = [f"{way.kind} {way.axis}" for way in browser.page._arm.ways]
+    ways = [f"{one.kind} {one.axis}" for one in browser.page._arm.directions]
     wheels = dict(browser.page._arm.positions)
     hold_until(browser, "linear 0 +", lambda: place(browser)[0] > 0.05)
     until_still(graph, browser, browser.node._robot._feed._odometry.topic)
