@@ -88,8 +88,7 @@ def _hand(name: str) -> tuple[str, str, str]:
 def _walking(name: str) -> tuple[str, str, str]:
     """Return the legs and the source of a walking machine."""
     robot = load_legged(name)
-    legs = f"{len(robot.legs)} legs x {_letters(robot.legs[0].types)}"
-    return legs, "walking", robot.source
+    return f"{len(robot.legs)} legs x {_letters(robot.legs[0].types)}", "walking", robot.source
 
 
 def _letters(types: Iterable[int]) -> str:

@@ -244,8 +244,7 @@ class RobotDescription(Printed):
             indices = np.array([leaders.index(one.leader) for one in couplings])
             gain = np.array([one.multiplier for one in couplings])
             offset = np.array([one.offset for one in couplings])
-            names = tuple(joint.name for joint in moving)
-            coupling = Coupling(names, types, indices, gain, offset)
+            coupling = Coupling(tuple(joint.name for joint in moving), types, indices, gain, offset)
         pairs = list(zip(moving, couplings, strict=True))
         driven = [[pair for pair in pairs if pair[1].leader == name] for name in leaders]
         limits = [drive_limits(*pair) for pair in zip(leading, driven, strict=True)]

@@ -32,8 +32,7 @@ def recover_dh(packed: Array) -> DHTable:
     DHTable
         As :func:`dh_from_chain` describes it.
     """
-    types = packed[:-1, 0].astype(np.int64)
-    return table_of_axes(*_axes_at_zero(packed), types)
+    return table_of_axes(*_axes_at_zero(packed), packed[:-1, 0].astype(np.int64))
 
 
 def table_of_axes(axes: Array, origins: Array, tip: Array | None, types: IntArray) -> DHTable:
@@ -54,8 +53,7 @@ def table_of_axes(axes: Array, origins: Array, tip: Array | None, types: IntArra
     parameters = np.zeros((4, n))
     for i in range(n):
         if i + 1 < n:
-            placed = types[i + 1] == PRISMATIC
-            point = frame[:3, 3] if placed else origins[i + 1]
+            point = frame[:3, 3] if types[i + 1] == PRISMATIC else origins[i + 1]
             after = _next_frame(frame, axes[i + 1], point)
         elif tip is None:
             after = tip = frame
@@ -65,8 +63,7 @@ def table_of_axes(axes: Array, origins: Array, tip: Array | None, types: IntArra
         frame = after
     a, b, alpha, theta = parameters
     assert tip is not None
-    tool = rigid_inverse(frame) @ tip
-    return DHTable(a, b, alpha, theta, base, tool, types)
+    return DHTable(a, b, alpha, theta, base, rigid_inverse(frame) @ tip, types)
 
 
 def _axes_at_zero(packed: Array) -> tuple[Array, Array, Array]:

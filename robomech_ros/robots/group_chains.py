@@ -113,8 +113,7 @@ def main_chain(
 
 def _with_ends(group: Group, base: str, tip: str) -> tuple[str, str]:
     if group.ends is None and not tip:
-        expected = "one that is a chain, or the name of its tip, too"
-        raise BadValueError("group", group.name, expected)
+        raise BadValueError("group", group.name, "one that is a chain, or the name of its tip, too")
     ends = group.ends or ("", "")
     return base or ends[0], tip or ends[1]
 

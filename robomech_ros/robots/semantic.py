@@ -157,8 +157,7 @@ class SemanticDescription(Printed):
         missing = [joint for joint in chain.joint_names if joint not in state]
         if missing:
             what = f"state '{name}' of group '{group}'"
-            expected = f"positions of {', '.join(missing)}, too"
-            raise BadValueError(what, state, expected)
+            raise BadValueError(what, state, f"positions of {', '.join(missing)}, too")
         q = np.array([state[joint] for joint in chain.joint_names])
         return np.clip(q, chain.lower, chain.upper)
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.parallel import load_tree_description
@@ -89,11 +89,8 @@ def view(
     '?token'
     >>> page.close()
     """
-    where: dict[str, Any] = {"port": port, "host": host}
     description, moved = shown_robot(robot)
-    if moved is None:
-        return page_of(description, description.chain(base, tip), **where)
-    return page_of(description, moved, **where)
+    return page_of(description, moved or description.chain(base, tip), port=port, host=host)
 
 
 def shown_robot(
@@ -154,10 +151,11 @@ def page_of(
     from robomech_ros.rvs.layers.gripper import GripperLayer
     from robomech_ros.rvs.page.page import RobotPage
 
-    layers = list(live)
-    if isinstance(moved, SerialChain) and not live:
+    layers, kind = [*live], ARM
+    if not isinstance(moved, SerialChain):
+        kind = moved.kind
+    elif not live:
         layers.append(GripperLayer)
-    kind = ARM if isinstance(moved, SerialChain) else moved.kind
     layers += VIEW_KINDS[kind].make_layers()
     return RobotPage(description, moved, port=port, host=host, layers=layers, fixed=bool(live))
 
@@ -210,8 +208,8 @@ def mobile_page_of(
     from robomech_ros.rvs.page.page import RobotPage
 
     layers: list[LayerMaker] = [partial(LiveMobileRobotLayer, robot=robot), CameraLayer]
-    where: dict[str, Any] = {"port": port, "host": host, "fixed": True}
-    return RobotPage(followed.description, followed, layers=layers, **where)
+    description = followed.description
+    return RobotPage(description, followed, port=port, host=host, layers=layers, fixed=True)
 
 
 def _platform(robot: ParallelRobot | Mechanism) -> DraggableRobot:

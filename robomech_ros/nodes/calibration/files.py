@@ -194,8 +194,7 @@ def _parameters(solution: Solution, name: str) -> dict[str, Any]:
 
 
 def _type(solution: Solution) -> str:
-    types = {mount: type_ for type_, mount in MOUNT_OF_TYPE.items()}
-    return types[solution.result.mount]
+    return {mount: type_ for type_, mount in MOUNT_OF_TYPE.items()}[solution.result.mount]
 
 
 def _transform(T: Array) -> dict[str, dict[str, float]]:

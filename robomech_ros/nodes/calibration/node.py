@@ -125,8 +125,7 @@ class CalibrationNode(Node):
             raise BadValueError("timeout", patience, f"at most {LONGEST_WAIT:g} s")
         self._check_frames(settings)
         robot, tracking = await self._sampler.take(patience)
-        most = settings.max_samples
-        response.index = self._samples.add(robot[None], tracking[None], most)
+        response.index = self._samples.add(robot[None], tracking[None], settings.max_samples)
         response.robot = stamped_pose(robot, self._base)
         response.tracking = stamped_pose(tracking, self._tracking.parent)
         return self._changed(response)

@@ -71,8 +71,7 @@ class ClosedLoopPositions:
         if list(state.name) == [HOME] and not state.position:
             return mechanism.home()
         if self.gives_drives(state):
-            drives = positions_by_name(state, mechanism.actuated, what)
-            return self.complete(drives, what, present)
+            return self.complete(positions_by_name(state, mechanism.actuated, what), what, present)
         if not state.name and len(state.position) != mechanism.n:
             expected = f"{mechanism.dof}, of the drives, or {mechanism.n}, of all joints"
             raise WrongSizeError(f"{what}.position", len(state.position), expected)

@@ -229,8 +229,7 @@ def _values(entry: Mapping[str, Any], place: str) -> dict[str, float]:
     """List the numbers that count: those whose ``has_`` is not false."""
     values: dict[str, float] = {}
     for has, keys in _NUMBERS.items():
-        present = entry.get(has, any(key in entry for key in keys))
-        if not read_flag(present, has, place):
+        if not read_flag(entry.get(has, any(key in entry for key in keys)), has, place):
             continue
         for key in keys:
             number = read_number(entry.get(key), key, place)

@@ -185,8 +185,7 @@ def stream_message(
     stamp : Time
         When the message was made, in ROS time.
     """
-    times = ahead + samples.times
-    points = TrajectoryPoints().filled(times, samples.positions, samples.velocities)
+    points = TrajectoryPoints().filled(ahead + samples.times, samples.positions, samples.velocities)
     message = JointTrajectory(joint_names=list(names), points=points)
     message.header.stamp = stamp
     return message

@@ -77,8 +77,7 @@ class MotionClock:
     def _take_step(self, step: TimeJump) -> None:
         """Take a step of simulated time for a jump, or for usual."""
         by = float(step.delta.nanoseconds) * _NANO
-        longest = min(max(_UNUSUAL * self._usual, SHORTEST_JUMP), LONGEST_STEP)
-        if 0.0 <= by <= longest:
+        if 0.0 <= by <= min(max(_UNUSUAL * self._usual, SHORTEST_JUMP), LONGEST_STEP):
             self._usual = max(by, (1.0 - _FORGET) * self._usual)
             return
         # A clock that has come to go in longer steps is believed after some of them.

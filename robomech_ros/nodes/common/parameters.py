@@ -340,8 +340,7 @@ def _declared(node: Node, row: ParameterRow) -> Any:
     value = row.checked(node.declare_parameter(row.name, default, untyped).value)
     node.undeclare_parameter(row.name)
     if get_args(row.kind) and not value:
-        texts = row.kind == _TEXTS
-        kind = Parameter.Type.STRING_ARRAY if texts else Parameter.Type.DOUBLE_ARRAY
+        kind = Parameter.Type.STRING_ARRAY if row.kind == _TEXTS else Parameter.Type.DOUBLE_ARRAY
         _declare_empty(node, row, kind)
     else:
         plain = list(value) if isinstance(value, tuple) else value

@@ -143,8 +143,7 @@ class _WaitingNode:
         )
 
     def _waits_for_group(self) -> str:
-        what = f"the SRDF with group '{self._group}'"
-        return self._waits_for(what, SEMANTIC_TOPIC, "move_group")
+        return self._waits_for(f"the SRDF with group '{self._group}'", SEMANTIC_TOPIC, "move_group")
 
     def _receive(self, message: String) -> None:
         if self._done:

@@ -87,8 +87,7 @@ def demonstrate_calibration(
 def _commands(
     which: Which, calibration_type: str, output: Path, on_tf: bool
 ) -> dict[str, list[str]]:
-    options = LaunchOptions(which.robot, servo=False, calibration=True)
-    commands = options.commands()
+    commands = LaunchOptions(which.robot, servo=False, calibration=True).commands()
     parameters = {
         "calibration_type": calibration_type,
         "tracking_base_frame": CAMERA,
@@ -118,8 +117,7 @@ def _tell(
         f"the truth is {distance:.2f} deviations from the result; 95 of 100 calibrations are "
         "within 3.55"
     )
-    saved = client.call("calibration/save", SaveCalibration.Request(name=chain.name))
-    for path in saved.files:
+    for path in client.call("calibration/save", SaveCalibration.Request(name=chain.name)).files:
         reporter.say(f"saved: {path}")
     picture = plot_calibration(
         output / f"{chain.name}_calibration.png",

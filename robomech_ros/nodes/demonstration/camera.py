@@ -69,8 +69,7 @@ def scene_of(chain: SerialChain, q: Array, in_hand: bool) -> Scene:
     if in_hand:
         target = hand @ mounted @ apart
         return Scene(True, mounted, target, target[:3, 3])
-    camera = hand @ mounted @ apart
-    return Scene(False, camera, mounted, hand[:3, 3])
+    return Scene(False, hand @ mounted @ apart, mounted, hand[:3, 3])
 
 
 class SimulatedCamera:
@@ -141,7 +140,6 @@ class SimulatedCamera:
     def _noisy(self, T: Array) -> Array:
         rotation, position = self._noise
         noisy = T.copy()
-        turn = matrix_from_rotation_vector(rotation * self._rng.normal(size=3))
-        noisy[:3, :3] = T[:3, :3] @ turn
+        noisy[:3, :3] = T[:3, :3] @ matrix_from_rotation_vector(rotation * self._rng.normal(size=3))
         noisy[:3, 3] += position * self._rng.normal(size=3)
         return noisy

@@ -44,7 +44,6 @@ def chain_with_limits(which: Which) -> tuple[SerialChain, str]:
         There are no velocity limits to assume others by.
     """
     description, notice, _ = with_assumed_rates(load_description(which.robot))
-    semantics = load_semantics(description, which.srdf)
-    chain = main_chain(description, semantics, group=which.group)
+    chain = main_chain(description, load_semantics(description, which.srdf), group=which.group)
     chain.require_limits("velocity")
     return chain, notice

@@ -28,7 +28,6 @@ def carry(client: DemoClient, mass: float) -> None:
     """
     value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=mass)
     parameter = Parameter(name="payload_mass", value=value)
-    request = SetParametersAtomically.Request(parameters=[parameter])
-    result = client.ask(_SERVICE, request).result
+    result = client.ask(_SERVICE, SetParametersAtomically.Request(parameters=[parameter])).result
     if not result.successful:
         raise DemoFailedError(f"payload of {mass:g} kg: {result.reason}")

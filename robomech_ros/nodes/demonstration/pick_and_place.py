@@ -98,8 +98,7 @@ class PickAndPlace:
         self._reporter.heading(f"{name} at x y z = {_listed(T[:3, 3])} m")
         goal = self._solve(name, T)
         self.marks.append((self._client.now(), f"{name} ({profile})"))
-        named = joint_state(self._robot.joint_names, goal)
-        self._move(name, profile, named, goal, T)
+        self._move(name, profile, joint_state(self._robot.joint_names, goal), goal, T)
 
     def _along(self, way: TipPath) -> None:
         """Move the tip along a path, to where it ends."""
@@ -188,8 +187,7 @@ class PickAndPlace:
                 show(done, self._client.present[shown])
 
             patience = leg.duration + _GRACE_SECONDS
-            arrived = self._joints_arrived
-            self._client.wait_until_at(goal, arrived, patience, look, trajectory)
+            self._client.wait_until_at(goal, self._joints_arrived, patience, look, trajectory)
             show(1.0, self._client.present[shown])
         self._check(leg, T)
         self.legs.append(leg)

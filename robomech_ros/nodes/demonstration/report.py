@@ -118,8 +118,7 @@ class Reporter:
     def summary(self, legs: list[Leg]) -> None:
         """Print the motions in a table."""
         table = Table(box=None, padding=(0, 1), header_style="bold")
-        titles = ("motion", "profile", "duration", "peak velocity", "tip off by", "and by")
-        for title in titles:
+        for title in ("motion", "profile", "duration", "peak velocity", "tip off by", "and by"):
             table.add_column(title, justify="left" if title in ("motion", "profile") else "right")
         for leg in legs:
             table.add_row(

@@ -26,8 +26,7 @@ def paths_for(base: RollingBase) -> tuple[float, tuple[ClosedPath, ClosedPath]]:
     """Return the paths of a base, and the radius at which they turn (m)."""
     places = np.array([wheel.position for wheel in base.wheels])
     size = max(float(np.ptp(places, axis=0).max()), float(base.radii.max()))
-    tightest = max(abs(1.0 / value) for value in base.curvatures)
-    radius = max(_OF_LENGTH * size, _WIDER * tightest)
+    radius = max(_OF_LENGTH * size, _WIDER * max(abs(1.0 / value) for value in base.curvatures))
     turning = base.axle is None
     square = rounded_square(radius, turning=turning)
     return radius, (square, figure_of_eight(radius, looking_ahead=not turning))

@@ -58,8 +58,7 @@ def demonstrate(robot: str, output: Path) -> None:
         f"a cycle of {walker.cycle:.2f} s"
     )
     commands = LaunchOptions(robot, kind="walking").commands()
-    given = {"gait": walker.gait, "lead": _LEAD, "tracking_delay": _LAG}
-    for name, value in given.items():
+    for name, value in {"gait": walker.gait, "lead": _LEAD, "tracking_delay": _LAG}.items():
         commands["walker"] += ["-p", f"{name}:={value}"]
     with running_client(commands, legged.joint_names, legged.units) as (suite, client):
         client.wait_until_up({})

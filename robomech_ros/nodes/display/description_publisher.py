@@ -63,5 +63,4 @@ class DescriptionPublisher:
     def _publish(self) -> None:
         self._publisher = self._node.create_publisher(String, self._own_name, LATCHED)
         self._publisher.publish(String(data=self._text))
-        text = f"'{self._topic}' comes from here: {self._what}"
-        self._node.get_logger().info(text)
+        self._node.get_logger().info(f"'{self._topic}' comes from here: {self._what}")

@@ -72,8 +72,7 @@ class FramePublisher:
         self.moving, self.fixed = tuple(self._of_moving), tuple(self._of_fixed)
         shown = {*self._of_moving.values(), *self._of_fixed.values()}
         if left_out := sorted(joint.name for joint in joints if joint not in shown):
-            text = f"/tf lacks what is behind the joints {', '.join(left_out)}"
-            node.get_logger().warning(text)
+            node.get_logger().warning(f"/tf lacks what is behind the joints {', '.join(left_out)}")
         self._publisher = node.create_publisher(message, "/tf", _DEPTH)
         self._latched = node.create_publisher(message, "/tf_static", LATCHED)
         self.topic, self.fixed_topic = self._publisher.topic_name, self._latched.topic_name
@@ -99,8 +98,7 @@ class FramePublisher:
         joints = [joint for frame, joint in self._of_moving.items() if frame in moving]
         message = self.kind(transforms=self._transforms(joints))
         children = frozenset(entry.child_frame_id for entry in message.transforms)
-        names = [joint.name for joint in joints]
-        chosen = _Moving(names, JointPoses(joints), message, children)
+        chosen = _Moving([joint.name for joint in joints], JointPoses(joints), message, children)
         self._frames = chosen if joints else None
 
     def publish(self, positions: Mapping[str, float], stamp: tuple[int, int]) -> None:

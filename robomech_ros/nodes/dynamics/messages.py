@@ -192,8 +192,7 @@ async def tip_wrench(
     force = _vector(message.wrench.force, "tip_wrench.wrench.force")
     moment = _vector(message.wrench.torque, "tip_wrench.wrench.torque")
     at = dict(zip(joint_names, q.T, strict=True))
-    stamp = message.header.stamp
-    pose = await frames.in_base(message.header.frame_id, patience, stamp, at)
+    pose = await frames.in_base(message.header.frame_id, patience, message.header.stamp, at)
     if pose is not None:
         axes = pose[..., :3, :3]
         moment, force = axes @ moment, axes @ force

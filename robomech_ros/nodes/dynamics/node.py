@@ -94,8 +94,7 @@ class DynamicsNode(Node):
         if count > most:
             raise WrongSizeError("points", count, f"at most {most}, the parameter max_batch_size")
         names = list(request.joint_names) or list(self._drives.names)
-        points = request.points or [await self._present(names)]
-        states = motions(points, names, self._drives)
+        states = motions(request.points or [await self._present(names)], names, self._drives)
         wrench = await self._wrench(request, states.q)
         for field, rows in states.torques(system, self._gravity(request), wrench).items():
             setattr(response, field, floats(states.in_request_order(rows)))

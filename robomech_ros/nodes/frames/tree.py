@@ -230,6 +230,5 @@ class FrameTree:
         pose = np.eye(4)
         for frame in way:
             sample = self._histories[frame].at(stamp)
-            rotation = matrix_from_quaternion(sample.turn)
-            pose = assembled(rotation, np.array(sample.place)) @ pose
+            pose = assembled(matrix_from_quaternion(sample.turn), np.array(sample.place)) @ pose
         return pose

@@ -148,8 +148,7 @@ class GivenHand:
 
     def require_palm(self, given: str) -> None:
         """Refuse a frame that is not the palm's."""
-        known = {"", self.palm, self.palm.removeprefix(self._prefix)}
-        if given.removeprefix("/") not in known:
+        if given.removeprefix("/") not in {"", self.palm, self.palm.removeprefix(self._prefix)}:
             why = "contacts of a hand are taken in the frame of its palm alone"
             raise FrameUnavailableError(given, [self.palm], why)
 
@@ -180,6 +179,5 @@ class GivenHand:
             if name not in known:
                 raise BadValueError(f"fingers[{k}]", name, f"one of {', '.join(known)}")
         if each_once and len(set(names)) < len(names):
-            expected = "each finger once: a finger has one tip"
-            raise BadValueError("fingers", list(names), expected)
+            raise BadValueError("fingers", list(names), "each finger once: a finger has one tip")
         return [known.index(name) for name in names]

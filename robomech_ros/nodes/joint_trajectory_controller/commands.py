@@ -46,8 +46,7 @@ class TrajectoryTopic:
         # Where the last message of the topic ended, and when it came (s).
         self._end: tuple[tuple[str, ...], tuple[float, ...]] | None = None
         self._heard_at = -math.inf
-        topic = f"{joints.place}/{_TOPIC}"
-        subscribe_reliably(node, JointTrajectory, topic, self._execute, _DEPTH)
+        subscribe_reliably(node, JointTrajectory, f"{joints.place}/{_TOPIC}", self._execute, _DEPTH)
 
     def _execute(self, trajectory: JointTrajectory) -> None:
         try:

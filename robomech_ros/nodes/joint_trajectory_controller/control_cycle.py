@@ -96,16 +96,14 @@ class ControlCycle:
                 self._log.error(joints.fault)
         except Exception:
             self._log.error(f"motion failed, please report:\n{traceback.format_exc()}")
-            text = "internal error of the controller, see its log"
-            joints.follower.halt(Code.INTERNAL, text)
+            joints.follower.halt(Code.INTERNAL, "internal error of the controller, see its log")
 
     def _log_saturation(self) -> None:
         """Log once in each motion that drives are at their limits."""
         limited = bool(self._robot.simulated_joints.at_limit.any())
         if limited and not self._limited:
             saturation = self._robot.simulated_joints.saturation(self._robot.joint_names)
-            text = f"the robot may not follow: {saturation} so far"
-            self._log.warning(text)
+            self._log.warning(f"the robot may not follow: {saturation} so far")
         self._limited = limited
 
     def _publish_what_is_due(self) -> None:

@@ -72,5 +72,4 @@ class Cycles:
         except Exception:
             # The context may have ended in the meantime.
             if self._node.context.ok() and not self._over.is_set():
-                text = f"a cycle failed, please report this:\n{traceback.format_exc()}"
-                self._log.error(text)
+                self._log.error(f"a cycle failed, please report this:\n{traceback.format_exc()}")

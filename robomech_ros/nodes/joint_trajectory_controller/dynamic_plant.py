@@ -118,8 +118,7 @@ class DynamicPlant:
                 raise MotionRanAwayError(Code.PATH_TOLERANCE, text)
             at_limit += period * motion.saturated.sum(axis=0)
             effort = motion.effort[-1]
-        acceleration = (self._rates - started) / simulated
-        state = State(self._q[self._at], self._rates.copy(), acceleration)
+        state = State(self._q[self._at], self._rates.copy(), (self._rates - started) / simulated)
         return DrivenMotion(state, effort, at_limit)
 
     def _limit(self, wanted: Array) -> None:

@@ -44,8 +44,7 @@ class ExecuteMessages:
         Those that do not make sense are refused.
         """
         names = message.trajectory.joint_names
-        known = [*joint_names, *self._others]
-        order = joint_order(names, known, partial=True)[: len(joint_names)]
+        order = joint_order(names, [*joint_names, *self._others], partial=True)[: len(joint_names)]
         path, at_goal, velocity = (
             override_tolerances(values, getattr(message, field), order, names, field)
             for field, values in zip(

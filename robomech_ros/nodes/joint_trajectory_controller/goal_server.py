@@ -43,8 +43,7 @@ class GoalServer(ActionBase[TrajectoryGoal]):
         self, node: Node, robot: CommandedJoints, messages: "ExecuteMessages | FollowMessages"
     ) -> None:
         self._robot, self._messages = robot, messages
-        name = f"{robot.place}/{messages.name}"
-        super().__init__(node, robot, messages.kind, name)
+        super().__init__(node, robot, messages.kind, f"{robot.place}/{messages.name}")
 
     def _refused(self, error: Exception) -> Any:
         if isinstance(error, RobomechError):

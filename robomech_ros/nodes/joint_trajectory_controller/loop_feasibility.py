@@ -65,8 +65,7 @@ def checked_drives(
     )
     whole = completed(drives, at_rest(posture[mechanism.drive_index]))
     times = _places(whole.times)
-    way = whole.curve.sample(times).position
-    followed = follow_drives(mechanism, way, posture)
+    followed = follow_drives(mechanism, whole.curve.sample(times).position, posture)
     last = len(whole.times) - 1
     if followed.stop is not None:
         reached = int(np.searchsorted(whole.times, times[followed.stop])) - 1

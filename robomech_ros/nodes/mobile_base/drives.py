@@ -143,8 +143,7 @@ def _with_wheel_limits(base: RollingBase, settings: MobileBaseSettings) -> Rolli
 
 def _diff(settings: MobileBaseSettings) -> tuple[RollingBase, WheelJoints]:
     sides = (settings.left_wheel_names, settings.right_wheel_names)
-    names = ("left_wheel_names", "right_wheel_names")
-    for name, given in zip(names, sides, strict=True):
+    for name, given in zip(("left_wheel_names", "right_wheel_names"), sides, strict=True):
         _count(name, given, len(sides[0]) or 1)
     half = 0.5 * _length(settings, "wheel_separation") * settings.wheel_separation_multiplier
     radius = _length(settings, "wheel_radius")

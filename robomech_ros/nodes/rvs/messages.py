@@ -94,8 +94,7 @@ def joint_jog(
     turning, sliding : float
         Speeds (rad/s, m/s).
     """
-    slides = chain.types[direction.index] == PRISMATIC
-    speed = direction.sign * (sliding if slides else turning)
+    speed = direction.sign * (sliding if chain.types[direction.index] == PRISMATIC else turning)
     return JointState(name=[chain.joint_names[direction.index]], velocity=[speed])
 
 
@@ -151,8 +150,7 @@ def read_marker(model: RobotModel, marker: Marker) -> ViewMarker:
         raise BadValueError("marker", farthest, f"coordinates and sizes up to {_FARTHEST:g} m")
     shade = tuple(np.clip((colour.r, colour.g, colour.b, colour.a), 0.0, 1.0).tolist())
     text = marker.text[:_LONGEST_TEXT] if kind == "text" else ""
-    name = f"{marker.ns}/{marker.id}"
-    return ViewMarker(name, link, kind, pose, measures, points, shade, text)
+    return ViewMarker(f"{marker.ns}/{marker.id}", link, kind, pose, measures, points, shade, text)
 
 
 def _points(marker: Marker, kind: str) -> Array:

@@ -58,8 +58,7 @@ class RunningRobot(JoggedRobot):
         """Tell this page, from now on."""
         node, model, settings = self._node, self._model, self._settings
         self._view = view
-        names = model.commanded.joint_names
-        self._motions = Motions(node, names, settings, view, self._take_plan)
+        self._motions = Motions(node, model.commanded.joint_names, settings, view, self._take_plan)
         self._gripper = GripperClient(node, model, settings, view)
         self._feed = feed = StateFeed(node, model, settings, view)
         self._jogger = Jogger(node, model, settings, lambda: feed.servo_is_silent, view.show_jog)

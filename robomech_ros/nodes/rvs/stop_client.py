@@ -109,7 +109,6 @@ class StopClient:
             ended = not self._open
             # Under the lock: what is shown last is the latest.
             if faults:
-                text = f"Stop may have failed: {'; '.join(faults)}."
-                self._view.show_result(text, failed=True)
+                self._view.show_result(f"Stop may have failed: {'; '.join(faults)}.", failed=True)
             elif self._shown:
                 self._view.show_result("Stopped." if ended else "Stopping ...")

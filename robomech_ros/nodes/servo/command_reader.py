@@ -148,8 +148,7 @@ class CommandReader:
         if len(bad):
             raise NonFiniteError(names[bad[0]], float(given[bad[0]]))
         unitless = scaled and self.settings().command_in_type != SPEED_UNITS
-        largest = _UNIT if unitless else _FASTEST
-        over = np.flatnonzero(np.abs(given) > largest)
+        over = np.flatnonzero(np.abs(given) > (_UNIT if unitless else _FASTEST))
         if len(over):
             expected = "from -1 to 1, as command_in_type is unitless"
             if not unitless:
@@ -162,8 +161,7 @@ class CommandReader:
 
         The stream is sent ahead of its time, so the robot brakes later than that.
         """
-        settings = self.settings()
-        timeout = settings.command_timeout
+        timeout = self.settings().command_timeout
         told_ahead = min(self.ahead(), 0.5 * timeout)
         now = self.clock.now()
         ahead = self.clock.until(header.stamp, now)

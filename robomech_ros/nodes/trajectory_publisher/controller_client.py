@@ -71,8 +71,7 @@ class ControllerClient:
             if joint.type != "prismatic" and np.isneginf(joint.lower) and np.isposinf(joint.upper)
         )
         joints = Joints.of(model.commanded)
-        limits = joints.acceleration.tolist()
-        self._acceleration = dict(zip(joints.names, limits, strict=True))
+        self._acceleration = dict(zip(joints.names, joints.acceleration.tolist(), strict=True))
 
     def missing(self, transport: Transport) -> str:
         """Say what is not there to send by; empty if all is."""

@@ -175,8 +175,7 @@ def _step(given: object, where: str, find: Callable[[str, str], tuple[float, ...
 
 
 def _unexpected(where: str, what: str, value: object, expected: str) -> RobotDescriptionError:
-    text = f"{what} is {describe_value(value)}, expected {expected}"
-    return RobotDescriptionError(where, text)
+    return RobotDescriptionError(where, f"{what} is {describe_value(value)}, expected {expected}")
 
 
 def _is_number(value: object) -> bool:

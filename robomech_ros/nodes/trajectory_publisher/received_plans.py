@@ -117,8 +117,7 @@ class ReceivedPlans:
         made = info["source_timestamp"]
         if made and made < self._started:
             age = (self._started - made) * 1e-9
-            text = f"a plan made {age:.1f} s before this node started is ignored"
-            self._log.info(text)
+            self._log.info(f"a plan made {age:.1f} s before this node started is ignored")
             return
         self._take(plan)
 

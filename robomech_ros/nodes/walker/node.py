@@ -34,8 +34,7 @@ class WalkerNode(Node):
             f"ready: {robot.name}, {len(robot.legs)} legs, gait {walker.gait}, margin at least "
             f"{walker.bound:g} m, commands on '{commands}', joints to '{controller}'"
         )
-        period = 1.0 / settings.publish_rate
-        self.create_timer(period, self._cycle, clock=self._motion_clock.clock)
+        self.create_timer(1.0 / settings.publish_rate, self._cycle, clock=self._motion_clock.clock)
 
     def _cycle(self) -> None:
         if self._motion_clock.runs:

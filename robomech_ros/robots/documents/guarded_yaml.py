@@ -23,8 +23,7 @@ _QUOTED = re.compile(r"""(?P<quote>['"])(?P<text>.{2,}?)(?P=quote)""")
 def describe_value(value: object) -> str:
     """Show a value from a file in an error: names and numbers as they are, others by their kind."""
     if isinstance(value, str):
-        is_name = _NAME.fullmatch(value)
-        return f"'{value}'" if is_name else f"a text of {len(value)} characters"
+        return f"'{value}'" if _NAME.fullmatch(value) else f"a text of {len(value)} characters"
     if isinstance(value, list | tuple):
         return f"a list of {len(value)}"
     if isinstance(value, dict):

@@ -92,8 +92,7 @@ def load_srdf(
     refuse_xacro(root, where)
     groups, left_out = read_groups(root, names)
     if left_out and not groups:
-        why = f"none of its groups is one of '{description.name}'; {names.notes[0]}"
-        names.refuse(root, why)
+        names.refuse(root, f"none of its groups is one of '{description.name}'; {names.notes[0]}")
     states = read_states(root, names, groups)
     tools = _end_effectors(root, names, groups)
     virtual = tuple(_virtual_joints(root, names))

@@ -75,8 +75,8 @@ class AnalysisLayer(Layer):
             judged = posture_facts(self._place.chain, q, length)
             if self._switches["numbers"] and not np.array_equal(q, self._asked_at):
                 self._asked_at = q
-                chain = self._place.chain
-                self.find("next", partial(next_singularity, chain, q, length), self._know_next)
+                search = partial(next_singularity, self._place.chain, q, length)
+                self.find("next", search, partial(setattr, self, "_next"))
         self._show_arrows(judged if self._switches["lost"] else None)
         if self.is_open:
             self._table.content = fact_table("understand", self._lines(judged, found))
@@ -107,9 +107,6 @@ class AnalysisLayer(Layer):
         if self._goes:
             self._goes = False
             self._take_best(facts)
-
-    def _know_next(self, found: NextSingularity) -> None:
-        self._next = found
 
     def _go(self) -> None:
         if self._facts is None:

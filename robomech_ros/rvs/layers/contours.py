@@ -127,15 +127,13 @@ class ContoursLayer(Layer):
 
     def _number(self, found: Finding) -> int | None:
         for number, posture in enumerate(self._study.postures):
-            if found.q is not None and _apart(posture.q, found.q) < SAME_POSTURE:
-                return number
+            if found.q is not None:
+                apart = (posture.q - found.q + np.pi) % (2.0 * np.pi) - np.pi
+                if np.abs(apart).max() < SAME_POSTURE:
+                    return number
         return None
 
 
 def _here(q: Array) -> Array:
     """Return joints 4 and 5 within the turn that is drawn."""
     return (q[list(JOINTS)] + np.pi) % (2.0 * np.pi) - np.pi
-
-
-def _apart(q: Array, p: Array) -> float:
-    return float(np.abs((q - p + np.pi) % (2.0 * np.pi) - np.pi).max())

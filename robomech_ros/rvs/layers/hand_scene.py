@@ -106,8 +106,7 @@ class HandScene:
 
 def _longest(hand: HandView, study: GraspStudy) -> float:
     """Return the greatest of the forces on the object (N)."""
-    forces = np.vstack([study.forces, hand.load[None, 3:]])
-    return float(np.linalg.norm(forces, axis=1).max())
+    return float(np.linalg.norm(np.vstack([study.forces, hand.load[None, 3:]]), axis=1).max())
 
 
 def _forces(hand: HandView, study: GraspStudy) -> TwistArrows | None:

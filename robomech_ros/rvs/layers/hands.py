@@ -92,8 +92,7 @@ class HandLayer(Layer):
         folder.slider("size", "m", hand.sizes, hand.held.size, self._choose_size, SIZE_HINT)
         folder.dropdown("contacts", MODELS, hand.model, partial(choose, "model"), MODEL_HINT)
         for name, (most, hint) in SHARES.items():
-            value = getattr(hand, name)
-            folder.slider(name, "", (0.0, most), value, partial(choose, name), hint)
+            folder.slider(name, "", (0.0, most), getattr(hand, name), partial(choose, name), hint)
         for name, (rows, hint) in LOADS.items():
             field = gui.add_vector3(name, hand.load[rows].tolist(), step=LOAD_STEP, hint=hint)
             folder.listen(field, partial(self.ask, name, self._choose_load, name))
@@ -133,8 +132,7 @@ class HandLayer(Layer):
         self.hand.load[LOADS[name][0]] = given
 
     def _choose_spot(self, finger: int, name: str, value: Any) -> None:
-        flag = name == "touches"
-        new: Any = as_flag(name, value) if flag else _between(name, value, SPOT[name])
+        new: Any = as_flag(name, value) if name == "touches" else _between(name, value, SPOT[name])
         self.hand.spots[finger] = replace(self.hand.spots[finger], **{name: new})
         self.hand.touch()
 

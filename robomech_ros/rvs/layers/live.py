@@ -94,8 +94,7 @@ class LiveLayer(LivePage):
             pad = HoldField(gui, chain.n, self._hold, self._robot.let_go, self.refuse)
             hint = "Axes along and about which the tip is jogged"
             self._frame = gui.add_dropdown("axes of", FRAMES, hint=hint)
-            names = [short_name(name) for name in chain.joint_names]
-            gui.add_html(jog_pad(pad.identifier, names))
+            gui.add_html(jog_pad(pad.identifier, [short_name(name) for name in chain.joint_names]))
         self._pads = [pad]
         return folder
 

@@ -35,8 +35,7 @@ class LiveMobileRobotLayer(LivePage):
     def __init__(self, place: LayerContext, robot: LiveMobileRobot) -> None:
         if not isinstance(place.moved, ObservedRobot):
             raise TypeError("the page shows no robot that runs over the ground")
-        hint = "Commands the robot to stand; every browser may"
-        super().__init__(place, robot, (), hint)
+        super().__init__(place, robot, (), "Commands the robot to stand; every browser may")
         self._robot, self._followed = robot, place.moved
         self.label = place.moved.verb.capitalize()
         # It is moved by no gizmo.
@@ -135,10 +134,7 @@ class LiveMobileRobotLayer(LivePage):
 
     def show_stance(self, stance: Stance) -> None:
         """Draw on which feet it stands, and say how safely."""
-        self.ask("stance", self._stand, stance)
-
-    def _stand(self, stance: Stance) -> None:
-        self._stance = stance
+        self.ask("stance", setattr, self, "_stance", stance)
 
     def show_condition(self, text: str, links: Sequence[str], *, warns: bool) -> None:
         """Say how it is, or warn of what limits it, and mark links."""

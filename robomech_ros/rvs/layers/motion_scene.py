@@ -92,8 +92,7 @@ class MotionScene:
 
     def _trace(self, number: int, poses: Array) -> None:
         points = poses[:, :3, 3]
-        length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
-        if length > 1e-6:
+        if float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()) > 1e-6:
             segments = np.stack([points[:-1], points[1:]], axis=1).astype(np.float32)
             self._lines.append(
                 self._scene.add_line_segments(

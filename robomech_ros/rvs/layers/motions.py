@@ -92,8 +92,7 @@ class MotionLayer(Layer):
             hint = f"The present posture is the {which} of a plan"
             folder.button(label, partial(self.remember, which), hint)
         folder.dropdown("Way", PATH_KINDS, self.way, partial(self._choose, "way"))
-        profile = partial(self._choose, "profile")
-        folder.dropdown("Profile", tuple(PROFILES), self.profile, profile)
+        folder.dropdown("Profile", tuple(PROFILES), self.profile, partial(self._choose, "profile"))
         self._add_playing(folder, gui)
         folder.dropdown("Curves", CURVES, self.curves, self.choose_curves)
         folder.checkbox("sweep of ghosts", self.sweep, self._choose_sweep)

@@ -39,8 +39,7 @@ class PlatformLayer(Layer):
         self._lost = TwistNodes(scene, f"{base}/lost_", reach)
         self._free = TwistNodes(scene, f"{base}/free_", reach)
         # At once, so that the eye holds all ghosts from the beginning.
-        q = place.platform.q
-        self._asked = (q, self._kind, True)
+        self._asked = (place.platform.q, self._kind, True)
         self._know(self._asked, self._found(*self._asked))
 
     def show(self) -> None:

@@ -114,8 +114,7 @@ class RecordingLayer(Layer):
         # What is refused does not stay in the address.
         self.written = ""
         state = state_from_text(text, place.chain.n, tuple(place.switched()))
-        q = place.arm.checked(state.q)
-        place.arm.move_to(q)
+        place.arm.move_to(place.arm.checked(state.q))
         for what, shown in state.shown.items():
             place.switch(what, shown)
         client.camera.position, client.camera.look_at = state.eye, state.at

@@ -134,8 +134,7 @@ class WorkspaceLayer(Layer):
         self._cancel = folder.button("Cancel", self._cancel_map)
         self._legend = folder.text()
         self._switches.add_to(folder, "cut", "Leave a sector open, so that one sees inside")
-        see = partial(fit_view, self._place, self._client)
-        self._see = folder.button("See all of it", see)
+        self._see = folder.button("See all of it", partial(fit_view, self._place, self._client))
 
     def close(self) -> None:
         """Stop what runs."""
@@ -212,23 +211,23 @@ class WorkspaceLayer(Layer):
         def progress(done: int, total: int) -> None:
             if wanted != self._wanted:
                 raise _MapCancelledError
-            self._tell(wanted, f"{done} of {total} points ...", running=True)
+            self._report(wanted, f"{done} of {total} points ...", True)
 
         try:
             found = computed_map(self._place.chain, *chosen, T, progress)
         except _MapCancelledError:
             return
         except RobomechError as error:
-            self._tell(wanted, f"No map: {error}", running=False)
+            self._report(wanted, f"No map: {error}", False)
             return
-        self._tell(wanted, "", running=False, found=found)
+        self._report(wanted, "", False, found)
 
-    def _tell(
-        self, wanted: int, text: str, *, running: bool, found: ReachMap | None = None
+    def _report(self, *progress: Any) -> None:
+        self.ask("progress", self._show_progress, *progress)
+
+    def _show_progress(
+        self, wanted: int, text: str, running: bool, found: ReachMap | None = None
     ) -> None:
-        self.ask("progress", self._show_progress, wanted, text, running, found)
-
-    def _show_progress(self, wanted: int, text: str, running: bool, found: ReachMap | None) -> None:
         if wanted == self._wanted:
             self._said, self._running = text, running
             self._map = found or self._map

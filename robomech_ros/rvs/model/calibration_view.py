@@ -116,8 +116,7 @@ def calibration_markers(
         nearest to where it saw the target; the ellipsoid of 95 %, larger by a factor that is
         written beside it.
     """
-    in_hand = result.mount == "eye-in-hand"
-    parent, other = (hand, base) if in_hand else (base, hand)
+    parent, other = (hand, base) if result.mount == "eye-in-hand" else (base, hand)
     distance = _distance(tracking)
     colours = [
         RED if not used else _colour_of(ratio)

@@ -192,8 +192,7 @@ def _across(axis: Axis, side: float) -> str:
         x = LEFT + side * (value - axis.low) / (axis.high - axis.low)
         text.append(_tick_line(f"M{x:.1f} {BOTTOM}v{TICK}"))
         text.append(_words(label, f'x="{x:.1f}" y="{BOTTOM + 15:g}"'))
-    position = f'x="{LEFT + 0.5 * side:g}" y="{HEIGHT - 6:g}"'
-    return "".join([*text, _words(_title(axis), position)])
+    return "".join([*text, _words(_title(axis), f'x="{LEFT + 0.5 * side:g}" y="{HEIGHT - 6:g}"')])
 
 
 def _up(axis: Axis) -> str:

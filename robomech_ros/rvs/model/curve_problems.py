@@ -166,8 +166,7 @@ def what_is_missing(chain: SerialChain) -> str:
 
 def _finding(found: Crossing | CurveCrossing) -> Finding:
     if isinstance(found, CurveCrossing):
-        is_root = found.left_over <= LEFT
-        known = (found.point, found.path, is_root, found.left_over, found.angle)
+        known = (found.point, found.path, found.left_over <= LEFT, found.left_over, found.angle)
         return Finding(*known, found.condition)
     known = (found.angles, found.path, found.posture is not None, found.left_over, found.across)
     if found.posture is None:

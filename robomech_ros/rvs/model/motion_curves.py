@@ -71,7 +71,8 @@ def motion_curves(motion: Motion) -> MotionCurves:
     qddd = _rate(qdd, times) if motion.qddd is None else motion.qddd
     shown = driven_joints(robot)
     units = [robot.units[k] for k in shown]
-    quantities = _of_unit(units, "position", motion.q[:, shown], _ends(robot, shown))
+    ends = robot.lower[shown], robot.upper[shown]
+    quantities = _of_unit(units, "position", motion.q[:, shown], ends)
     for name, values in (("velocity", qd), ("acceleration", qdd), ("jerk", qddd)):
         quantities += _of_unit(units, name, values[:, shown], _bounds(robot, name, shown))
     missing: tuple[str, ...] = ()
@@ -95,10 +96,6 @@ def _torques(robot: SerialChain | Mechanism, q: Array, qd: Array, qdd: Array) ->
         return inverse_dynamics(robot, q, qd, qdd)
     drives = robot.drive_index
     return ParallelDynamics(robot).inverse(q, qd[:, drives], qdd[:, drives])
-
-
-def _ends(robot: SerialChain | Mechanism, shown: list[int]) -> tuple[Array, Array]:
-    return robot.lower[shown], robot.upper[shown]
 
 
 def _bounds(robot: SerialChain | Mechanism, limit: str, shown: list[int]) -> tuple[Array, Array]:

@@ -146,7 +146,7 @@ def _postures(result: InverseKinematicsResult) -> tuple[Posture, ...]:
     found: list[Posture] = []
     for q, name, *numbers in zip(result.q, *columns, strict=True):
         # A sample of a self-motion may be there twice, and only once with its name.
-        again = next((k for k, one in enumerate(found) if _is_same(q, one.q)), None)
+        again = next((k for k, one in enumerate(found) if np.abs(q - one.q).max() < HERE), None)
         if again is None:
             found.append(Posture(q, name, *map(float, numbers)))
         elif not found[again].name:
@@ -163,10 +163,6 @@ def _postures(result: InverseKinematicsResult) -> tuple[Posture, ...]:
 def _natural(name: str) -> list[tuple[str, int]]:
     """Order posture-2 before posture-10."""
     return [(text, int(number or 0)) for text, number in re.findall(r"(\D*)(\d*)", name)]
-
-
-def _is_same(q: Array, other: Array) -> bool:
-    return bool(np.abs(q - other).max() < HERE)
 
 
 def _nearest(chain: SerialChain, T: Array, present: Array) -> tuple[Array, float, float]:

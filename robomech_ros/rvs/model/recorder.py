@@ -31,8 +31,7 @@ class Recorder:
         """Keep a posture if it is another one; says whether the recording goes on."""
         if not self.running or np.array_equal(q, self._q[-1]):
             return self.running
-        stood = self._hold(now)
-        if not stood and now - self._times[-1] < NEAREST:
+        if not self._hold(now) and now - self._times[-1] < NEAREST:
             self._q[-1] = q.copy()
         else:
             self._times.append(now)
@@ -46,8 +45,7 @@ class Recorder:
         if len(self._times) < 2:
             raise BadValueError("recording", "empty", "an arm that moves")
         self._hold(now)
-        times = np.array(self._times) - self._times[0]
-        return Motion(chain, times, np.array(self._q))
+        return Motion(chain, np.array(self._times) - self._times[0], np.array(self._q))
 
     def _hold(self, now: float) -> bool:
         """Stay in the last posture until just before now, if it is a while ago; says whether."""

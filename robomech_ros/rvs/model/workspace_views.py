@@ -152,9 +152,9 @@ class SectionView:
 
     def _in_plane(self, points: Array) -> Array:
         """Return points (k, 2) of the section in three coordinates of its plane."""
-        still = np.zeros(len(points))
-        order = (*points.T, still) if self.space.section.slides[0] else _upright(points)
-        return np.column_stack(order)
+        (first, second), nothing = points.T, np.zeros(len(points))
+        slides = self.space.section.slides[0]
+        return np.column_stack((first, second, nothing) if slides else (first, nothing, second))
 
     def _thinned(self, points: Array) -> Array:
         return thinned(points, FINE * (self.axes[1].high - self.axes[1].low))
@@ -173,8 +173,7 @@ def section_view(chain: SerialChain) -> SectionView:
         edges.append(first + width * np.arange(math.ceil((last - first) / width) + 1))
     x, y = np.meshgrid(*(0.5 * (edge[1:] + edge[:-1]) for edge in edges), indexing="ij")
     counts = space.section_count(np.stack((x, y), axis=-1))
-    axes = _axes(space, low, high)
-    return SectionView(chain, space, in_tip, axes, (edges[0], edges[1]), counts)
+    return SectionView(chain, space, in_tip, _axes(space, low, high), (edges[0], edges[1]), counts)
 
 
 def why_no_section(chain: SerialChain, error: RobomechError) -> str:
@@ -241,10 +240,6 @@ def _axes(space: Workspace, low: Array, high: Array) -> tuple[Axis, Axis]:
         for name, first, width in zip(space.coordinates, low.tolist(), widths.tolist(), strict=True)
     )
     return x, z
-
-
-def _upright(points: Array) -> tuple[Array, Array, Array]:
-    return points[:, 0], np.zeros(len(points)), points[:, 1]
 
 
 def _strips(steps: int, wanted: BoolArray) -> IntArray:

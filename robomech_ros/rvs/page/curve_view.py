@@ -165,7 +165,8 @@ class CurveView:
             self._present(self._legend() + notice([f"Refused: {error}"]))
             return
         self._path = found.path
-        self._found = [*(each for each in self._found if not _same(each, found)), found]
+        others = [one for one in self._found if np.abs(one.point - found.point).max() >= 1e-6]
+        self._found = [*others, found]
         take = (lambda: self._owner.take(found)) if found.is_root else None
         self._present(self._legend() + small_text(self._sentences(problem, found)), take)
 
@@ -239,7 +240,3 @@ class CurveView:
         if found.condition is not None:
             crossing += f"; condition number {found.condition:.3g}"
         return [*sentences, f"{crossing}."]
-
-
-def _same(one: Finding, other: Finding) -> bool:
-    return bool(np.abs(one.point - other.point).max() < 1e-6)

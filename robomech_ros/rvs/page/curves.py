@@ -9,7 +9,7 @@ import numpy as np
 
 from robomech_ros.rvs.model.ghosts import PALETTE
 from robomech_ros.rvs.model.motion_curves import MotionCurves, Quantity
-from robomech_ros.rvs.page.tables import short_name
+from robomech_ros.rvs.page.tables import STYLE, short_name
 from robomech_ros.rvs.page.units import RADIANS, Units
 from robomech_ros.typing import Array
 
@@ -23,7 +23,6 @@ POINTS = 400
 # Limits farther from the curves than this, in parts of their span, are left out; the rest of the
 # picture is around them.
 FARTHEST, MARGIN = 0.6, 0.06
-_STYLE = "font-size:0.8em;line-height:1.35;padding:0 0.85em 0.4em;font-variant-numeric:tabular-nums"
 _FAINT = "opacity:0.7;font-size:0.92em"
 _CURSOR = (
     '<div data-cursor style="position:absolute;top:0;bottom:0;width:0;margin-left:-1px;'
@@ -46,15 +45,17 @@ def curves_picture(
     units : Units, optional
     """
     chosen = [one for one in curves.quantities if shown in (ALL, one.name)]
-    names = {one.name for one in chosen}
-    height = AMONG_OTHERS if len(names) > 1 else ALONE
+    height = AMONG_OTHERS if len({one.name for one in chosen}) > 1 else ALONE
     parts = [_legend(joints)]
     parts += [_panel(one, curves.times, height, units) for one in chosen]
     if chosen:
-        parts.append(_ends(f"0 s|{curves.times[-1]:.2f} s"))
+        parts.append(
+            f'<div style="display:flex;justify-content:space-between;{_FAINT}">'
+            f"<span>0 s</span><span>{curves.times[-1]:.2f} s</span></div>"
+        )
     if shown in (ALL, "torque"):
         parts += [f"<div>{html.escape(sentence)}</div>" for sentence in curves.missing]
-    return f'<div style="{_STYLE}" data-curves="{html.escape(shown)}">{"".join(parts)}</div>'
+    return f'<div style="{STYLE}" data-curves="{html.escape(shown)}">{"".join(parts)}</div>'
 
 
 def cursor_rule(part: float) -> str:
@@ -131,14 +132,6 @@ def _level(y: float, colour: str, dashes: str, opacity: float) -> str:
     return (
         f'<line x1="0" x2="{WIDTH}" y1="{y:.1f}" y2="{y:.1f}" stroke="{colour}" '
         f'stroke-dasharray="{dashes}" opacity="{opacity}" vector-effect="non-scaling-stroke"/>'
-    )
-
-
-def _ends(text: str) -> str:
-    left, right = text.split("|")
-    return (
-        f'<div style="display:flex;justify-content:space-between;{_FAINT}">'
-        f"<span>{left}</span><span>{right}</span></div>"
     )
 
 

@@ -109,7 +109,7 @@ class RobotPage(ServedPage):
             plan=self._plan,
             description=description,
             replace=self._replace,
-            run=self._run,
+            run=self._worker.submit,
             switched=self._switched,
             switch=self._switch,
             offered=self._offered,
@@ -276,9 +276,6 @@ class RobotPage(ServedPage):
 
     def _ask(self, kind: Hashable, request: Callable[[], None], source: object = None) -> None:
         self._worker.submit(kind, lambda: self._do(request, source))
-
-    def _run(self, kind: Hashable, request: Callable[[], None]) -> None:
-        self._worker.submit(kind, request)
 
     def _do(self, request: Callable[[], None], source: object) -> None:
         notices = []

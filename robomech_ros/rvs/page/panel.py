@@ -84,7 +84,17 @@ class Panel:
             **placed(arm.target),
         )
         self._handles.append(self._gizmo)
-        self._hint = self._add_hint(f"{base}/target/hint", options["scale"])
+        # Beside the gizmo, until it is dragged.
+        self._hint = client.scene.add_label(
+            f"{base}/target/hint",
+            HINT,
+            position=(0.0, 0.0, options["scale"]),
+            anchor="bottom-center",
+            font_screen_scale=0.75,
+            depth_test=False,
+            visible=self._gizmo.visible,
+        )
+        self._handles.append(self._hint)
         self._listen_to_gizmo()
         self.update(arm, None)
 
@@ -131,20 +141,6 @@ class Panel:
         """Show the gizmo, or not."""
         if self._gizmo.visible != shown:
             self._gizmo.visible = shown
-
-    def _add_hint(self, name: str, size: float) -> Any:
-        """Write beside the gizmo that it can be dragged, until it is."""
-        hint = self._client.scene.add_label(
-            name,
-            HINT,
-            position=(0.0, 0.0, size),
-            anchor="bottom-center",
-            font_screen_scale=0.75,
-            depth_test=False,
-            visible=self._gizmo.visible,
-        )
-        self._handles.append(hint)
-        return hint
 
     def _listen_to_gizmo(self) -> None:
         gizmo = self._gizmo

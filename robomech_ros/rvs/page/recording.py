@@ -15,7 +15,7 @@ from robomech_ros.rvs.model.ghosts import PALETTE, GhostMaker, Ghosts, NoGhosts
 from robomech_ros.rvs.model.live_robot import ViewMarker
 from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
 from robomech_ros.rvs.model.visual_model import VisualModel, load_visual_model
-from robomech_ros.rvs.motion import Choice, Motion
+from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
 from robomech_ros.rvs.page.marker_nodes import MarkerNodes
 from robomech_ros.rvs.page.path_nodes import PathNode
@@ -83,36 +83,37 @@ def _recorded(
 ) -> str:
     chain = motion.chain
     times, q = motion.sampled(RATE)
-    way = _way_of(trail, seen, motion, q)
+    path = _link_path(trail, seen, motion, q)
     # The ground is also below a robot that goes away.
-    add_surroundings(server, max([seen.reach, *np.linalg.norm(way, axis=1).tolist()]))
+    add_surroundings(server, max([seen.reach, *np.linalg.norm(path, axis=1).tolist()]))
     robot = RobotNodes(server.scene, seen)
     base, maker = _base_and_ghosts(seen, chain)
     add_base(server.scene, seen, base)
     ghosts = GhostNodes(server.scene, BASE, maker, seen.reach)
-    PathNode(server.scene, f"{robot.path(seen.tree.root)}/trail", TRAIL, seen.reach).show(way)
-    others = [posture.q for choice in motion.choices for posture in choice.others]
+    PathNode(server.scene, f"{robot.path(seen.tree.root)}/trail", TRAIL, seen.reach).show(path)
+    not_taken = [posture.q for choice in motion.choices for posture in choice.others]
 
     def named(posture: Array) -> dict[str, float]:
         return dict(zip(chain.joint_names, posture.tolist(), strict=True))
 
-    at_first, postures = named(q[0]), map(named, (*q[::EVERY], q[-1], *others))
+    at_first, postures = named(q[0]), map(named, (*q[::EVERY], q[-1], *not_taken))
     robot_points = visible_points(seen, postures)
     place_camera(server, np.vstack([robot_points, marker_points(seen, markers, at_first)]))
     MarkerNodes(server.scene, robot.path).show("markers", markers)
     robot.move(at_first)
     recording = server.get_scene_serializer()
     waiting = list(motion.choices)
-    for k, (time, posture) in enumerate(zip(times.tolist(), q, strict=True)):
+    for number, (time, posture) in enumerate(zip(times.tolist(), q, strict=True)):
         while waiting and waiting[0].time <= time:
-            ghosts.show(_ghosts(waiting.pop(0)))
+            others = enumerate(waiting.pop(0).others)
+            ghosts.show([Ghost(k, one.q, PALETTE[k % len(PALETTE)]) for k, one in others])
         robot.move(named(posture))
-        if k + 1 < len(times):
-            recording.insert_sleep(float(times[k + 1] - time))
+        if number + 1 < len(times):
+            recording.insert_sleep(float(times[number + 1] - time))
     return str(recording.as_html())
 
 
-def _way_of(link: str, seen: VisualModel, motion: Motion, q: Array) -> Array:
+def _link_path(link: str, seen: VisualModel, motion: Motion, q: Array) -> Array:
     """Return where a link is in postures (m, n), shape (m, 3), in the root (m); nothing of none."""
     if not link:
         return np.empty((0, 3))
@@ -131,16 +132,8 @@ def _base_and_ghosts(
     if isinstance(chain, RobotDescription):
         return chain.root, NoGhosts()
     if isinstance(chain, SerialChain):
-        drawn = seen.tree.chain(chain.base, chain.tip)
-        return chain.base, Ghosts(drawn, seen.shapes)
+        return chain.base, Ghosts(seen.tree.chain(chain.base, chain.tip), seen.shapes)
     return chain.base_link, PlatformGhosts(chain, seen.reach)
-
-
-def _ghosts(choice: Choice) -> list[Ghost]:
-    return [
-        Ghost(number, posture.q, PALETTE[number % len(PALETTE)])
-        for number, posture in enumerate(choice.others)
-    ]
 
 
 def _legend(motion: Motion, seen: VisualModel, title: str, notes: Sequence[str]) -> str:

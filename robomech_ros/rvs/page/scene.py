@@ -96,5 +96,4 @@ class PageScene:
 
 def add_base(scene: Any, seen: VisualModel, base: str) -> None:
     """Add the node at the base of an arm, a link."""
-    T_root_base = seen.tree.link_poses()[base]
-    scene.add_frame(BASE, show_axes=False, **placed(T_root_base))
+    scene.add_frame(BASE, show_axes=False, **placed(seen.tree.link_poses()[base]))

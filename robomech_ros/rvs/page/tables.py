@@ -93,6 +93,7 @@ def posture_table(
 def _row(number: int, posture: Posture, colour: Rgb, write: Callable[[float], str]) -> str:
     here = posture.is_here
     margin = "none" if math.isinf(posture.margin) else write(posture.margin)
+    condition = f"{posture.condition:.1f}" if posture.condition < SINGULAR else "singular"
     swatch = (
         f'<span style="display:inline-block;min-width:1.5em;border-radius:0.7em;color:#fff;'
         f'text-align:center;background:rgb{colour}">{number}</span>'
@@ -102,7 +103,7 @@ def _row(number: int, posture: Posture, colour: Rgb, write: Callable[[float], st
         f'<td style="{_CELL};text-align:left">{html.escape(posture.name)}</td>',
         f'<td style="{_CELL}">{"here" if here else write(posture.distance)}</td>',
         f'<td style="{_CELL}">{margin}</td>',
-        f'<td style="{_CELL}">{_condition(posture.condition)}</td>',
+        f'<td style="{_CELL}">{condition}</td>',
     ]
     weight = "600" if here else "400"
     return (
@@ -110,10 +111,6 @@ def _row(number: int, posture: Posture, colour: Rgb, write: Callable[[float], st
         f'style="cursor:pointer;font-weight:{weight};border-top:1px solid rgba(128,128,128,0.25)">'
         f"{''.join(cells)}</tr>"
     )
-
-
-def _condition(value: float) -> str:
-    return "singular" if not value < SINGULAR else f"{value:.1f}"
 
 
 def short_name(joint: str) -> str:

@@ -68,8 +68,7 @@ class Units:
         self, gui: Any, label: str, unit: str, ends: tuple[float, float], value: float, hint: str
     ) -> AngleSlider:
         """Add a slider for a value of a unit, such as rad, between two ends."""
-        handle = gui.add_slider(label, *ends, STEP, value, hint=hint)
-        shown = AngleSlider(self, handle, unit, hint)
+        shown = AngleSlider(self, gui.add_slider(label, *ends, STEP, value, hint=hint), unit, hint)
         self._shown.add(shown)
         return shown
 

@@ -95,8 +95,7 @@ class AccessControl:
         if len(hosts) != 1 or not self._is_ours(hosts[0]):
             given = ", ".join(hosts)[:80] or "none"
             return _page(http.HTTPStatus.FORBIDDEN, f"This server is not known as {given}.")
-        origins = request.headers.get_all("Origin")
-        if any(_netloc(origin) != hosts[0].lower() for origin in origins):
+        if any(_netloc(origin) != hosts[0].lower() for origin in request.headers.get_all("Origin")):
             return _page(http.HTTPStatus.FORBIDDEN, "Requests of other pages are refused.")
         _, _, query_text = request.path.partition("?")
         query = parse_qsl(query_text, keep_blank_values=True)

@@ -84,8 +84,7 @@ class CommandServer(ActionBase[FingerMotion]):
             if text:
                 # Fingers that hold an object have stalled; the others were asked to end.
                 self._log.info(f"gripper command {how.value}: {text}")
-            state = gripper.state_of(command)
-            ended.set_result((how, self._messages.result(how, state)))
+            ended.set_result((how, self._messages.result(how, gripper.state_of(command))))
             wake(self._node)
 
         with self._lock:
@@ -102,5 +101,4 @@ class CommandServer(ActionBase[FingerMotion]):
     def publish_feedback(self) -> None:
         """Tell the clients where the fingers are; the gripper's lock is to be held."""
         for handle, motion in self._served.values():
-            state = self._gripper.state_of(motion.command)
-            handle.publish_feedback(self._messages.feedback(state))
+            handle.publish_feedback(self._messages.feedback(self._gripper.state_of(motion.command)))

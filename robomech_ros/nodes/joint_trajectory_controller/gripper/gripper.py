@@ -190,8 +190,7 @@ class Gripper(CommandedJoints):
         except BadValueError as error:
             raise ParameterError("gripper_object_width", width, error.expected) from None
         stopped = np.isin(self.joint_names, self.commanded)
-        closing = np.full(len(stopped), opening.closing)
-        return Contact(np.where(stopped, position, np.nan), closing)
+        return Contact(np.where(stopped, position, np.nan), np.full(len(stopped), opening.closing))
 
 
 def _check_places(settings: ControllerSettings) -> None:

@@ -82,8 +82,7 @@ class MobileRobotFeed(PollThread):
     def fault(self, now: float) -> str:
         """Show what limits the robot, and say what is wrong with odometry or joint states."""
         self._hear_reports()
-        heard = ((self._odometry.topic, self._placed_at), (self._topic, self._heard_at))
-        for topic, at in heard:
+        for topic, at in ((self._odometry.topic, self._placed_at), (self._topic, self._heard_at)):
             if math.isinf(at):
                 return f"Nothing yet on '{topic}': where the robot is is not known."
             if now - at > self._settings.state_timeout:

@@ -51,8 +51,7 @@ def _rolling(settings: RvsSettings) -> MobileRobot:
     robot = rolling_robot(settings.robot_description)
     topics, node = INTERFACES[robot.drive], settings.mobile_base
     command, odometry = (name.replace("~", node, 1) for name in (topics.command, topics.odometry))
-    followed = observed_base(robot)
-    return MobileRobot(robot.base.name, followed, node, command, odometry, _BASE_PERIOD)
+    return MobileRobot(robot.base.name, observed_base(robot), node, command, odometry, _BASE_PERIOD)
 
 
 def _walking(settings: RvsSettings) -> MobileRobot:

@@ -112,8 +112,7 @@ class RunningMobileRobot(JoggedRobot):
     def choose_gait(self, gait: str) -> None:
         """Have it walk in another gait."""
         if self._gaits is not None:
-            text = f"Gait '{gait}': as soon as it stands."
-            self._command(self._gaits, String(data=gait), text)
+            self._command(self._gaits, String(data=gait), f"Gait '{gait}': as soon as it stands.")
 
     def move_trunk(self, shift: Sequence[float]) -> None:
         """Have the trunk take a pose beside the level one: x, y, z (m), roll, pitch, yaw (rad)."""

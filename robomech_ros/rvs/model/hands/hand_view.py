@@ -191,8 +191,7 @@ class HandView(TreeView):
         wanted = [k for k, spot in enumerate(self.spots) if spot.touches]
         self.reached = ()
         if not wanted:
-            text = "No finger is to touch the object."
-            self._study = pose_summary(T, text)
+            self._study = pose_summary(T, "No finger is to touch the object.")
             return
         contacts = [self.contact(k) for k in wanted]
         found = dict(
@@ -275,7 +274,6 @@ def _length(finger: SerialChain) -> float:
 
 def _spots(ways: Array) -> list[Spot]:
     """Let each finger touch where its tip comes from, or all round where they are at one place."""
-    flat = np.linalg.norm(ways[:, :2], axis=1)
-    if flat.min() < 1e-6:
+    if np.linalg.norm(ways[:, :2], axis=1).min() < 1e-6:
         return [Spot(True, angle) for angle in 2.0 * np.pi * np.arange(len(ways)) / len(ways)]
     return [Spot(True, round(math.atan2(way[1], way[0]), 6) + 0.0) for way in ways]

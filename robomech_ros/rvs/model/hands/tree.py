@@ -37,8 +37,7 @@ def hand_tree(hand: Hand) -> tuple[RobotDescription, Mapping[str, Sequence[Shape
     for name, axis in zip(OBJECT_JOINTS, _AXES, strict=True):
         child = OBJECT if name == OBJECT_JOINTS[-1] else f"{name}_link"
         kind = "prismatic" if name in OBJECT_JOINTS[:3] else "revolute"
-        direction = np.array(axis, dtype=np.float64)
-        places.append(Joint(name, kind, parent, child, np.eye(4), direction))
+        places.append(Joint(name, kind, parent, child, np.eye(4), np.array(axis, dtype=np.float64)))
         parent = child
     tree = replace(
         fingers,
@@ -56,8 +55,7 @@ def fingers_tree(hand: Hand) -> RobotDescription:
     The link that a joint moves has the name of the joint, and ``_link``.
     """
     chains = [_with_own_links(finger) for finger in hand.fingers]
-    tree = tree_of_limbs(hand.name, chains, None, {})
-    return replace(tree, document="", source=hand.source)
+    return replace(tree_of_limbs(hand.name, chains, None, {}), document="", source=hand.source)
 
 
 def finger_links(finger: SerialChain) -> tuple[str, ...]:

@@ -99,8 +99,7 @@ class BaseView(MobileRobotView):
             text = f"At the limit of {', '.join(shortened)}: slower, on the same curve."
         if "curvature" in limited:
             text = f"Steering does not turn so sharply. {text}"
-        wheels = [f"{name}_link" for name in self.robot.base.names if name in limited]
-        self.tell(text, wheels)
+        self.tell(text, [f"{name}_link" for name in self.robot.base.names if name in limited])
 
     @property
     def allowed_twist(self) -> Array:
@@ -111,8 +110,7 @@ class BaseView(MobileRobotView):
         """Write twist, wheels and steering as they are, for people."""
         base = self.robot.base
         lines = twist_facts(self.motion.twist, self.most)
-        rates = self._simulated.rates
-        for name, wheel, rate in zip(base.names, base.wheels, rates, strict=True):
+        for name, wheel, rate in zip(base.names, base.wheels, self._simulated.rates, strict=True):
             most = f" of {wheel.max_rate:.4g}" if math.isfinite(wheel.max_rate) else ""
             lines.append((f"wheel {name}", f"{rate + 0.0:.2f}{most} rad/s"))
         for name, angle in zip(base.steered, self.motion.steering, strict=True):

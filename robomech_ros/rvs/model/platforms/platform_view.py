@@ -99,8 +99,7 @@ class PlatformView(DraggableRobot):
         drives[joint] = self.checked_slide(joint, value)
         found = self.mechanism.close(drives, self._q)
         if found.status != Code.NONE:
-            expected = f"what the robot can follow: {found.reason}"
-            raise BadValueError(what, value, expected)
+            raise BadValueError(what, value, f"what the robot can follow: {found.reason}")
         self._check_inside(found.q)
         self._go(found.q)
 
@@ -128,8 +127,7 @@ class PlatformView(DraggableRobot):
             self.move_to(self._nearest(target))
             return
         self._faulty = int(np.argmax(found.excess)) if found.excess.any() else None
-        text = f"Stopped: {found.reason}."
-        self._study = pose_summary(target, text, Status.OUT_OF_REACH)
+        self._study = pose_summary(target, f"Stopped: {found.reason}.", Status.OUT_OF_REACH)
 
     def release(self) -> None:
         """Let go of the gizmo: where the robot could not follow, it goes back to the platform."""

@@ -59,8 +59,7 @@ def placed_tree(robot: RobotDescription, trunk: str, height: float) -> RobotDesc
     last = parse_xml(document, robot.where).last_byte
     added = "\n".join(_parts(robot, trunk, height)).encode()
     text = b"".join([data[:last], added, b"\n", data[last:]]).decode()
-    tree = description_from_urdf(text, robot.where)
-    return replace(tree, source=robot.source, home=robot.home)
+    return replace(description_from_urdf(text, robot.where), source=robot.source, home=robot.home)
 
 
 def placing(base: Array, T: Array, height: float) -> dict[str, float]:
@@ -79,8 +78,7 @@ def placing(base: Array, T: Array, height: float) -> dict[str, float]:
     away = T[:3, 3] - (base[0], base[1], height)
     turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
     offset = [*(turn @ away).tolist(), *roll_pitch_yaw_from_matrix(turn @ T[:3, :3]).tolist()]
-    names = (*BASE_JOINTS, *BODY_JOINTS)
-    return dict(zip(names, (*base.tolist(), *offset), strict=True))
+    return dict(zip((*BASE_JOINTS, *BODY_JOINTS), (*base.tolist(), *offset), strict=True))
 
 
 def _parts(robot: RobotDescription, trunk: str, height: float) -> list[str]:
@@ -94,17 +92,14 @@ def _parts(robot: RobotDescription, trunk: str, height: float) -> list[str]:
         parts.append(element("link", {"name": link}, [nothing]))
         lift = height if name == _BODY[0][0] else 0.0
         origin = assembled(np.eye(3), np.array([0.0, 0.0, lift]))
-        parts.append(joint_element(_joint(name, slides, above, link, axis, origin)))
+        joint = Joint(name, "continuous", above, link, origin, axis)
+        if slides:
+            joint = replace(joint, type="prismatic", lower=-_FAR, upper=_FAR)
+        parts.append(joint_element(joint))
         above = link
     origin = rigid_inverse(robot.link_poses()[trunk])
     parts.append(joint_element(Joint("body_trunk", "fixed", above, robot.root, origin)))
     return parts
-
-
-def _joint(name: str, slides: bool, above: str, below: str, axis: Array, origin: Array) -> Joint:
-    if not slides:
-        return Joint(name, "continuous", above, below, origin, axis)
-    return Joint(name, "prismatic", above, below, origin, axis, lower=-_FAR, upper=_FAR)
 
 
 def _visual(

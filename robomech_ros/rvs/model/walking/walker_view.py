@@ -191,8 +191,7 @@ class WalkerView(MobileRobotView):
         """Write twist and part of the command, for people."""
         lines = twist_facts(self._update.twist, self.most)
         if self.command.any() and self._update.part < 1.0:
-            text = f"{self._update.part:.0%}, which legs or joints limit"
-            lines.append(("of the command", text))
+            lines.append(("of the command", f"{self._update.part:.0%}, which legs or joints limit"))
         return lines
 
     def support_facts(self) -> list[tuple[str, str]]:
