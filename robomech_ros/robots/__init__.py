@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from robomech_ros.robots.description import RobotDescription as RobotDescription
     from robomech_ros.robots.dh import (
         chain_from_dh as chain_from_dh,
+        dh_from_axes as dh_from_axes,
         dh_from_chain as dh_from_chain,
     )
-    from robomech_ros.robots.dh_axes import dh_from_axes as dh_from_axes
     from robomech_ros.robots.dh_table import DHTable as DHTable
     from robomech_ros.robots.drives import Drive as Drive
     from robomech_ros.robots.group_chains import (

@@ -5,9 +5,8 @@ import pytest
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.parallel import list_parallel, load_parallel, pose_limits, velocity_matrices
-from robomech_ros.rvs.model.platforms.facts import platform_facts
 from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts, limb_points
-from robomech_ros.rvs.model.platforms.lists import LISTS, platform_list
+from robomech_ros.rvs.model.platforms.lists import LISTS, platform_facts, platform_list
 from robomech_ros.rvs.model.platforms.platform_view import PlatformView
 from robomech_ros.rvs.model.platforms.reach import platform_reach
 from robomech_ros.spatial import matrix_from_axis_angle, pose_exponential

@@ -17,9 +17,8 @@ from robomech_interfaces.srv import (
 )
 from robomech_ros.calibration import hand_eye, next_best_pose
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.calibration.broadcast import ResultBroadcaster
+from robomech_ros.nodes.calibration.broadcast import ResultBroadcaster, marker_message
 from robomech_ros.nodes.calibration.files import load, save
-from robomech_ros.nodes.calibration.markers import marker_message
 from robomech_ros.nodes.calibration.messages import (
     encode_next,
     encode_solution,

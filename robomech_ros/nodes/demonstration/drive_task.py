@@ -11,17 +11,27 @@ from geometry_msgs.msg import PoseStamped, TwistStamped
 from nav_msgs.msg import Odometry
 from rclpy.qos import qos_profile_sensor_data
 
+from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.common.message_fields import NANO
 from robomech_ros.nodes.demonstration.client import DemoClient, twist_message
-from robomech_ros.nodes.demonstration.closed_paths import ClosedPath
+from robomech_ros.nodes.demonstration.closed_paths import (
+    ClosedPath,
+    figure_of_eight,
+    rounded_square,
+)
 from robomech_ros.nodes.demonstration.path_follower import PathFollower
 from robomech_ros.nodes.demonstration.report import Reporter
-from robomech_ros.nodes.demonstration.rolling_paths import speed_on
 from robomech_ros.nodes.demonstration.suite import DemoFailedError
 from robomech_ros.nodes.mobile_base.drives import Interface
-from robomech_ros.rolling import RollingRobot
+from robomech_ros.rolling import CommandLimiter, RollingBase, RollingRobot
 from robomech_ros.typing import Array
 
+# Of the least radius that the base can turn at, and of its length: the radius of the paths.
+_WIDER, _OF_LENGTH = 1.3, 1.0
+# Parts of the limits of velocity and of the others that are used; what is too fast is slowed down.
+_OF_VELOCITY, _USED, _SLOWER = 0.7, 0.5, 0.9
+# The least speed that is driven (m/s).
+_LEAST = 1e-3
 # How long a path may take, in the time that it needs at its speed, and besides (s).
 _PATIENCE, _BESIDES = 5.0, 60.0
 _UP = 60.0
@@ -29,6 +39,45 @@ _UP = 60.0
 _OFF, _TURNED, _APART = 0.02, 0.02, 1e-6
 # Quiet wheels: what rounding leaves of a twist (rad/s, m/s).
 _REST = 1e-9
+
+
+def paths_for(base: RollingBase) -> tuple[float, tuple[ClosedPath, ClosedPath]]:
+    """Return the paths of a base, and the radius at which they turn (m)."""
+    places = np.array([wheel.position for wheel in base.wheels])
+    size = max(float(np.ptp(places, axis=0).max()), float(base.radii.max()))
+    radius = max(_OF_LENGTH * size, _WIDER * max(abs(1.0 / value) for value in base.curvatures))
+    turning = base.axle is None
+    square = rounded_square(radius, turning=turning)
+    return radius, (square, figure_of_eight(radius, looking_ahead=not turning))
+
+
+def speed_on(robot: RollingRobot, path: ClosedPath, radius: float) -> tuple[float, float]:
+    """Return a speed (m/s) and an acceleration (m/s^2) on a path, well within all limits.
+
+    Raises
+    ------
+    BadValueError
+        The limits do not let the base go along the path.
+    """
+    base, limits = robot.base, robot.limits
+    assert limits.acceleration is not None
+    assert limits.deceleration is not None
+    assert limits.jerk is not None
+    used = slice(1, 2) if base.axle is not None else slice(1, 3)
+    slowest = np.minimum(limits.acceleration, limits.deceleration)[used]
+    acceleration = _USED * min(1.0, float(slowest.min()))
+    jerk = _USED * float(limits.jerk[used].min())
+    speed = min(2.0, math.sqrt(acceleration * radius), (jerk * radius**2) ** (1.0 / 3.0))
+    for wheel in base.wheels:
+        if wheel.kind == "steered":
+            far = max(float(np.hypot(*wheel.position)), radius)
+            speed = min(speed, _USED * wheel.max_steering_rate * radius**2 / far)
+    limiter, twists = CommandLimiter(base, limits, 0.01), path.twists()
+    while limiter.allowed(twists * speed / _OF_VELOCITY)[1]:
+        speed *= _SLOWER
+        if speed < _LEAST:
+            raise BadValueError("limits", base.name, f"some that allow {path.name} at {_LEAST} m/s")
+    return speed, 0.5 * acceleration
 
 
 class Driven(NamedTuple):

@@ -1,23 +1,37 @@
 """The task of the demonstration: to a pick pose, then to a place pose."""
 
+from typing import TYPE_CHECKING, Any, TypeAlias
+
 import numpy as np
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParametersAtomically
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import PlanCartesian, PlanJoint, SolveFK, SolveIK
+from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.demonstration.client import DemoClient
-from robomech_ros.nodes.demonstration.demo_robots import DemoRobot
-from robomech_ros.nodes.demonstration.load import TRACKED, carry
+from robomech_ros.nodes.demonstration.postures import pick_and_place
 from robomech_ros.nodes.demonstration.report import Leg, Reporter, TipPath
 from robomech_ros.nodes.demonstration.suite import DemoFailedError
+from robomech_ros.robots import PRISMATIC, SerialChain
 from robomech_ros.robots.semantic import HOME
 from robomech_ros.rvs import Choice, NamedPosture
 from robomech_ros.spatial import pose_error
 from robomech_ros.typing import Array
 
+if TYPE_CHECKING:
+    from robomech_ros.nodes.demonstration.demo_platform import DemoPlatform
+
+_SERVICE = "joint_trajectory_controller/set_parameters_atomically"
+# What the demonstration calls besides, where the robot carries something.
+CARRYING: dict[str, Any] = {_SERVICE: SetParametersAtomically}
+
+# How far a joint may be off its path, rad or m: the controller ends a motion that is farther.
+TRACKED = 0.02
 # Joints this close to the goal, and as slow, are there: rad or m, and per s; and the robot has
 # arrived when its tip is so close to the target, m and rad.  Friction holds back what drives move.
 _EXACT = (1e-6, 1e-4)
@@ -26,6 +40,70 @@ _GRACE_SECONDS = 10.0
 # Of the samples of a self-motion so many are kept.
 MOST_OTHERS = 16
 _PROFILES = {"RUCKIG": PlanJoint.Request.RUCKIG, "POLY345": PlanJoint.Request.POLY345}
+
+
+def carry(client: DemoClient, mass: float) -> None:
+    """Have the robot carry a mass (kg) that the controller of its drives does not know of.
+
+    It takes the place of what the robot carries.
+
+    Raises
+    ------
+    DemoFailedError
+        The robot cannot carry it.
+    """
+    value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=mass)
+    parameter = Parameter(name="payload_mass", value=value)
+    result = client.ask(_SERVICE, SetParametersAtomically.Request(parameters=[parameter])).result
+    if not result.successful:
+        raise DemoFailedError(f"payload of {mass:g} kg: {result.reason}")
+
+
+class DemoArm:
+    """An arm; `DemoPlatform` has the same methods.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+
+    Attributes
+    ----------
+    title : str
+        One-line description of the robot.
+    shown : sequence of int
+        Numbers of the joints that are printed and plotted.
+    """
+
+    def __init__(self, chain: SerialChain) -> None:
+        self.model = chain
+        self.name, self.base = chain.name, chain.base
+        self.joint_names, self.units = chain.joint_names, chain.units
+        self.shown = range(chain.n)
+        joints = "".join("P" if kind == PRISMATIC else "R" for kind in chain.types)
+        self.title = f"{chain.name}: {chain.n} joints {joints}, {chain.base} to {chain.tip}"
+
+    def home(self) -> Array:
+        """Start posture, shape (n,), rad or m."""
+        return self.model.home()
+
+    def pose(self, q: Array) -> Array:
+        """Pose of the tip in the base (4, 4), of joints (n,)."""
+        return forward_kinematics(self.model, q)
+
+    def targets(self) -> tuple[Array, Array]:
+        """Poses (4, 4) where to pick and where to place."""
+        pick, place = pick_and_place(self.model)
+        return self.pose(pick), self.pose(place)
+
+    def path_to_place(self, pick: Array, place: Array) -> TipPath | None:
+        """Return None: the way of the tip is left to the joints."""
+
+    def path_onward(self, place: Array) -> TipPath | None:
+        """Return None: an arm ends at place."""
+
+
+DemoRobot: TypeAlias = "DemoArm | DemoPlatform"
 
 
 class PickAndPlace:

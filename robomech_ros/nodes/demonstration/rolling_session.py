@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from robomech_ros.nodes.demonstration.client import DemoClient, running_client
-from robomech_ros.nodes.demonstration.drive_task import Driven, DriveTask
+from robomech_ros.nodes.demonstration.drive_task import Driven, DriveTask, paths_for
 from robomech_ros.nodes.demonstration.report import Reporter, write_page
-from robomech_ros.nodes.demonstration.rolling_paths import paths_for
 from robomech_ros.nodes.mobile_base.drives import INTERFACES
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.plotting.drives import plot_paths

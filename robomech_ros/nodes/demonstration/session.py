@@ -9,10 +9,14 @@ import numpy as np
 from robomech_interfaces.srv import Execute, PlanCartesian, PlanJoint, SolveFK, SolveIK
 from robomech_ros.dynamics import mass_matrix
 from robomech_ros.nodes.demonstration.client import EXECUTE, DemoClient, running_client
-from robomech_ros.nodes.demonstration.demo_robots import DemoArm, DemoRobot
 from robomech_ros.nodes.demonstration.limits import Which, chain_with_limits
-from robomech_ros.nodes.demonstration.load import CARRYING, TRACKED
-from robomech_ros.nodes.demonstration.pick_and_place import PickAndPlace
+from robomech_ros.nodes.demonstration.pick_and_place import (
+    CARRYING,
+    TRACKED,
+    DemoArm,
+    DemoRobot,
+    PickAndPlace,
+)
 from robomech_ros.nodes.demonstration.report import Reporter, write_page
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.parallel import load_tree_description

@@ -58,7 +58,7 @@ class LiveMobileRobotLayer(LivePage):
             self._show_feet(self._stance)
 
     def _show_feet(self, stance: Stance) -> None:
-        from robomech_ros.rvs.page.support_nodes import SupportNodes
+        from robomech_ros.rvs.layers.walking import SupportNodes
 
         place = self._place
         if self._support is None:

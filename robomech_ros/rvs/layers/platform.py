@@ -7,8 +7,13 @@ from typing import Any
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.rvs.model.analysis import twist_arrows
-from robomech_ros.rvs.model.platforms.facts import PlatformFacts, platform_facts
-from robomech_ros.rvs.model.platforms.lists import LISTS, PlatformList, platform_list
+from robomech_ros.rvs.model.platforms.lists import (
+    LISTS,
+    PlatformFacts,
+    PlatformList,
+    platform_facts,
+    platform_list,
+)
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.switches import Switches

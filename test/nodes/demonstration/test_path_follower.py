@@ -9,8 +9,8 @@ import pytest
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.demonstration.closed_paths import figure_of_eight, rounded_square
+from robomech_ros.nodes.demonstration.drive_task import paths_for, speed_on
 from robomech_ros.nodes.demonstration.path_follower import PathFollower
-from robomech_ros.nodes.demonstration.rolling_paths import paths_for, speed_on
 from robomech_ros.nodes.mobile_base.drives import INTERFACES
 from robomech_ros.nodes.mobile_base.mobile_base import BaseOptions, MobileBase
 from robomech_ros.rolling import MotionLimits, RollingBase, Wheel, list_rolling, rolling_robot

@@ -9,15 +9,15 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from display_cases import Listener
 
-from robomech_ros.nodes.display import description_publisher, external_frames, unclaimed_frames
+from robomech_ros.nodes.display import external_frames, robot_display
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 
 
 @pytest.fixture(autouse=True)
 def looking_often(monkeypatch):
     """Let nodes of this process look who else publishes more often, so that tests wait less."""
-    monkeypatch.setattr(unclaimed_frames, "PERIOD", 0.1)
-    monkeypatch.setattr(description_publisher, "PERIOD", 0.1)
+    monkeypatch.setattr(external_frames, "PERIOD", 0.1)
+    monkeypatch.setattr(robot_display, "PERIOD", 0.1)
     monkeypatch.setattr(external_frames, "SILENCE", 1.0)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robomech_ros.nodes.common.odometry_frame import LEAST, UNMEASURED
-from robomech_ros.nodes.walker.uncertainty import Uncertainty
+from robomech_ros.nodes.walker.publication import Uncertainty
 from robomech_ros.walking import Walker, load_legged
 
 SLIP = 1e-4

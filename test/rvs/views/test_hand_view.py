@@ -10,8 +10,13 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.hands import grasp_matrix, load_hand
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.rvs.model.hands.grasp import quality_line, study_grasp
-from robomech_ros.rvs.model.hands.grasped_object import SHAPES, HeldObject
-from robomech_ros.rvs.model.hands.hand_view import HandView, Spot, load_hand_view
+from robomech_ros.rvs.model.hands.hand_view import (
+    SHAPES,
+    HandView,
+    HeldObject,
+    Spot,
+    load_hand_view,
+)
 from robomech_ros.rvs.model.visual_model import load_visual_model
 from robomech_ros.spatial import pose_exponential
 

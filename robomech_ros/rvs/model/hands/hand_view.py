@@ -15,14 +15,15 @@ from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.draggable import SliderRange
 from robomech_ros.rvs.model.hands.ghosts import HandGhosts
 from robomech_ros.rvs.model.hands.grasp import Grasp
-from robomech_ros.rvs.model.hands.grasped_object import HeldObject
 from robomech_ros.rvs.model.hands.tree import OBJECT, OBJECT_JOINTS, finger_links, hand_tree
 from robomech_ros.rvs.model.kinds.tree_view import TreeView
 from robomech_ros.rvs.model.postures import MOST_POSTURES, PoseStudy, Posture, pose_summary
+from robomech_ros.rvs.model.solids import Solid, box, cylinder, sphere
 from robomech_ros.rvs.model.visual_model import VisualModel
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 from robomech_ros.typing import Array
 
+SHAPES = ("ball", "cylinder", "box")
 # Where the object is at first, on the way from the middle of the fingers' bases to that of their
 # tips with all joints amid their limits: short of the end, so that fingers can follow it.
 OUT = 0.85
@@ -36,6 +37,53 @@ SPOT = {"angle": (-math.pi, math.pi, "rad"), "height": (-0.95, 0.95, "times the 
 SMALLEST, LARGEST = 0.2, 1.5
 # What reasons end with, where the orientation of a tip is free, as that of all fingers here is.
 MASKED = "; only x, y and z"
+
+
+@dataclass(frozen=True)
+class HeldObject:
+    """An object, its centre at the origin of its frame.
+
+    Parameters
+    ----------
+    shape : str
+        One of ``SHAPES``.
+    size : float
+        Radius of a ball or of a cylinder, which is as high as it is wide, or half the side of a
+        box, a cube (m).
+    """
+
+    shape: str
+    size: float
+
+    @property
+    def solid(self) -> Solid:
+        """Its surface."""
+        width = 2.0 * self.size
+        if self.shape == "ball":
+            return sphere(self.size)
+        return cylinder(self.size, width) if self.shape == "cylinder" else box(width, width, width)
+
+    def touched(self, angle: float, height: float) -> tuple[Array, Array]:
+        """Return a place of the surface and the normal into the object, each shape (3,).
+
+        Parameters
+        ----------
+        angle : float
+            About z, from x (rad).
+        height : float
+            Along z, from -1 to 1 times the size.
+        """
+        outwards = np.array([math.cos(angle), math.sin(angle), 0.0])
+        if self.shape == "ball":
+            outwards = math.sqrt(max(1.0 - height**2, 0.0)) * outwards + [0.0, 0.0, height]
+            return self.size * outwards, -outwards
+        place, normal = outwards, outwards
+        if self.shape == "box":
+            side = int(np.argmax(np.abs(outwards)))
+            place = outwards / abs(outwards[side])
+            normal = np.zeros(3)
+            normal[side] = math.copysign(1.0, outwards[side])
+        return self.size * (place + [0.0, 0.0, height]), -normal
 
 
 @dataclass(frozen=True)
