@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -56,19 +55,15 @@ def demonstrate_calibration(
     """
     reporter = Reporter()
     which = Which(robot)
-    chain, notice = chain_with_limits(which)
-    if notice:
-        reporter.say(notice)
+    chain = chain_with_limits(which, reporter.say)
     output = output.resolve()
     mount = MOUNT_OF_TYPE[calibration_type]
     reporter.heading(f"{chain.name}: where is the camera? ({mount})")
     on_tf = find_spec("tf2_msgs") is not None
-    began = time.perf_counter()
     commands = _commands(which, calibration_type, output, on_tf)
     with running_client(commands, chain.joint_names, chain.units) as (suite, client):
         client.wait_until_up(SERVICES)
-        up = time.perf_counter()
-        reporter.say(f"up after {up - began:.1f} s, {suite.says}")
+        reporter.up(suite)
         reporter.say(
             f"the camera's noise: {noise[1] * 1e3:g} mm and {noise[0] * 1e3:g} "
             f"mrad in each coordinate; it speaks {'on /tf' if on_tf else 'on topics'}, and "
@@ -79,9 +74,8 @@ def demonstrate_calibration(
         camera = SimulatedCamera(client, chain, scene, noise, on_tf)
         task = CalibrationTask(client, chain, camera, scene, reporter)
         task.run(start, samples)
-        _tell(client, task, chain, reporter, output)
-        reporter.say(_page(client, which, chain, mount, output))
-        reporter.say(f"everything worked, in {time.perf_counter() - up:.1f} s")
+        _report(client, task, chain, reporter, output)
+        reporter.finish(_page(client, which, chain, mount, output))
 
 
 def _commands(
@@ -102,10 +96,10 @@ def _commands(
     return commands
 
 
-def _tell(
+def _report(
     client: DemoClient, task: CalibrationTask, chain: SerialChain, reporter: Reporter, output: Path
 ) -> None:
-    """Tell what was found, save and draw it."""
+    """Print what was found, save and draw it."""
     last, answer = task.progress[-1], task.answer
     reporter.heading("summary")
     reporter.say(answer.summary)
@@ -132,7 +126,6 @@ def _tell(
 
 
 def _page(client: DemoClient, which: Which, chain: SerialChain, mount: str, output: Path) -> str:
-    """Write a page that shows samples and camera; says where, or why there is none."""
     listed = client.call("calibration/list_samples", ListSamples.Request())
     robot, tracking = (
         np.array([matrix_from_pose(pose) for pose in poses.poses])

@@ -101,13 +101,8 @@ class CalibrationTask:
     Attributes
     ----------
     progress : list of Progress
-    residuals : ndarray, shape (n, 2)
-        Of the samples at the end: rad and m.
-    inlier : ndarray of bool, shape (n,)
-    summary : str
-        The result in words, as the node gives it.
-    covariance : ndarray, shape (6, 6)
-        As the node gives it: positions first.
+    answer : SolveCalibration.Response or None
+        The last.
     """
 
     def __init__(

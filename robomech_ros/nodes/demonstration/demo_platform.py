@@ -46,10 +46,6 @@ class DemoPlatform:
         )
         self._place = mechanism.home()
 
-    def home(self) -> Array:
-        """Start posture, shape (n,), rad or m."""
-        return self.model.home()
-
     def pose(self, q: Array) -> Array:
         """Pose of the platform in the base (4, 4), of joints (n,)."""
         return self.model.pose(q)
@@ -66,41 +62,37 @@ class DemoPlatform:
         if not len(ends):
             raise NoPostureError(f"the platform of '{self.name}' goes nowhere")
         pick = ends[0]
-        apart = [self._distance(pick, q) for q in ends]
-        far = [q for q, d in zip(ends, apart, strict=True) if d >= _APART * max(apart)]
+        T = self.pose(np.stack(ends))
+        turned = self.model.size * np.linalg.norm(T[:, :3, :3] - T[0, :3, :3], axis=(1, 2))
+        apart = np.linalg.norm(T[:, :3, 3] - T[0, :3, 3], axis=1) + turned
+        far = [q for q, d in zip(ends, apart, strict=True) if d >= _APART * apart.max()]
         self._place = next((q for q in far if self._free(pick, q) is not None), pick)
         return self.pose(pick), self.pose(self._place)
 
     def _ends(self) -> list[Array]:
         """Find postures (n,) to which the drives can go straight from home."""
-        robot, home = self.model, self.home()
+        robot, home = self.model, self.model.home()
         drives = robot.drive_index
         rng = np.random.default_rng(1)
         most = np.repeat([_TURN, _MOVE * robot.size], 3)
         twists = rng.uniform(-most, most, (_CANDIDATES, 6))
-        ways = twists @ np.linalg.pinv(robot.twist_matrix(home)).T
+        moves = twists @ np.linalg.pinv(robot.twist_matrix(home)).T
         below = _USED_PART * (robot.lower - home)[drives]
         above = _USED_PART * (robot.upper - home)[drives]
-        goals = home[drives] + np.clip(ways, below, above)
-        found = [self._free(home, goal) for goal in goals]
-        return [q for q in found if q is not None]
+        goals = home[drives] + np.clip(moves, below, above)
+        return [q for goal in goals if (q := self._free(home, goal)) is not None]
 
     def _free(self, start: Array, goal: Array) -> Array | None:
-        """Return the posture at the end of a straight way of the drives; None if one ends it."""
+        """Return the posture at the end of a straight path of the drives; None if one ends it."""
         drives = self.model.drive_index
         end = goal[drives] if len(goal) == self.model.n else goal
-        way = np.linspace(start[drives], end, _LOOKS)
-        found = follow_drives(self.model, way, start, condition=_CONDITION)
+        path = np.linspace(start[drives], end, _LOOKS)
+        found = follow_drives(self.model, path, start, condition=_CONDITION)
         return None if found.stop is not None else found.q[-1]
-
-    def _distance(self, a: Array, b: Array) -> float:
-        T = self.pose(np.stack([a, b]))
-        turned = self.model.size * np.linalg.norm(T[0, :3, :3] - T[1, :3, :3])
-        return float(np.linalg.norm(T[0, :3, 3] - T[1, :3, 3]) + turned)
 
     def path_to_place(self, pick: Array, place: Array) -> TipPath | None:
         """Lift, go over to the place, and put down, in straight lines; None if that cannot be."""
-        start = self.model.postures(pick, seed=self.home()).q[0]
+        start = self.model.postures(pick, seed=self.model.home()).q[0]
         for lift in _LIFTS:
             up = np.array([0.0, 0.0, lift * self.model.size])
             waypoints = np.stack([pick, place, place])
@@ -113,7 +105,7 @@ class DemoPlatform:
         """Return a circle that begins at place, as in machining; with a tilt if it can turn so."""
         angles = np.linspace(0.0, _ROUND, _WAYPOINTS + 1)[1:]
         # Its middle is where home is, seen from the place: there is most room.
-        inwards = self.pose(self.home())[:2, 3] - place[:2, 3]
+        inwards = self.pose(self.model.home())[:2, 3] - place[:2, 3]
         far = float(np.linalg.norm(inwards))
         x, y = inwards / far if far > 0.0 else (1.0, 0.0)
         about = np.stack([1.0 - np.cos(angles), np.sin(angles)], axis=1) @ [[x, y], [-y, x]]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import threading
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -96,7 +95,7 @@ class Driven(NamedTuple):
 
 
 class DriveTask:
-    """Drives a base and keeps where it was.
+    """Drives a base and records its poses.
 
     Parameters
     ----------
@@ -111,19 +110,23 @@ class DriveTask:
         self, client: DemoClient, robot: RollingRobot, interface: Interface, reporter: Reporter
     ) -> None:
         self._client, self._robot, self._reporter = client, robot, reporter
-        self._told: list[Array] = []
+        self._odometry: list[Array] = []
         self._true: list[Array] = []
         self._follower: PathFollower | None = None
         self._rests = False
-        self._lock = threading.Lock()
         node = client.node
         command, odometry = (
             topic.replace("~", "mobile_base") for topic in (interface.command, interface.odometry)
         )
         self._commands = node.create_publisher(TwistStamped, command, 1)
-        node.create_subscription(Odometry, odometry, self._hear, qos_profile_sensor_data)
+        node.create_subscription(Odometry, odometry, self._answer, qos_profile_sensor_data)
         truth = "mobile_base/simulated_base"
-        node.create_subscription(PoseStamped, truth, self._see, qos_profile_sensor_data)
+        node.create_subscription(
+            PoseStamped,
+            truth,
+            lambda message: self._true.append(_row(message.header.stamp, message.pose)),
+            qos_profile_sensor_data,
+        )
 
     def wait_until_up(self) -> None:
         """Wait for odometry and for who takes commands.
@@ -134,17 +137,17 @@ class DriveTask:
         """
 
         def is_up() -> bool:
-            return bool(self._told and self._true and self._commands.get_subscription_count())
+            known = self._odometry and self._true
+            return bool(known and self._commands.get_subscription_count())
 
         if not self._client.wait(is_up, _UP):
             topic = self._commands.topic_name
             raise DemoFailedError(f"after {_UP:g} s no odometry comes, or nobody hears '{topic}'")
 
     @property
-    def places(self) -> Array:
+    def poses(self) -> Array:
         """Path of the base, shape (n, 4): ROS time (s), x, y (m), heading (rad), continuous."""
-        with self._lock:
-            rows = np.array(self._true)
+        rows = np.array(list(self._true))
         rows = rows[np.diff(rows[:, 0], prepend=-np.inf) > 0.0]
         return np.column_stack([rows[:, :3], np.unwrap(rows[:, 3])])
 
@@ -158,44 +161,44 @@ class DriveTask:
         """
         speed, acceleration = speed_on(self._robot, path, radius)
         follower = PathFollower(self._robot.base.axle, path, speed, acceleration, radius)
-        begin = self._told[-1][0]
+        begin = self._odometry[-1][0]
         seconds = path.length / speed
-        say = f"{path.name}: {path.length:.1f} m at {speed:.2f} m/s, about {seconds:.0f} s"
-        self._reporter.say(say)
+        patience = _PATIENCE * seconds + _BESIDES
+        self._reporter.say(
+            f"{path.name}: {path.length:.1f} m at {speed:.2f} m/s, about {seconds:.0f} s"
+        )
         self._follower = follower
-        with self._reporter.progress(path.name, _words) as show:
+        with self._reporter.progress(path.name, _pose_text) as show:
 
             def look() -> None:
-                show(follower.gone / path.length, self._told[-1][1:])
+                show(follower.gone / path.length, self._odometry[-1][1:])
 
-            arrived = self._client.wait(
-                lambda: follower.arrived and self._rests, _PATIENCE * seconds + _BESIDES, look
-            )
+            arrived = self._client.wait(lambda: follower.arrived and self._rests, patience, look)
             look()
         self._follower = None
         if not arrived:
             raise DemoFailedError(
-                f"{path.name}: after {_PATIENCE * seconds + _BESIDES:.0f} s the base has gone "
-                f"{follower.gone:.2f} of {path.length:.2f} m"
+                f"{path.name}: after {patience:.0f} s the base has gone {follower.gone:.2f} of "
+                f"{path.length:.2f} m"
             )
-        end = self._told[-1][0]
+        end = self._odometry[-1][0]
         self._check(path, follower.off)
         return Driven(path, begin, end)
 
     def _check(self, path: ClosedPath, off: float) -> None:
         """Compare the end with the beginning, by odometry and by the base itself."""
-        if not self._client.wait(lambda: self._true[-1][0] >= self._told[-1][0] - 1e-6, _UP):
+        if not self._client.wait(lambda: self._true[-1][0] >= self._odometry[-1][0] - 1e-6, _UP):
             raise DemoFailedError("the simulated base is no longer told")
-        stamp = self._told[-1][0]
-        true = min(self._true[-50:], key=lambda row: abs(row[0] - stamp))
-        for what, row in (("odometry", self._told[-1]), ("the simulated base", true)):
+        odometry = self._odometry[-1]
+        true = min(self._true[-50:], key=lambda row: abs(row[0] - odometry[0]))
+        for what, row in (("odometry", odometry), ("the simulated base", true)):
             away, turned = math.hypot(row[1], row[2]), abs(math.remainder(row[3], 2.0 * math.pi))
             if away > _OFF or turned > _TURNED:
                 raise DemoFailedError(
                     f"{path.name}: by {what} the base is {away:.3g} m and {turned:.3g} rad from "
                     f"where it began, expected at most {_OFF} m and {_TURNED} rad"
                 )
-        apart = float(np.abs(self._told[-1][1:3] - true[1:3]).max())
+        apart = float(np.abs(odometry[1:3] - true[1:3]).max())
         if apart > _APART:
             raise DemoFailedError(f"odometry is {apart:.3g} m off the simulated base")
         self._reporter.say(
@@ -204,8 +207,8 @@ class DriveTask:
             f"odometry {apart:.0e} m off the simulated base"
         )
 
-    def _hear(self, message: Odometry) -> None:
-        """Take odometry, and answer it with a command."""
+    def _answer(self, message: Odometry) -> None:
+        """Answer odometry with a command."""
         twist = message.twist.twist
         moves = (twist.angular.z, twist.linear.x, twist.linear.y)
         row = _row(message.header.stamp, message.pose.pose)
@@ -215,18 +218,12 @@ class DriveTask:
             command = twist_message(follower.command(row[0], row[1:]))
             command.header.stamp = self._client.node.get_clock().now().to_msg()
             self._commands.publish(command)
-        with self._lock:
-            self._told.append(row)
-
-    def _see(self, message: PoseStamped) -> None:
-        with self._lock:
-            self._true.append(_row(message.header.stamp, message.pose))
+        self._odometry.append(row)
 
 
-def _words(place: Array) -> str:
-    """Write a place, as x, y (m) and heading (rad)."""
-    x, y = place[:2]
-    return f"x {x:+.3f} m, y {y:+.3f} m, heading {math.remainder(place[2], 2.0 * math.pi):+.3f} rad"
+def _pose_text(pose: Array) -> str:
+    x, y, heading = pose
+    return f"x {x:+.3f} m, y {y:+.3f} m, heading {math.remainder(heading, 2.0 * math.pi):+.3f} rad"
 
 
 def _row(stamp: Any, pose: Any) -> Array:

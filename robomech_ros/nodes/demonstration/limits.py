@@ -1,5 +1,6 @@
 """Limits that a URDF cannot hold, assumed where nobody gave them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from robomech_ros.nodes.common.joint_limits import with_assumed_rates
@@ -25,18 +26,18 @@ class Which:
     group: str = ""
 
 
-def chain_with_limits(which: Which) -> tuple[SerialChain, str]:
+def chain_with_limits(which: Which, say: Callable[[str], None]) -> SerialChain:
     """Load a robot with limits of acceleration and jerk, assumed as the planner assumes them.
 
     Parameters
     ----------
     which : Which
+    say : callable
+        Prints what was assumed.
 
     Returns
     -------
-    chain : SerialChain
-    notice : str
-        What was assumed; empty if nothing.
+    SerialChain
 
     Raises
     ------
@@ -46,4 +47,6 @@ def chain_with_limits(which: Which) -> tuple[SerialChain, str]:
     description, notice, _ = with_assumed_rates(load_description(which.robot))
     chain = main_chain(description, load_semantics(description, which.srdf), group=which.group)
     chain.require_limits("velocity")
-    return chain, notice
+    if notice:
+        say(notice)
+    return chain

@@ -83,10 +83,6 @@ class DemoArm:
         joints = "".join("P" if kind == PRISMATIC else "R" for kind in chain.types)
         self.title = f"{chain.name}: {chain.n} joints {joints}, {chain.base} to {chain.tip}"
 
-    def home(self) -> Array:
-        """Start posture, shape (n,), rad or m."""
-        return self.model.home()
-
     def pose(self, q: Array) -> Array:
         """Pose of the tip in the base (4, 4), of joints (n,)."""
         return forward_kinematics(self.model, q)
@@ -161,13 +157,13 @@ class PickAndPlace:
 
     def stands_at_home(self) -> None:
         """Check that the robot begins where the named posture home is."""
-        home = self._robot.home()
+        home = self._robot.model.home()
         self._client.wait_until_at(home, self._joints_arrived, _GRACE_SECONDS)
         self._reporter.say(f"stands at {HOME}: {_listed(home)} rad or m")
 
     def go_home(self) -> None:
         """Move to the named posture home, which the planner is told by its name alone."""
-        home = self._robot.home()
+        home = self._robot.model.home()
         self._reporter.heading(f"{HOME}, by its name")
         self.marks.append((self._client.now(), f"{HOME} (RUCKIG)"))
         self._move(HOME, "RUCKIG", JointState(name=[HOME]), home, self._robot.pose(home))
@@ -178,25 +174,25 @@ class PickAndPlace:
         self.marks.append((self._client.now(), f"{name} ({profile})"))
         self._move(name, profile, joint_state(self._robot.joint_names, goal), goal, T)
 
-    def _along(self, way: TipPath) -> None:
+    def _along(self, path: TipPath) -> None:
         """Move the tip along a path, to where it ends."""
-        T = way.waypoints[-1]
-        count = len(way.waypoints)
-        self._reporter.heading(f"{way.name} through {count} poses to {_listed(T[:3, 3])} m")
-        goal = self._solve(way.name, T)
-        self.marks.append((self._client.now(), f"{way.name} (TIME_OPTIMAL)"))
+        T = path.waypoints[-1]
+        count = len(path.waypoints)
+        self._reporter.heading(f"{path.name} through {count} poses to {_listed(T[:3, 3])} m")
+        goal = self._solve(path.name, T)
+        self.marks.append((self._client.now(), f"{path.name} (TIME_OPTIMAL)"))
         request = PlanCartesian.Request(
             start=self._present_state(),
-            waypoints=[stamped_pose(pose, self._robot.base) for pose in way.waypoints],
-            path=getattr(PlanCartesian.Request, way.path),
+            waypoints=[stamped_pose(pose, self._robot.base) for pose in path.waypoints],
+            path=getattr(PlanCartesian.Request, path.path),
             profile=PlanCartesian.Request.TIME_OPTIMAL,
         )
         response = self._client.call("trajectory_planner/plan_cartesian", request)
         points = response.trajectory.points
         duration = seconds_from_duration(points[-1].time_from_start, "time_from_start")
-        leg = Leg(way.name, way.path, duration, float("nan"))
+        leg = Leg(path.name, path.path, duration, float("nan"))
         self._reporter.say(
-            f"planned {way.path}: {duration:.2f} s, {len(points)} points, all of the path within "
+            f"planned {path.path}: {duration:.2f} s, {len(points)} points, all of the path within "
             "the limits of every joint"
         )
         self._execute(leg, response.trajectory, goal, T)
@@ -208,7 +204,13 @@ class PickAndPlace:
         )
         response = self._client.call("kinematics/solve_ik", request)
         goal = np.array(response.solutions[0].positions)
-        self._remember(name, response)
+        # The first is taken.
+        first, *others = (
+            NamedPosture(branch, np.array(point.positions))
+            for branch, point in zip(response.branches, response.solutions, strict=True)
+        )
+        kept = tuple(others[: MOST_OTHERS - 1])
+        self.choices.append(Choice(self._client.now(), name, first.name, kept))
         shown, chosen = response, 0
         if response.complete:
             # In closed form there is no harm in showing what the limits exclude, too.
@@ -226,15 +228,6 @@ class PickAndPlace:
         )
         self._reporter.solutions(shown, chosen, self._robot.shown)
         return goal
-
-    def _remember(self, name: str, response: SolveIK.Response) -> None:
-        """Keep the postures inside the limits, of which the first is taken."""
-        postures = [
-            NamedPosture(branch, np.array(point.positions))
-            for branch, point in zip(response.branches, response.solutions, strict=True)
-        ]
-        others = tuple(postures[1:MOST_OTHERS])
-        self.choices.append(Choice(self._client.now(), name, postures[0].name, others))
 
     def _move(self, name: str, profile: str, named: JointState, goal: Array, T: Array) -> None:
         """Plan a motion to a goal, shape (n,), as it is named, and execute it to a pose."""

@@ -1,6 +1,7 @@
 """Printed report of the demonstration."""
 
 import math
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -12,7 +13,9 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 from rich.table import Table
 
-from robomech_ros.rvs import ViewUnavailableError
+from robomech_ros.nodes.demonstration.suite import DemoFailedError, Suite
+from robomech_ros.robots import RobotDescription
+from robomech_ros.rvs import Motion, ViewUnavailableError, write_motion
 from robomech_ros.typing import Array
 
 Shown = Callable[[float, Array], None]
@@ -57,7 +60,7 @@ class Leg:
 
 
 def write_page(path: Path, write: Callable[[Path], object]) -> str:
-    """Have a page written, and say where it is; or why there is none."""
+    """Write a page, and return where it is; or why there is none."""
     try:
         write(path)
     except ViewUnavailableError as error:
@@ -65,10 +68,26 @@ def write_page(path: Path, write: Callable[[Path], object]) -> str:
     return f"page: {path}"
 
 
+def write_motion_page(
+    output: Path,
+    name: str,
+    task: str,
+    description: RobotDescription,
+    motion: Motion,
+    trail: str = "",
+) -> str:
+    """Write the motion of a robot as a page, and return where it is; or why there is none."""
+    return write_page(
+        output / f"{name}.html",
+        lambda path: write_motion(path, description, motion, title=f"{name}: {task}", trail=trail),
+    )
+
+
 class Reporter:
-    """Prints to the terminal, or plain lines where there is none."""
+    """Prints to the terminal, or plain lines where there is none; knows when it was made."""
 
     def __init__(self) -> None:
+        self._start = time.perf_counter()
         self._console = Console(highlight=False)
         if not self._console.is_terminal:
             self._console = Console(highlight=False, width=_PIPE_WIDTH)
@@ -76,6 +95,28 @@ class Reporter:
     def say(self, text: str) -> None:
         """Print a line."""
         self._console.print(text, markup=False)
+
+    def check(self, passed: bool, text: str) -> None:
+        """Print the result of a check, or fail with it.
+
+        Raises
+        ------
+        DemoFailedError
+            It did not pass.
+        """
+        if not passed:
+            raise DemoFailedError(text)
+        self.say(text)
+
+    def up(self, suite: Suite) -> None:
+        """Print how long the start took, and of what."""
+        self.say(f"up after {time.perf_counter() - self._start:.1f} s, {suite.says}")
+
+    def finish(self, *files: str) -> None:
+        """Print which files there are, and how long all of it took."""
+        for text in files:
+            self.say(text)
+        self.say(f"everything worked, in {time.perf_counter() - self._start:.1f} s")
 
     def heading(self, text: str) -> None:
         """Print a line that begins a part."""

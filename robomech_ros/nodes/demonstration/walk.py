@@ -47,7 +47,9 @@ class Walk:
         self._twists = node.create_publisher(TwistStamped, "cmd_vel", 10)
         node.create_subscription(Odometry, "odom", self._odometry, _DEPTH)
         node.create_subscription(FootContacts, "foot_contacts", self._feet, _DEPTH)
-        node.create_subscription(Float64, "walker/stability_margin", self._margin, _DEPTH)
+        node.create_subscription(
+            Float64, "walker/stability_margin", lambda one: self._margins.append(one.data), _DEPTH
+        )
 
     def _odometry(self, message: Odometry) -> None:
         twist = message.twist.twist
@@ -58,9 +60,6 @@ class Walk:
     def _feet(self, message: FootContacts) -> None:
         places = np.array([(one.x, one.y, one.z) for one in message.feet])
         self._contacts.append((_seconds(message), np.array(message.contacts), places))
-
-    def _margin(self, message: Float64) -> None:
-        self._margins.append(float(message.data))
 
     def wait_until_it_stands(self) -> None:
         """Wait until all feet are down and the trunk is at rest.

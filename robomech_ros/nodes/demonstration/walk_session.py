@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,12 +11,11 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.demonstration.client import DemoClient, running_client
 from robomech_ros.nodes.demonstration.closed_paths import ClosedPath, figure_of_eight
 from robomech_ros.nodes.demonstration.path_follower import PathFollower
-from robomech_ros.nodes.demonstration.report import Reporter, write_page
-from robomech_ros.nodes.demonstration.suite import DemoFailedError
+from robomech_ros.nodes.demonstration.report import Reporter, write_motion_page
 from robomech_ros.nodes.demonstration.walk import Walk
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.plotting.walks import plot_walk
-from robomech_ros.rvs import Motion, write_motion
+from robomech_ros.rvs import Motion
 from robomech_ros.rvs.model.walking.placed_tree import placed_tree, placing
 from robomech_ros.typing import Array
 from robomech_ros.walking import GAITS, LeggedRobot, Walker, load_legged
@@ -49,8 +47,7 @@ def demonstrate(robot: str, output: Path) -> None:
     RobomechError
         A step failed; the text says which and why.
     """
-    reporter, start = Reporter(), time.perf_counter()
-    legged = load_legged(robot)
+    reporter, legged = Reporter(), load_legged(robot)
     walker = quickest(legged)
     path, radius, speed = eight_for(walker)
     reporter.heading(
@@ -64,7 +61,7 @@ def demonstrate(robot: str, output: Path) -> None:
         client.wait_until_up({})
         walk = Walk(client, _LEAD)
         walk.wait_until_it_stands()
-        reporter.say(f"up after {time.perf_counter() - start:.1f} s, {suite.says}")
+        reporter.up(suite)
         reporter.say(
             f"{path.name}: {path.length:.2f} m at {speed * 1e3:.0f} mm/s, by twists on cmd_vel"
         )
@@ -74,10 +71,9 @@ def demonstrate(robot: str, output: Path) -> None:
         off = max(np.hypot(*(places - T[:2, 3]).T).min() for T in walk.trunk[1])
         reporter.say(f"walked in {took:.1f} s, never more than {off * 1e3:.1f} mm off it")
         _check(walker, walk, client, reporter)
-        output.mkdir(parents=True, exist_ok=True)
-        reporter.say(f"plot: {_plot(walker, walk, path, output)}")
-        reporter.say(_page(legged, walk, client, output))
-    reporter.say(f"everything worked, in {time.perf_counter() - start:.1f} s")
+        plot = _plot(walker, walk, path, output)
+        page = _page(legged, walk, client, output)
+    reporter.finish(f"plot: {plot}", page)
 
 
 def quickest(robot: LeggedRobot) -> Walker:
@@ -119,9 +115,7 @@ def _check(walker: Walker, walk: Walk, client: DemoClient, reporter: Reporter) -
     off = float(np.linalg.norm(away[:2, 3]))
     turned = abs(float(np.arctan2(away[1, 0], away[0, 0])))
     text = f"by odometry it is {off * 1e3:.2f} mm and {turned * 1e3:.2f} mrad from where it began"
-    if off > _ARRIVED or turned > _ARRIVED_ANGLE:
-        raise DemoFailedError(text)
-    reporter.say(text)
+    reporter.check(off <= _ARRIVED and turned <= _ARRIVED_ANGLE, text)
     _, contacts, places = walk.feet
     at_rest = np.abs(_on_ground(robot, client.present[None], trunk[-1:]) - places[-1]).max()
     count, off = _slip(robot, walk, client)
@@ -129,14 +123,11 @@ def _check(walker: Walker, walk: Walk, client: DemoClient, reporter: Reporter) -
         f"by the joints, standing feet are at most {off * 1e3:.2f} mm from where they are said to "
         f"be, seen {count} times, and {at_rest * 1e3:.4f} mm at the end"
     )
-    if not count or off > _SLIPPED or at_rest > _FOOT or not contacts[-1].all():
-        raise DemoFailedError(text)
-    reporter.say(text)
+    stands = at_rest <= _FOOT and bool(contacts[-1].all())
+    reporter.check(count > 0 and off <= _SLIPPED and stands, text)
     least = walk.margins.min()
     text = f"stability margin: at least {least * 1e3:.1f} mm, bound {walker.bound * 1e3:.0f} mm"
-    if least < walker.bound - 1e-9:
-        raise DemoFailedError(text)
-    reporter.say(text)
+    reporter.check(least >= walker.bound - 1e-9, text)
 
 
 def _slip(robot: LeggedRobot, walk: Walk, client: DemoClient) -> tuple[int, float]:
@@ -193,7 +184,6 @@ def _plot(walker: Walker, walk: Walk, path: ClosedPath, output: Path) -> Path:
 
 
 def _page(robot: LeggedRobot, walk: Walk, client: DemoClient, output: Path) -> str:
-    """Write the walk as a page that plays it, and say where; or why not."""
     height = -float(robot.feet(robot.home)[:, 2].mean())
     tree = placed_tree(robot.description, robot.trunk, height)
     times, trunk = walk.trunk
@@ -207,8 +197,4 @@ def _page(robot: LeggedRobot, walk: Walk, client: DemoClient, output: Path) -> s
     moved = np.column_stack([columns[name] for name in tree.joint_names])
     keep = np.diff(times, prepend=-np.inf) > 0.0
     motion = Motion(tree, times[keep] - times[0], moved[keep])
-    title = f"{robot.name}: an eight"
-    return write_page(
-        output / f"{robot.name}.html",
-        lambda path: write_motion(path, tree, motion, title=title, trail=robot.trunk),
-    )
+    return write_motion_page(output, robot.name, "an eight", tree, motion, robot.trunk)
