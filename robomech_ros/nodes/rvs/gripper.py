@@ -96,14 +96,13 @@ class GripperClient:
             # Stopped before the goal was accepted; a newer goal replaces it anyway.
             handle.cancel_goal_async()
             return
-        handle.get_result_async().add_done_callback(
-            lambda future: self._take_result(number, future.result())
-        )
 
-    def _take_result(self, number: int, answer: Any) -> None:
-        assert self.gripper is not None
-        text, reached = gripper_outcome(self.gripper, answer.result)
-        self._end(number, f"Gripper: {text}.", failed=not reached)
+        def take(future: Any) -> None:
+            assert self.gripper is not None
+            text, reached = gripper_outcome(self.gripper, future.result().result)
+            self._end(number, f"Gripper: {text}.", failed=not reached)
+
+        handle.get_result_async().add_done_callback(take)
 
     def _end(self, number: int, text: str, *, failed: bool) -> None:
         """Say what came of a command, unless there is a newer one."""

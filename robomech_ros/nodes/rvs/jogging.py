@@ -74,17 +74,14 @@ class Jogger(JogThread[_Jog]):
 
     def send(self, what: _Jog, moves: bool) -> None:
         """Command the servo."""
-        jog = what if moves else what._replace(speed=0.0)
-        given, stamp, direction = self._settings, self._clock.now().to_msg(), jog.direction
-        linear = jog.speed * given.jog_linear_speed
+        speed, settings, chain = what.speed if moves else 0.0, self._settings, self._model.chain
+        linear, direction = speed * settings.jog_linear_speed, what.direction
         if direction.kind == "joint":
-            speed = jog.speed * given.jog_joint_speed
-            command = joint_jog(self._model.chain, direction, speed, linear)
-            command.header.stamp = stamp
-            self._joints.publish(command)
-            return
-        chain = self._model.chain
-        frame = self._model.frame_of(chain.tip if jog.frame == "tip" else chain.base)
-        twist = twist_jog(frame, direction, linear, jog.speed * given.jog_angular_speed)
-        twist.header.stamp = stamp
-        self._twists.publish(twist)
+            publisher = self._joints
+            command = joint_jog(chain, direction, speed * settings.jog_joint_speed, linear)
+        else:
+            publisher = self._twists
+            frame = self._model.frame_of(chain.tip if what.frame == "tip" else chain.base)
+            command = twist_jog(frame, direction, linear, speed * settings.jog_angular_speed)
+        command.header.stamp = self._clock.now().to_msg()
+        publisher.publish(command)

@@ -46,16 +46,16 @@ class RvsNode(Node):
         self._page = live_page_of(*described, robot, port=settings.port, host=settings.host)
         self._robot: RunningRobot | RunningMobileRobot = robot
         self.create_timer(_LOOK, robot.look)
-        self._tell(model.chain.name, len(model.commanded.joint_names))
+        self._announce(model.chain.name, len(model.commanded.joint_names))
 
     def _serve_mobile_robot(self, mobile_robot: MobileRobot) -> None:
-        robot, settings = RunningMobileRobot(self, mobile_robot, self._settings), self._settings
-        where: dict[str, Any] = {"port": settings.port, "host": settings.host}
-        self._page = mobile_page_of(mobile_robot.followed, robot, **where)
+        settings, shown = self._settings, mobile_robot.followed
+        robot = RunningMobileRobot(self, mobile_robot, settings)
+        self._page = mobile_page_of(shown, robot, port=settings.port, host=settings.host)
         self._robot = robot
-        self._tell(mobile_robot.name, len(mobile_robot.followed.joints))
+        self._announce(mobile_robot.name, len(shown.joints))
 
-    def _tell(self, name: str, joints: int) -> None:
+    def _announce(self, name: str, joints: int) -> None:
         StatusReport(self, "view", name, self._condition)
         # Not logged: the log goes to a topic that everybody reads, and the address has the token.
         print(f"{self.get_fully_qualified_name()}: open {self._page.url}", flush=True)

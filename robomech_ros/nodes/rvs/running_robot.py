@@ -21,9 +21,7 @@ from robomech_ros.nodes.rvs.motions import Motions
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.rvs.state_feed import StateFeed
 from robomech_ros.robots.gripper import GripperModel
-from robomech_ros.rvs.model.jog import HoldHeartbeat
 from robomech_ros.rvs.model.live_robot import ViewMarker
-from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from robomech_ros.rvs.layers.live import LiveLayer
@@ -34,14 +32,12 @@ _PLANS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class RunningRobot(JoggedRobot):
-    """Carries out what a page asks for, see ``LiveRobot``, and tells it what is heard.
+    """Carries out the requests of a page, see ``LiveRobot``, and reports to it.
 
     Parameters
     ----------
     node : Node
-        Owner of all that it needs.
     model : RobotModel
-        The robot.
     settings : RvsSettings
     """
 
@@ -55,23 +51,19 @@ class RunningRobot(JoggedRobot):
         self._markers: dict[str, dict[str, ViewMarker]] = {}
 
     def begin(self, view: LiveLayer) -> None:
-        """Tell this page, from now on."""
+        """Report to this page, from now on."""
         node, model, settings = self._node, self._model, self._settings
         self._view = view
         self._motions = Motions(node, model.commanded.joint_names, settings, view, self._take_plan)
+        self.plan, self.execute = self._motions.plan, self._motions.execute
+        self.let_plans_wait = self._motions.let_plans_wait
         self._gripper = GripperClient(node, model, settings, view)
+        self.move_gripper = self._gripper.move
         self._feed = feed = StateFeed(node, model, settings, view)
         self._jogger = Jogger(node, model, settings, lambda: feed.servo_is_silent, view.show_jog)
+        self.hold = self._jogger.hold
         topic = f"{settings.planner}/planned_trajectory"
         node.create_subscription(JointTrajectory, topic, self._take_plan, _PLANS)
-
-    def plan(self, q: Array) -> None:
-        """Plan a motion from where the robot is to a posture (n,) (rad or m)."""
-        self._motions.plan(q)
-
-    def execute(self, q: Array) -> None:
-        """Plan such a motion, and execute it."""
-        self._motions.execute(q)
 
     def stop(self) -> None:
         """Stop whatever moves the robot, without waiting for the thread of the node."""
@@ -89,21 +81,9 @@ class RunningRobot(JoggedRobot):
         """Whether a command to the gripper is under way."""
         return self._gripper.moves
 
-    def move_gripper(self, value: float) -> None:
-        """Open or close the gripper to a value of :attr:`gripper`."""
-        self._gripper.move(value)
-
-    def let_plans_wait(self, waiting: bool) -> None:
-        """Have plans executed on request only, or each as it is made."""
-        self._motions.let_plans_wait(waiting)
-
     def want_markers(self, wanted: bool) -> None:
         """Listen to markers, or not."""
         soon(self._node, lambda: self._listen(wanted))
-
-    def hold(self, beat: HoldHeartbeat, frame: str, speed: float) -> None:
-        """Jog while this is said again and again; see ``LiveRobot``."""
-        self._jogger.hold(beat, frame, speed)
 
     def look(self) -> None:
         """Look from time to time whether all is as it was."""
@@ -112,8 +92,9 @@ class RunningRobot(JoggedRobot):
 
     def _take_plan(self, trajectory: JointTrajectory) -> None:
         try:
-            motion = motion_from_trajectory(self._model, trajectory, self._feed.positions)
-            self._view.show_plan(motion)
+            self._view.show_plan(
+                motion_from_trajectory(self._model, trajectory, self._feed.positions)
+            )
         except RobomechError as error:
             self._log.error(f"a planned trajectory cannot be shown: {error}")
 

@@ -1,4 +1,4 @@
-"""Tells the page where the joints are, and what the servo says, while somebody looks."""
+"""Positions of the joints and status of the servo, for the page while it has a viewer."""
 
 from __future__ import annotations
 
@@ -73,7 +73,9 @@ class StateFeed(PollThread):
 
     def fault(self, now: float) -> str:
         """Show what the servo says, and say what is wrong with the joint states."""
-        self._hear_servo(now)
+        for status in self._inbox.take():
+            self._servo, self._servo_at = servo_news(status), now
+        self._view.show_servo(None if self._since_servo > _SERVO_GONE else self._servo)
         age = now - self._heard_at
         if age <= self._settings.state_timeout:
             return ""
@@ -86,8 +88,3 @@ class StateFeed(PollThread):
         except NoStateError as error:
             return f"{str(error)[:1].upper()}{str(error)[1:]}."
         return ""
-
-    def _hear_servo(self, now: float) -> None:
-        for status in self._inbox.take():
-            self._servo, self._servo_at = servo_news(status), now
-        self._view.show_servo(None if self._since_servo > _SERVO_GONE else self._servo)

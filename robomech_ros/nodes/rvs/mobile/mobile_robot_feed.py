@@ -1,9 +1,8 @@
-"""Tells the page where a robot is over the ground, and what limits it, while somebody looks."""
+"""Pose of a robot over the ground and its limits, for the page while it has a viewer."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -54,7 +53,7 @@ class MobileRobotFeed(PollThread):
         view: LiveMobileRobotLayer,
     ) -> None:
         super().__init__(node, settings, view, mobile_robot.followed.joints)
-        self._view, self._mover = view, mobile_robot
+        self._view, self._robot = view, mobile_robot
         self._odometry = Inbox(node, Odometry, mobile_robot.odometry, DEPTH)
         self._reports = Inbox(node, DiagnosticArray, TOPIC, _MANY)
         self._reporter = node.resolve_topic_name(mobile_robot.node).lstrip("/")
@@ -73,15 +72,20 @@ class MobileRobotFeed(PollThread):
             self._T = matrix_from_pose(message.pose.pose, "odometry")
             self._placed_at = now
         if self._T is not None and now in (self._heard_at, self._placed_at):
-            placed = self._mover.followed.placed(self._T)
+            placed = self._robot.followed.placed(self._T)
             known = self._monitor.known_positions(self._joints)
             self._view.show_pose({**known, **placed}, on_plane(self._T))
-        if self._margins is not None:
-            self._hear_feet()
+        if self._margins is None or self._contacts is None:
+            return
+        for margin in self._margins.take():
+            self._margin = margin.data
+        contacts = list(self._contacts.take())
+        if contacts and self._T is not None and math.isfinite(self._margin):
+            self._view.show_stance(self._stance(contacts[-1], self._T))
 
     def fault(self, now: float) -> str:
         """Show what limits the robot, and say what is wrong with odometry or joint states."""
-        self._hear_reports()
+        self._read_reports()
         for topic, at in ((self._odometry.topic, self._placed_at), (self._topic, self._heard_at)):
             if math.isinf(at):
                 return f"Nothing yet on '{topic}': where the robot is is not known."
@@ -89,18 +93,10 @@ class MobileRobotFeed(PollThread):
                 return f"Nothing on '{topic}' for {now - at:.0f} s: the robot may be elsewhere."
         return ""
 
-    def _hear_feet(self) -> None:
-        assert self._margins is not None and self._contacts is not None
-        for margin in self._margins.take():
-            self._margin = margin.data
-        contacts = list(self._contacts.take())
-        if contacts and self._T is not None and math.isfinite(self._margin):
-            self._view.show_stance(self._stance(contacts[-1], self._T))
-
     def _stance(self, message: FootContacts, T: Array) -> Stance:
         from robomech_ros.rvs.model.walking.support import Support
 
-        legs = self._mover.legged
+        legs = self._robot.legged
         assert legs is not None
         found = {
             name: (stands, (foot.x, foot.y, foot.z))
@@ -110,15 +106,14 @@ class MobileRobotFeed(PollThread):
         }
         missing = [name for name in legs.leg_names if name not in found]
         if missing:
-            raise MissingLegsError(missing)
+            raise RobomechError(f"foot_contacts does not name {', '.join(missing)}")
         contacts = np.array([found[name][0] for name in legs.leg_names], dtype=np.bool_)
         feet = as_finite("feet", [found[name][1] for name in legs.leg_names], (3,))
         centre = (T[:3, :3] @ legs.mass_centre + T[:3, 3])[:2]
         support = Support(legs.leg_names, feet, contacts, centre)
         return Stance(support, self._margin, self._bound, self._gait)
 
-    def _hear_reports(self) -> None:
-        """Take what the node of the robot says of what limits it."""
+    def _read_reports(self) -> None:
         latest = None
         for message in self._reports.take():
             for status in message.status:
@@ -134,13 +129,6 @@ class MobileRobotFeed(PollThread):
         warns = latest.level != DiagnosticStatus.OK
         text = f"{latest.message[:1].upper()}{latest.message[1:]}."
         self._view.show_condition(text, links, warns=warns)
-
-
-class MissingLegsError(RobomechError):
-    """Contacts do not name all legs."""
-
-    def __init__(self, legs: Iterable[str]) -> None:
-        super().__init__(f"foot_contacts does not name {', '.join(legs)}")
 
 
 def _number(text: Any, otherwise: float) -> float:

@@ -59,10 +59,8 @@ class TwistJogger(JogThread[_Jog]):
 
     def send(self, what: _Jog, moves: bool) -> None:
         """Command the robot to move, or to stand."""
-        direction, part = what
-        part = part if moves else 0.0
-        given = self._settings
-        speeds = part * given.jog_linear_speed, part * given.jog_angular_speed
+        direction, part = what[0], what[1] if moves else 0.0
+        speeds = part * self._settings.jog_linear_speed, part * self._settings.jog_angular_speed
         self.publish(twist_jog("", direction, *speeds))
 
     def publish(self, twist: TwistStamped) -> None:
@@ -72,12 +70,11 @@ class TwistJogger(JogThread[_Jog]):
 
 
 class RunningMobileRobot(JoggedRobot):
-    """Carries out what a page asks for, see ``LiveMobileRobot``, and tells it what is heard.
+    """Carries out the requests of a page, see ``LiveMobileRobot``, and reports to it.
 
     Parameters
     ----------
     node : Node
-        Owner of all that it needs.
     mobile_robot : MobileRobot
     settings : RvsSettings
     """
@@ -85,17 +82,17 @@ class RunningMobileRobot(JoggedRobot):
     _jogger: TwistJogger
 
     def __init__(self, node: Node, mobile_robot: MobileRobot, settings: RvsSettings) -> None:
-        self._node, self._mover, self._settings = node, mobile_robot, settings
+        self._node, self._robot, self._settings = node, mobile_robot, settings
         self._gaits = self._poses = None
         if mobile_robot.legged is not None:
             self._poses = node.create_publisher(Pose, "body_pose", _DEPTH)
             self._gaits = node.create_publisher(String, f"{mobile_robot.node}/gait", _DEPTH)
 
     def begin(self, view: LiveMobileRobotLayer) -> None:
-        """Tell this page, from now on."""
+        """Report to this page, from now on."""
         self._view = view
-        self._feed = MobileRobotFeed(self._node, self._mover, self._settings, view)
-        self._jogger = TwistJogger(self._node, self._mover, self._settings, view.show_jog)
+        self._feed = MobileRobotFeed(self._node, self._robot, self._settings, view)
+        self._jogger = TwistJogger(self._node, self._robot, self._settings, view.show_jog)
 
     def hold(self, beat: HoldHeartbeat, speed: float) -> None:
         """Jog while this is said again and again, at a part of the greatest jogging speed."""
@@ -123,7 +120,7 @@ class RunningMobileRobot(JoggedRobot):
 
     def _command(self, publisher: Any, message: Any, text: str) -> None:
         """Publish, and say so, or that nobody listens."""
-        heard = publisher.get_subscription_count()
+        subscribed = publisher.get_subscription_count()
         publisher.publish(message)
         nobody = f"Nobody listens on '{publisher.topic_name}'."
-        self._view.show_result(text if heard else nobody, failed=not heard)
+        self._view.show_result(text if subscribed else nobody, failed=not subscribed)
