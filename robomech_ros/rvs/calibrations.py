@@ -97,7 +97,6 @@ def write_calibration(
     path : str or path
         The file, as ``calibration.html``.
     description : RobotDescription
-        The robot.
     chain : SerialChain
         From the base to the hand of the samples.
     result : HandEyeResult

@@ -235,7 +235,6 @@ def write_motion(
     path : str or path
         The file, as ``demo.html``.
     description : RobotDescription
-        The robot.
     motion : Motion
         Of one of its chains, or of all of it.
     title : str, optional

@@ -38,7 +38,6 @@ class ResultBroadcaster:
     Parameters
     ----------
     node : Node
-        Owner of the publisher.
     listener : FrameListener
         What tf has already.
     """

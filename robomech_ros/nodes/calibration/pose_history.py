@@ -78,7 +78,6 @@ class TopicTrack:
     Parameters
     ----------
     node : Node
-        Owner of the subscription.
     topic : str
     parent : str
         Frame that the poses have to be in; empty = that of the first.

@@ -40,7 +40,6 @@ class JointStateMonitor:
     Parameters
     ----------
     node : Node
-        Owner of the subscription.
     """
 
     def __init__(self, node: Node) -> None:

@@ -18,7 +18,6 @@ class Readiness:
     Parameters
     ----------
     node : Node
-        Owner of service and timer.
     waits_for : str
         What is missing, as a sentence; empty if nothing is.
     """

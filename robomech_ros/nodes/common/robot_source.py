@@ -42,7 +42,6 @@ def when_robot_known(
     Parameters
     ----------
     node : Node
-        Owner of the subscription.
     settings : RobotSettings
         Its parameters.
     on_robot : callable

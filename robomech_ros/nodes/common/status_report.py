@@ -36,7 +36,6 @@ class StatusReport:
     Parameters
     ----------
     node : Node
-        Owner of publisher and timer.
     part : str
         Reported part of the node.
     hardware : str

@@ -28,7 +28,6 @@ class TwistInput:
     Parameters
     ----------
     node : Node
-        Owner of the subscriptions.
     topic : str
         Of stamped commands.
     follow : callable

@@ -41,7 +41,6 @@ class MovingFrames:
     Parameters
     ----------
     node : Node
-        Owner of the subscription.
     publisher : FramePublisher
         Its own.
     rate : float
@@ -98,7 +97,6 @@ class FixedFrames:
     Parameters
     ----------
     node : Node
-        Owner of the subscription.
     publisher : FramePublisher
         Its own.
     """

@@ -38,7 +38,6 @@ class FramePublisher:
     Parameters
     ----------
     node : Node
-        Owner of the publishers.
     description : RobotDescription
         The robot; the frame of each joint's child is that of the joint, as in a URDF.
     prefix : str

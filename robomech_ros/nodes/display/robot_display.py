@@ -83,9 +83,7 @@ class RobotDisplay:
     Parameters
     ----------
     node : Node
-        Owner of the publishers.
     description : RobotDescription
-        The robot.
     prefix : str
         What the names of its frames begin with.
     frames : str

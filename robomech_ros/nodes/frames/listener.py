@@ -34,7 +34,6 @@ class FrameListener:
     Parameters
     ----------
     node : Node
-        Owner of the subscriptions.
 
     Attributes
     ----------

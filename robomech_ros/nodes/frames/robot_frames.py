@@ -82,9 +82,7 @@ class RobotFrames:
     Parameters
     ----------
     node : Node
-        Owner of the subscriptions to tf.
     model : RobotModel
-        The robot.
     monitor : JointStateMonitor
         Its present state.
     settings : callable

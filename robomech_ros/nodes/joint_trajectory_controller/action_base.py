@@ -29,7 +29,6 @@ class ActionBase(ABC, Generic[Motion]):
     Parameters
     ----------
     node : Node
-        Owner of the action server.
     joints : CommandedJoints
         What moves.
     kind : type

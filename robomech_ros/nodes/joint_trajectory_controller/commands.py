@@ -33,7 +33,6 @@ class TrajectoryTopic:
     Parameters
     ----------
     node : Node
-        Owner of the subscription.
     joints : CommandedJoints
         What executes.
     on_refused : callable
@@ -95,7 +94,6 @@ class Commands:
     Parameters
     ----------
     node : Node
-        Owner of the services.
     commanded : sequence of CommandedJoints
         The arm, and what else is put back; they share a lock.
     on_reset : callable

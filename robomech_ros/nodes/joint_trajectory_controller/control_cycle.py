@@ -62,7 +62,6 @@ class ControlCycle:
     Parameters
     ----------
     node : Node
-        Owner of the publishers.
     commanded : sequence of CommandedJoints
         What moves, the robot first; they share a lock.
     model : RobotModel

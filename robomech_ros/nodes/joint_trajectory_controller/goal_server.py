@@ -101,7 +101,6 @@ class GoalServer(ActionBase[TrajectoryGoal]):
     Parameters
     ----------
     node : Node
-        Owner of the action server.
     robot : CommandedJoints
         What executes.
     messages : ExecuteMessages or FollowMessages

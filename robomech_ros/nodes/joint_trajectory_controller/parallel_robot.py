@@ -143,7 +143,6 @@ class ParallelRobot(SimulatedRobot):
     Parameters
     ----------
     mechanism : Mechanism
-        The robot.
     settings : ControllerSettings
         Parameters of the node.
     clock : MotionClock

@@ -24,7 +24,6 @@ class StatePublisher:
     Parameters
     ----------
     node : Node
-        Owner of the publisher.
     model : RobotModel
         The robot and its chain.
     commanded : sequence of CommandedJoints

@@ -29,7 +29,6 @@ class StateTopics:
     Parameters
     ----------
     node : Node
-        Owner of topics and service.
     robot : CommandedJoints
         What moves.
     clock : MotionClock

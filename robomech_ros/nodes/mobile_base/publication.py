@@ -32,7 +32,6 @@ class BaseDisplay:
     Parameters
     ----------
     node : Node
-        Owner of the publishers.
     robot : RollingRobot
     joints : WheelJoints
         As joint_states has them.
@@ -96,7 +95,6 @@ class BasePublication:
     Parameters
     ----------
     node : Node
-        Owner of the publishers.
     base : MobileBase
     joints : WheelJoints
     settings : MobileBaseSettings

@@ -24,9 +24,7 @@ class GripperClient:
     Parameters
     ----------
     node : Node
-        Owner of the client.
     model : RobotModel
-        The robot.
     settings : RvsSettings
     view : LiveLayer
         Shows what came of it.

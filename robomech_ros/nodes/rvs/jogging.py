@@ -34,9 +34,7 @@ class Jogger(JogThread[_Jog]):
     Parameters
     ----------
     node : Node
-        Owner of the publishers.
     model : RobotModel
-        The robot.
     settings : RvsSettings
     servo_is_silent : callable
         Says whether the servo, which was heard of before, says nothing any more.

@@ -38,7 +38,6 @@ class Motions:
     Parameters
     ----------
     node : Node
-        Owner of the clients.
     names : sequence of str
         The joints that move.
     settings : RvsSettings

@@ -30,7 +30,6 @@ class PollThread(ABC):
     Parameters
     ----------
     node : Node
-        Owner of the subscriptions.
     settings : RvsSettings
     view : LivePage
         Says by ``wait_for_viewer`` whether somebody looks.

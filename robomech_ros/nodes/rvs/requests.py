@@ -27,7 +27,6 @@ class Requests:
     Parameters
     ----------
     node : Node
-        Owner of the clients.
     """
 
     def __init__(self, node: Node) -> None:

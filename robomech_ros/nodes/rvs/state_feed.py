@@ -31,9 +31,7 @@ class StateFeed(PollThread):
     Parameters
     ----------
     node : Node
-        Owner of the subscriptions.
     model : RobotModel
-        The robot.
     settings : RvsSettings
     view : LiveLayer
 

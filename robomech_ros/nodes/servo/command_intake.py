@@ -26,7 +26,6 @@ class CommandIntake:
     Parameters
     ----------
     node : Node
-        Owner of the subscriptions.
     servo : Servo
         Follows the commands.
     reader : CommandReader

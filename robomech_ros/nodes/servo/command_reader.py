@@ -40,7 +40,6 @@ class CommandReader:
     Attributes
     ----------
     model : RobotModel
-        The robot.
     frames : RobotFrames
         Find the frames that commands name.
     monitor : JointStateMonitor

@@ -38,7 +38,6 @@ class Driver:
     node : Node
         Owner of timer, topics and publishers.
     model : RobotModel
-        The robot.
     servo : Servo
         Turns commands into a stream.
     monitor : JointStateMonitor

@@ -26,7 +26,6 @@ class MoveItInterface:
     Parameters
     ----------
     node : Node
-        Owner of both.
     choose : callable
         Has only one kind of commands followed from now on.
     """

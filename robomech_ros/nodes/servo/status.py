@@ -42,7 +42,6 @@ class StatusPublisher:
     Parameters
     ----------
     node : Node
-        Owner of the publisher.
     refusal : callable
         Gives why a command was refused just before a time (s); empty if none was.
 

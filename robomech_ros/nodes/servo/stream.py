@@ -26,7 +26,6 @@ class StreamPublisher:
     Parameters
     ----------
     node : Node
-        Owner of the publisher.
     servo : Servo
         Makes the stream.
     clock : MotionClock

@@ -34,7 +34,6 @@ class ActionTransport:
     Parameters
     ----------
     node : Node
-        Owner of the client.
     controller : str
         Name of the controller.
     goals : ExecuteGoals or FollowGoals

@@ -19,7 +19,6 @@ class ControllerRefusals:
     Parameters
     ----------
     node : Node
-        Owner of the subscription.
     controller : str
         Name of the controller.
     on_refused : callable

@@ -36,7 +36,6 @@ class ExecuteService:
     Parameters
     ----------
     node : Node
-        Owner of the service.
     settings : PublisherSettings
         How far the robot may be from start and goal.
     plans : ReceivedPlans

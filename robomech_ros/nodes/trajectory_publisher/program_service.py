@@ -30,7 +30,6 @@ class ProgramService:
     Parameters
     ----------
     node : Node
-        Owner of the service.
     table : NodeParameters
         Which program.
     runner : ProgramRunner

@@ -34,7 +34,6 @@ class ReceivedPlans:
     Parameters
     ----------
     node : Node
-        Owner of the subscriptions.
     table : NodeParameters
         Where plans come from, and what is done with them.
     reader : DeliveryReader

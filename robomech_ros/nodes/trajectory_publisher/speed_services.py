@@ -26,7 +26,6 @@ class SpeedServices:
     Parameters
     ----------
     node : Node
-        Owner of the services.
     loop : DispatchLoop
         What executes.
     cancel_program : callable

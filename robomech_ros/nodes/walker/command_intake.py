@@ -28,7 +28,6 @@ class CommandIntake:
     Parameters
     ----------
     node : Node
-        Owner of the subscriptions.
     walker : Walker
     clock : MotionClock
     duration : float

@@ -38,7 +38,6 @@ class Driver:
     Parameters
     ----------
     node : Node
-        Owner of topics and publishers.
     walker : Walker
     clock : MotionClock
         Whose time it is.

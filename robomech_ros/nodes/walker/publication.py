@@ -87,7 +87,6 @@ class WalkPublication:
     Parameters
     ----------
     node : Node
-        Owner of the publishers.
     robot : LeggedRobot
     settings : WalkerSettings
     """

@@ -93,7 +93,6 @@ class LayerContext:
     plan : PlanView
         The plan that is shown; to be read and changed where the arm is.
     description : RobotDescription
-        The robot.
     replace : callable
         Shows another robot and its arm on the same page; in requests alone.  Stage, layers and
         controls are made anew.  Raises a ``RobomechError`` where that robot cannot be shown, and

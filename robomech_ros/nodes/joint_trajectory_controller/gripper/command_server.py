@@ -29,7 +29,6 @@ class CommandServer(ActionBase[FingerMotion]):
     Parameters
     ----------
     node : Node
-        Owner of the action server.
     gripper : Gripper
         What moves.
     place : str

@@ -54,7 +54,6 @@ class Gripper(CommandedJoints):
     Parameters
     ----------
     model : RobotModel
-        The robot.
     joints : sequence of Joint
         The n finger joints.
     settings : ControllerSettings

@@ -39,7 +39,6 @@ class MobileRobotFeed(PollThread):
     Parameters
     ----------
     node : Node
-        Owner of the subscriptions.
     mobile_robot : MobileRobot
     settings : RvsSettings
     view : LiveMobileRobotLayer

@@ -33,7 +33,6 @@ class TwistJogger(JogThread[_Jog]):
     Parameters
     ----------
     node : Node
-        Owner of the publisher.
     mobile_robot : MobileRobot
     settings : RvsSettings
     complain : callable
