@@ -34,11 +34,10 @@ def _groups(known: SemanticDescription) -> Table:
     table = Table("group", "chain", "joints", "named postures")
     for name, group in known.groups.items():
         chain = " to ".join(group.ends) if group.ends else "no one chain"
-        states = [_state(known, name, state) for state in known.states.get(name, {})]
+        states = [
+            f"{state} (unusable)" if (name, state) in known.unusable else state
+            for state in known.states.get(name, {})
+        ]
         rows = (name, chain, ", ".join(group.joints), ", ".join(states))
         table.add_row(*map(escape, rows))
     return table
-
-
-def _state(known: SemanticDescription, group: str, state: str) -> str:
-    return f"{state} (unusable)" if (group, state) in known.unusable else state

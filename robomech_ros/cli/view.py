@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 import threading
 import webbrowser
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from robomech_ros.cli.kind_options import refuse_options
 from robomech_ros.robots import load_semantics, main_chain
@@ -52,16 +51,13 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _page(args: argparse.Namespace) -> RobotPage:
-    where: dict[str, Any] = {"port": args.port, "host": args.host}
-    description, moved = shown_robot(args.robot, partial(_refuse, args))
+    def refuse(kind: str) -> None:
+        called = "a parallel robot" if kind == PARALLEL else f"a robot of kind '{kind}'"
+        refuse_options(args, _OF_ARMS, args.robot, called)
+
+    description, moved = shown_robot(args.robot, refuse)
     if moved is not None:
-        return page_of(description, moved, **where)
+        return page_of(description, moved, port=args.port, host=args.host)
     known = load_semantics(description, args.srdf)
     chain = main_chain(description, known, args.base_link, args.tip_link, args.group)
-    return page_of(description, chain, **where)
-
-
-def _refuse(args: argparse.Namespace, kind: str) -> None:
-    """Refuse the options of arms."""
-    called = "a parallel robot" if kind == PARALLEL else f"a robot of kind '{kind}'"
-    refuse_options(args, _OF_ARMS, args.robot, called)
+    return page_of(description, chain, port=args.port, host=args.host)

@@ -91,19 +91,13 @@ def warm(
     if stale:
         progress(_compiled_in_parallel(stale), len(stale), silent)
     else:
-        progress(_imported(list(digests)), len(digests), silent)
+        progress(((name, _import(name)) for name in digests), len(digests), silent)
     if place is not None and any(place.glob("*.nbi")):
         prune(place, _INSTALLATION, digests.values())
     seconds = time.perf_counter() - start
     if not silent and not (silent_if_quick and seconds < _QUICK):
         kept = place or "nowhere: there is no place that you alone can write"
         print(f"{len(digests)} kernel modules in {seconds:.1f} s, kept in {kept}")
-
-
-def _imported(modules: Sequence[str]) -> Iterator[tuple[str, float]]:
-    """Import the modules here; gives each with the seconds that it took."""
-    for name in modules:
-        yield name, _import(name)
 
 
 def _compiled_in_parallel(modules: Sequence[str]) -> Iterator[tuple[str, float]]:

@@ -105,7 +105,8 @@ def plot_postures(
     if not 1 <= len(postures) <= _MOST:
         raise BadValueError("number of postures", len(postures), f"1 to {_MOST}")
     forward_kinematics(chain, postures)  # says what is wrong with values that are no numbers
-    view = _View(_rows(azimuth, elevation))
+    ca, sa, ce, se = (f(x) for x in (azimuth, elevation) for f in (math.cos, math.sin))
+    view = _View(np.array([[-sa, ca, 0.0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]]))
     whole = chain.uncoupled
     skeletons = [_skeleton(whole, chain.joint_values(posture)) for posture in postures]
     columns = math.ceil(math.sqrt(len(postures)))
@@ -143,11 +144,6 @@ def _draw_panel(
     for other in skeletons:
         painter.ghost(other)
     painter.arm(skeletons[number], chain)
-
-
-def _rows(azimuth: float, elevation: float) -> Array:
-    ca, sa, ce, se = (f(x) for x in (azimuth, elevation) for f in (math.cos, math.sin))
-    return np.array([[-sa, ca, 0.0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]])
 
 
 def _skeleton(chain: SerialChain, q: Array) -> _Skeleton:
@@ -195,13 +191,10 @@ class _Painter:
     def arm(self, arm: _Skeleton, chain: SerialChain) -> None:
         """Paint an arm from the back to the front."""
         parts = [*self._pieces(arm), *self._joints(arm, chain), *self._hand(arm)]
-        self._disc()
-        for order, (_, paint) in enumerate(sorted(parts, key=lambda part: part[0])):
-            paint(10 + 3 * order)
-
-    def _disc(self) -> None:
         ring = _circle(np.zeros(3), np.array([0.0, 0.0, 1.0]), _BASE * self._width)
         self._ax.fill(*self._view.flat(ring).T, facecolor="#e3e6eb", edgecolor="#9aa1ac", zorder=5)
+        for order, (_, paint) in enumerate(sorted(parts, key=lambda part: part[0])):
+            paint(10 + 3 * order)
 
     def _pieces(self, arm: _Skeleton) -> Iterator[tuple[float, Any]]:
         last = max(len(arm.links) - 1, 1)
@@ -248,16 +241,16 @@ class _Painter:
         self._ax.fill(*near.T, zorder=order + 1, **style)
 
     def _hand(self, arm: _Skeleton) -> Iterator[tuple[float, Any]]:
+        def paint(ends: Array, color: str, order: int) -> None:
+            style = {"color": color, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0, "zorder": order}
+            arrow = {"arrowstyle": "-|>", "mutation_scale": 8, **style}
+            self._ax.annotate("", ends[1], ends[0], arrowprops=arrow, zorder=order)
+
         origin = arm.tip[:3, 3]
         for i, color in enumerate(_AXES):
             end = origin + _TRIAD * self._width * arm.tip[:3, i]
             ends = self._view.flat(np.array([origin, end]))
-            yield self._view.depth(end) + _RADIUS * self._width, partial(self._arrow, ends, color)
-
-    def _arrow(self, ends: Array, color: str, order: int) -> None:
-        style = {"color": color, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0, "zorder": order}
-        arrow = {"arrowstyle": "-|>", "mutation_scale": 8, **style}
-        self._ax.annotate("", ends[1], ends[0], arrowprops=arrow, zorder=order)
+            yield self._view.depth(end) + _RADIUS * self._width, partial(paint, ends, color)
 
 
 def _circle(center: Array, axis: Array, radius: float, around: int = 40) -> Array:

@@ -249,6 +249,7 @@ class RobotDescription(Printed):
         driven = [[pair for pair in pairs if pair[1].leader == name] for name in leaders]
         limits = [drive_limits(*pair) for pair in zip(leading, driven, strict=True)]
         whole = base == self.root and len(path) == len(self.joints)
+        home = [self.home[name] for name in leaders if name in self.home]
         return SerialChain(
             name=self.name,
             base=base,
@@ -261,15 +262,9 @@ class RobotDescription(Printed):
             dh_given=self.dh if whole else None,
             bodies=self._bodies(along, len(moving)),
             drives=tuple(map(joined_drive, leading, driven)),
-            home_given=self._home_of(leading),
+            home_given=np.array(home) if len(home) == len(leaders) else None,
             coupling=coupling,
         )
-
-    def _home_of(self, moving: list[Joint]) -> Array | None:
-        """Return the home posture of a chain's joints, if it has all of them."""
-        if not all(joint.name in self.home for joint in moving):
-            return None
-        return np.array([self.home[joint.name] for joint in moving])
 
     def _bodies(self, along: list[LinkFrame], n: int) -> tuple[Body | None, ...]:
         """Combine what moves with each joint of a chain, other joints standing where they rest."""

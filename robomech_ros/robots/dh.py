@@ -111,6 +111,8 @@ def chain_from_dh(
     links = link_transforms(table)
     transforms = np.concatenate((table.base[None], links))
     transforms[n] = links[n - 1] @ table.tool
+    given = checked_entries("bodies", () if bodies is None else bodies, Body | None, n)
+    moved = (body and body.expressed_in(T) for body, T in zip(given, links, strict=False))
     return SerialChain(
         name=name,
         base=base_link,
@@ -120,7 +122,7 @@ def chain_from_dh(
         packed=pack_chain(transforms, kinds),
         frames=_frames(base_link, tip_link, links, transforms[n]),
         dh_given=table,
-        bodies=_in_joint_frames(bodies, links),
+        bodies=tuple(moved),
         drives=checked_entries("drives", () if drives is None else drives, Drive, n),
         **limit_arrays(limits, n),
     )
@@ -178,14 +180,6 @@ def dh_from_chain(chain: SerialChain) -> DHTable:
         raise BadValueError("chain", chain, "a SerialChain with at least one joint")
     chain.require_uncoupled()
     return recover_dh(chain.packed)
-
-
-def _in_joint_frames(bodies: Sequence[Body | None] | None, links: Array) -> tuple[Body | None, ...]:
-    given = checked_entries("bodies", () if bodies is None else bodies, Body | None, len(links))
-    return tuple(
-        None if body is None else body.expressed_in(T)
-        for body, T in zip(given, links, strict=False)
-    )
 
 
 def _row(what: str, value: ArrayLike, n: int | None = None) -> Array:

@@ -87,12 +87,29 @@ def save(solution: Solution, placed: PublishedFrame | None, folder: str, name: s
         raise BadValueError("name", name, expected)
     if not folder:
         raise BadValueError("the parameter folder", folder, "the folder to save in")
-    shared = {"parameters": _parameters(solution, name)}
+    frames = solution.frames
+    shared = {
+        "parameters": {
+            "name": name,
+            "calibration_type": _type(solution),
+            "robot_base_frame": frames.base,
+            "robot_effector_frame": frames.hand,
+            "tracking_base_frame": frames.sensor,
+            "tracking_marker_frame": frames.target,
+            "freehand_robot_movement": True,
+            "move_group_namespace": "/",
+            "move_group": "manipulator",
+        }
+    }
+    # The robot is the base in the hand where the sensor stands.
+    robot = solution.robot if solution.in_hand else map(rigid_inverse, solution.robot)
+    pairs = zip(robot, solution.tracking, strict=True)
+    samples = [{"robot": _transform(one), "tracking": _transform(other)} for one, other in pairs]
     texts = {
         "yaml": _full(solution, placed, name),
         # As easy_handeye2 writes its messages HandeyeCalibration and SampleList.
         "calib": shared | {"transform": _transform(solution.result.sensor)},
-        "samples": shared | {"samples": _samples_of_easy_handeye2(solution)},
+        "samples": shared | {"samples": samples},
     }
     try:
         place = Path(folder).expanduser().resolve()
@@ -168,28 +185,6 @@ def _full(solution: Solution, placed: PublishedFrame | None, name: str) -> dict[
         "robot_base_frame": frames.base,
         "robot_effector_frame": frames.hand,
         "samples": samples,
-    }
-
-
-def _samples_of_easy_handeye2(solution: Solution) -> list[dict[str, Any]]:
-    """Return the samples; their robot is the base in the hand where the sensor stands."""
-    robot = solution.robot if solution.in_hand else map(rigid_inverse, solution.robot)
-    pairs = zip(robot, solution.tracking, strict=True)
-    return [{"robot": _transform(one), "tracking": _transform(other)} for one, other in pairs]
-
-
-def _parameters(solution: Solution, name: str) -> dict[str, Any]:
-    frames = solution.frames
-    return {
-        "name": name,
-        "calibration_type": _type(solution),
-        "robot_base_frame": frames.base,
-        "robot_effector_frame": frames.hand,
-        "tracking_base_frame": frames.sensor,
-        "tracking_marker_frame": frames.target,
-        "freehand_robot_movement": True,
-        "move_group_namespace": "/",
-        "move_group": "manipulator",
     }
 
 

@@ -66,7 +66,11 @@ class Sampler:
             try:
                 # One instant is waited for until the robot's pose of it is known, too: a fast
                 # sensor would always be ahead.
-                instant = self._seen_after(asked) if instant is None else instant
+                if instant is None:
+                    seen = self._known_until(self._tracking)
+                    if seen < asked:
+                        raise self._too_old(self._tracking, asked)
+                    instant = seen
                 if self._known_until(self._robot) >= instant:
                     return self._sample(instant)
                 refusal = self._too_old(self._robot, instant)
@@ -86,13 +90,6 @@ class Sampler:
         except NoTransformError as error:
             raise _no_pose(track, f"{error}{track.context()}") from None
         return self._now() if last is None else last
-
-    def _seen_after(self, asked: int) -> int:
-        """Return the latest instant at which the sensor saw the target, after it was asked for."""
-        instant = self._known_until(self._tracking)
-        if instant < asked:
-            raise self._too_old(self._tracking, asked)
-        return instant
 
     def _too_old(self, track: PoseTrack, wanted: int) -> OutcomeError:
         age = (wanted - self._known_until(track)) / NANO

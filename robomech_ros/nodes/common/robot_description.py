@@ -139,7 +139,11 @@ class RobotModel:
         ends, frame_prefix = (settings.base_link, settings.tip_link), settings.frame_prefix
         check_frame_prefix(frame_prefix)
         known = semantic or SemanticDescription(description.name)
-        self.description = description = _at_home(description, known)
+        # The robot begins where the states home of its groups say.
+        home = {k: at for k, at in known.home().items() if k not in description.followers}
+        if home:
+            description = replace(description, home={**description.home, **home})
+        self.description = description
         self.frame_prefix = frame_prefix
         self.semantic = known
         self.robot = robot
@@ -295,13 +299,6 @@ def _check_ends(robot: str, ends: tuple[str, str], given: tuple[str, str, str], 
         if value not in ("", there):
             expected = f"'{there}' or empty" if there else "empty"
             raise BadValueError(what, value, f"{expected}: all {parts} of '{robot}' move")
-
-
-def _at_home(description: RobotDescription, semantic: SemanticDescription) -> RobotDescription:
-    """Return a robot that begins where the states home of its groups say."""
-    followers = description.followers
-    home = {name: at for name, at in semantic.home().items() if name not in followers}
-    return replace(description, home={**description.home, **home}) if home else description
 
 
 def _fixed_frames(description: RobotDescription, base: str) -> dict[str, Array]:

@@ -75,7 +75,12 @@ class TwistInput:
             for message in inbox.take():
                 twist, stamp = read(message)
                 try:
-                    self._offer(twist, self._age(stamp, now, inbox.topic))
+                    linear, angular = twist.linear, twist.angular
+                    age = self._age(stamp, now, inbox.topic)
+                    # A message with one number that is none is spoilt, whichever it is.
+                    require_finite("linear", linear)
+                    require_finite("angular", angular)
+                    self._follow([angular.z, linear.x, linear.y], age)
                 except RobomechError as error:
                     self.refusal = f"command on '{inbox.topic}' ignored: {error}"
                     self.refused += 1
@@ -90,10 +95,3 @@ class TwistInput:
             text = f"commands on '{topic}' have no stamp, which is taken for now"
             self._logger.warning(text, once=True)
         return self._hold_ups.age(now)
-
-    def _offer(self, twist: Twist, age: float) -> None:
-        linear, angular = twist.linear, twist.angular
-        # A message with one number that is none is spoilt, whichever it is.
-        require_finite("linear", linear)
-        require_finite("angular", angular)
-        self._follow([angular.z, linear.x, linear.y], age)

@@ -56,7 +56,9 @@ class DescriptionPublisher:
         if others:
             self._yield_to(others)
         elif self._publisher is None and self._quiet >= self._wanted:
-            self._publish()
+            self._publisher = self._node.create_publisher(String, self._own_name, LATCHED)
+            self._publisher.publish(String(data=self._text))
+            self._node.get_logger().info(f"'{self._topic}' comes from here: {self._what}")
         self._before = others
 
     def _yield_to(self, others: tuple[str, ...]) -> None:
@@ -67,11 +69,6 @@ class DescriptionPublisher:
         if not self._before:
             text = f"'{self._topic}' comes from {', '.join(dict.fromkeys(others))}, not from here"
             self._node.get_logger().info(text)
-
-    def _publish(self) -> None:
-        self._publisher = self._node.create_publisher(String, self._own_name, LATCHED)
-        self._publisher.publish(String(data=self._text))
-        self._node.get_logger().info(f"'{self._topic}' comes from here: {self._what}")
 
 
 class RobotDisplay:
@@ -117,7 +114,10 @@ class RobotDisplay:
             self._frames = _frame_publisher(node, shown, prefix, frames, rate)
         if describe:
             what = "the robot as a URDF, for RViz and others"
-            DescriptionPublisher(node, _found_by_others(text, description), TOPIC, what)
+            file = Path(description.where)
+            if description.document and file.is_file():
+                text = with_mesh_urls(text, file.parent)
+            DescriptionPublisher(node, text, TOPIC, what)
         if semantic:
             what = "groups and named states as an SRDF, for MoveIt's clients"
             DescriptionPublisher(node, semantic, SEMANTIC_TOPIC, what)
@@ -126,12 +126,6 @@ class RobotDisplay:
         """Publish the frames that move, as :meth:`FramePublisher.publish` does."""
         if self._frames is not None:
             self._frames.publish(positions, stamp)
-
-
-def _found_by_others(text: str, description: RobotDescription) -> str:
-    """Return the document with meshes that are found from anywhere, where it came from a file."""
-    file = Path(description.where)
-    return with_mesh_urls(text, file.parent) if description.document and file.is_file() else text
 
 
 def _frame_publisher(

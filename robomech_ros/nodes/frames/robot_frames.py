@@ -215,13 +215,6 @@ class RobotFrames:
         except RobotDescriptionError:
             return None
 
-    def _place_in_tf(self, frame: str) -> FrameAttachment | None:
-        """Find a link of the robot by its frame in tf; None for the frames of others."""
-        prefix = self.model.frame_prefix
-        if not frame.startswith(prefix):
-            return None
-        return self._place_of_link(frame.removeprefix(prefix))
-
     def _by_tf(self, frame: str, instant: int | None) -> FrameAttachment:
         """Find a frame of tf by the links of the robot that tf connects with it."""
         tree, model = self._listener.tree, self.model
@@ -230,10 +223,11 @@ class RobotFrames:
         # Now is told best by the joints and the link that carries the frame, the past by tf alone.
         others = [*way, *fixed] if instant is None else [*fixed, *way]
         for other in dict.fromkeys([*others, *tree.frames]):
-            place = self._place_in_tf(other)
-            if place is None or self._root_of(other, instant) != way[-1]:
+            if not other.startswith(model.frame_prefix):
                 continue
-            return self._carried(place, tree.between(other, frame, instant), instant)
+            place = self._place_of_link(other.removeprefix(model.frame_prefix))
+            if place is not None and self._root_of(other, instant) == way[-1]:
+                return self._carried(place, tree.between(other, frame, instant), instant)
         for other, pose in model.virtual_frames.items():
             if self._root_of(other, instant) == way[-1]:
                 found = tree.between(other, frame, instant)

@@ -79,7 +79,10 @@ def checked_drives(
         accelerations=None if received.accelerations is None else received.accelerations[:, :m],
     )
     whole = completed(drives, at_rest(posture[mechanism.drive_index]))
-    times = _places(whole.times)
+    # Between points, too, where they are few.
+    between = math.ceil(_PLACES / len(whole.times))
+    parts = [np.linspace(a, b, between, endpoint=False) for a, b in pairwise(whole.times)]
+    times = np.concatenate([*parts, whole.times[-1:]])
     followed = follow_drives(mechanism, whole.curve.sample(times).position, posture)
     last = len(whole.times) - 1
     if followed.stop is not None:
@@ -105,13 +108,6 @@ def _require_limits(mechanism: Mechanism, positions: Array) -> None:
     unit = mechanism.units[int(mechanism.drive_index[j])]
     limit = low if value < low else high
     raise LimitExceededError(f"points[{k}]: position", mechanism.actuated[j], value, limit, unit)
-
-
-def _places(times: Array) -> Array:
-    """Return all times of points (s), and some between them where they are few."""
-    between = math.ceil(_PLACES / len(times))
-    parts = [np.linspace(a, b, between, endpoint=False) for a, b in pairwise(times)]
-    return np.concatenate([*parts, times[-1:]])
 
 
 def _require_agreement(

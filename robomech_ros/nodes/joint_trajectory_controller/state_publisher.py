@@ -71,20 +71,15 @@ class StatePublisher:
 
     def publish(self, stamp: tuple[int, int]) -> None:
         """Publish where the joints are, at a ROS time (s and ns); their lock is to be held."""
+        position, velocity = self._position, self._velocity
         for joints, places in self._commanded:
             state, effort = joints.shown(), joints.shown_efforts()
-            self._position[places] = state.position
-            self._velocity[places] = state.velocity
+            position[places], velocity[places] = state.position, state.velocity
             if self._effort is not None and effort is not None:
                 self._effort[places] = effort
         if len(self._following):
-            self._follow()
+            position[self._following] = self._multiplier * position[self._leading] + self._offset
+            velocity[self._following] = self._multiplier * velocity[self._leading]
         when = self._message.header.stamp
         when.sec, when.nanosec = stamp
         self._publisher.publish(self._message)
-
-    def _follow(self) -> None:
-        """Let the joints that mimic others follow."""
-        position, velocity = self._position, self._velocity
-        position[self._following] = self._multiplier * position[self._leading] + self._offset
-        velocity[self._following] = self._multiplier * velocity[self._leading]

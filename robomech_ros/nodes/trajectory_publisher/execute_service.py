@@ -9,7 +9,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import Execute
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.client.execution_request import ExecutionReport, ExecutionRequest
+from robomech_ros.execution.client.execution_request import ExecutionRequest
 from robomech_ros.execution.client.position_check import off_goal, off_start
 from robomech_ros.nodes.common.error_codes import NoStateError, answer, guarded
 from robomech_ros.nodes.common.message_fields import duration_from_seconds
@@ -57,7 +57,9 @@ class ExecuteService:
             return answer(response, Code.PREEMPTED, f"not sent: {CANCELLED}")
         delivery = self._delivery(request.trajectory)
         before = delivery.report is not None and delivery is self._plans.latest
-        report = await _end_of(delivery)
+        ended: Future = Future()
+        delivery.listen(lambda report: ended.done() or ended.set_result(report))
+        report = await ended
         response.duration = duration_from_seconds(report.duration)
         done_before = before and not report.code
         return answer(response, report.code, _DONE_BEFORE if done_before else report.text)
@@ -97,9 +99,3 @@ class ExecuteService:
 
 def _asks_for_latest(trajectory: JointTrajectory) -> bool:
     return not (trajectory.points or trajectory.joint_names)
-
-
-async def _end_of(delivery: ExecutionRequest) -> ExecutionReport:
-    ended: Future = Future()
-    delivery.listen(lambda report: ended.done() or ended.set_result(report))
-    return await ended

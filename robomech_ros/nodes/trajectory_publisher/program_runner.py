@@ -127,7 +127,10 @@ class ProgramRunner:
             return
         try:
             points = self._plan(step, self._chain, self._position)
-            delivery = self._delivery(points)
+            names = list(self._chain.joint_names)
+            rows: Any = (points.times, points.positions, points.velocities, points.accelerations)
+            trajectory = joint_trajectory(names, *rows)
+            delivery = ExecutionRequest(trajectory, names, points, self._transport)
             delivery.listen(self._moved)
             self._position = points.positions[-1]
             self._offer(delivery)
@@ -158,11 +161,6 @@ class ProgramRunner:
             **step.options,
         )
         return plan.waypoints
-
-    def _delivery(self, points: Waypoints) -> ExecutionRequest:
-        names = list(self._chain.joint_names)
-        rows: Any = (points.times, points.positions, points.velocities, points.accelerations)
-        return ExecutionRequest(joint_trajectory(names, *rows), names, points, self._transport)
 
     def _end(self, text: str) -> None:
         self._program = None

@@ -90,7 +90,9 @@ class Gripper(CommandedJoints):
     ) -> None:
         self._model = model
         self._joints = tuple(joints)
-        limits, strongest = _limits(joints), _efforts(joints, settings.gripper_max_effort)
+        limits, strongest = _limits(joints), np.array([joint.effort for joint in joints])
+        if settings.gripper_max_effort:
+            strongest = np.fmin(strongest, settings.gripper_max_effort)
         complete = complete_limits(limits)
         initial = _at_rest(model, limits.joint_names)
         self._plant = FingerPlant(initial, complete, strongest)
@@ -209,12 +211,6 @@ def _limits(joints: Sequence[Joint]) -> Limits:
     rows: dict[str, Any] = {kind: [getattr(joint, kind) for joint in joints] for kind in kinds}
     units = tuple(joint.unit for joint in joints)
     return Limits(tuple(joint.name for joint in joints), **rows, units=units)
-
-
-def _efforts(joints: Sequence[Joint], most: float) -> Array:
-    """Return the most that each drive exerts, N m or N, shape (n,); NaN where that is not known."""
-    own = np.array([joint.effort for joint in joints])
-    return np.fmin(own, most) if most else own
 
 
 def _at_rest(model: RobotModel, names: Sequence[str]) -> Array:
