@@ -178,7 +178,7 @@ class RobotDescription(Printed):
         for link in (first, second):
             if link not in self._tree.to_children:
                 raise UnknownLinkError(link, self.links)
-        return self._tree.way(first, second)
+        return self._tree.joints_between(first, second)
 
     def chain(self, base: str | None = None, tip: str | None = None) -> SerialChain:
         """Extract the chain from one link to a link below it, fixed joints folded.

@@ -130,10 +130,10 @@ class FingerOpening:
     def _turning(self, begin: float, end: float) -> float:
         """Find where, on the way from one position to another, the links turn back (rad or m)."""
         steps = round(min(abs(end - begin), _MOST) / _STEP)
-        way = begin + np.sign(end - begin) * _STEP * np.arange(steps + 1)
-        change = np.diff([self._distance(position) for position in way])
+        positions = begin + np.sign(end - begin) * _STEP * np.arange(steps + 1)
+        change = np.diff([self._distance(position) for position in positions])
         turned = np.flatnonzero(change[1:] * change[:-1] < 0.0)
-        return float(way[turned[0] + 1]) if len(turned) else float(way[-1])
+        return float(positions[turned[0] + 1]) if len(turned) else float(positions[-1])
 
     @cached_property
     def _distances(self) -> tuple[float, float]:

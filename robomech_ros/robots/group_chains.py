@@ -57,13 +57,13 @@ def group_chain(description: RobotDescription, group: Group, link: str = "") -> 
         expected = f"a link that it moves, since it is no one chain: {moved}"
         raise BadValueError(f"tip of group '{group.name}'", link, expected)
     tip = link or (group.ends or ("", ""))[1]
-    _, way = description.joints_between(description.root, tip)
-    own = [joint for joint in way if joint.name in group.joints]
+    _, path = description.joints_between(description.root, tip)
+    own = [joint for joint in path if joint.name in group.joints]
     if not own:
         expected = f"one that joints of group '{group.name}' move: {', '.join(group.links)}"
         raise BadValueError("link", tip, expected)
     base = own[0].parent
-    if group.ends is not None and any(joint.parent == group.ends[0] for joint in way):
+    if group.ends is not None and any(joint.parent == group.ends[0] for joint in path):
         base = group.ends[0]
     chain = description.chain(base, tip)
     others = [name for name in chain.joint_names if name not in group.joints]

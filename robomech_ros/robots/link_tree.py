@@ -1,4 +1,4 @@
-"""The tree of links that joints make: what is below what, ways through it, and its tips."""
+"""The tree of links and joints: links below a link, paths between links, and tips."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -55,10 +55,10 @@ class LinkTree:
             depths[link] = depths[self.to_parent[link].parent] + 1
         return depths
 
-    def way(self, first: str, second: str) -> tuple[list[Joint], list[Joint]]:
-        """List the joints up from one link to where both ways meet, and those down to the other.
+    def joints_between(self, first: str, second: str) -> tuple[list[Joint], list[Joint]]:
+        """List the joints up from one link to the common ancestor, and those down to the other.
 
-        It looks at no joint that is not on the way.
+        It looks at no other joint.
         """
         up: list[Joint] = []
         down: list[Joint] = []
@@ -160,19 +160,19 @@ class LinkTree:
     def _possible_tips(self, moved: list[str], leaves: list[str]) -> list[str]:
         """List where tools are mounted, and the leaves that can end a chain.
 
-        Mounted is what lies behind the last link before the ways to the leaves part.
+        Mounted is what lies behind the last link before the paths to the leaves part.
         """
-        ways = [self._way_up(leaf) for leaf in leaves]
-        shared = set(ways[0]).intersection(*ways[1:])
-        forks = [link for link in ways[0] if link in shared][:1]
+        paths = [self._path_up(leaf) for leaf in leaves]
+        shared = set(paths[0]).intersection(*paths[1:])
+        forks = [link for link in paths[0] if link in shared][:1]
         tips = dict.fromkeys([*forks, *sorted(leaves)])
         return [link for link in tips if link in moved]
 
-    def _way_up(self, link: str) -> list[str]:
-        way = [link]
-        while way[-1] in self.to_parent:
-            way.append(self.to_parent[way[-1]].parent)
-        return way
+    def _path_up(self, link: str) -> list[str]:
+        path = [link]
+        while path[-1] in self.to_parent:
+            path.append(self.to_parent[path[-1]].parent)
+        return path
 
 
 def _listed(names: list[str]) -> str:

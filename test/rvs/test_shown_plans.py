@@ -91,7 +91,7 @@ def test_a_plan_from_here_to_there(page, layer, commander):
     assert page._plan.motion is None and layer.warns
     page._ask("way", lambda: layer.choose_plan("by train", "poly345"))
     wait_until(lambda: "Refused: way is" in page._stage._notice.content)
-    assert layer.way == "line of the tip"
+    assert layer.path_kind == "line of the tip"
 
 
 def test_the_arm_goes_along_if_wanted(page, layer, commander):

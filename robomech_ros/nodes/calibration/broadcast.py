@@ -81,12 +81,12 @@ class ResultBroadcaster:
         tree = self._listener.tree
         if sensor not in tree:
             return sensor, np.eye(4)
-        way = tree.path_to_root(sensor)
+        path = tree.path_to_root(sensor)
         own = self.placed.child if self.placed is not None else ""
-        top = own if own in way else way[-1]
+        top = own if own in path else path[-1]
         if top != own and parent in tree and tree.path_to_root(parent)[-1] == top:
             raise NoTransformError(
-                f"tf has the sensor's frame {sensor!r} below {way[1] if len(way) > 1 else top!r} "
+                f"tf has the sensor's frame {sensor!r} below {path[1] if len(path) > 1 else top!r} "
                 "already, by somebody else: stop that, or calibrate another frame"
             )
         found = tree.between(top, sensor)

@@ -60,8 +60,8 @@ def rights_of(observer: Node, name: str, namespace: str) -> NodeRights:
         "call": get_action_client_names_and_types_by_node(observer, *at),
     }
     names = {
-        way: sorted(name for name, _ in rows if _PART_OF_ACTION not in name)
-        for way, rows in found.items()
+        direction: sorted(name for name, _ in rows if _PART_OF_ACTION not in name)
+        for direction, rows in found.items()
     }
     return NodeRights(name, namespace, names)
 
@@ -87,10 +87,10 @@ def policy_xml(rights: Iterable[NodeRights], enclave: str) -> str:
 
 
 def _rules(node: NodeRights) -> Iterator[ElementTree.Element]:
-    for element, entry, ways in _KINDS:
-        for way in ways:
-            if names := node.names[way]:
-                rule = ElementTree.Element(element, {way: "ALLOW"})
+    for element, entry, directions in _KINDS:
+        for direction in directions:
+            if names := node.names[direction]:
+                rule = ElementTree.Element(element, {direction: "ALLOW"})
                 for name in names:
                     ElementTree.SubElement(rule, entry).text = name
                 yield rule

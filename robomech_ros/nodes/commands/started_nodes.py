@@ -67,8 +67,8 @@ def _looked_at(nodes: Sequence[Node]) -> list[NodeRights]:
             if isinstance(node, RvsNode):
                 awaited += [(node, "subscribe", topic) for topic in node.listen_to_markers()]
         deadline = time.monotonic() + _PATIENCE
-        for node, way, name in awaited:
-            while name not in _of(node).names[way]:
+        for node, direction, name in awaited:
+            while name not in _of(node).names[direction]:
                 if time.monotonic() > deadline:
                     raise NotUpError(f"'{node.get_name()}' has no '{name}' after {_PATIENCE:g} s")
                 time.sleep(_LOOK)

@@ -85,8 +85,8 @@ class ClosedLoopPositions:
             followed = mechanism.close(drives, present)
             if followed.status != Code.NONE:
                 self._require_limits(drives, what)
-                way = "on the straight way of the drives from the present posture"
-                raise OutcomeError(followed.status, f"{what}: {way}, {followed.reason}")
+                where = "on the straight way of the drives from the present posture"
+                raise OutcomeError(followed.status, f"{what}: {where}, {followed.reason}")
             return followed.q
         modes = mechanism.direct(drives, seed=mechanism.home())
         if not len(modes):

@@ -157,24 +157,24 @@ class Worker:
             try:
                 result = work()
             except Exception as error:
-                self._tell(done.set_exception, error)
+                self._resume(done.set_exception, error)
             else:
-                self._tell(done.set_result, result)
+                self._resume(done.set_result, result)
 
-    def _tell(self, tell: Callable[[Any], None], what: object) -> None:
+    def _resume(self, set_outcome: Callable[[Any], None], what: object) -> None:
         """Have the executor resume the waiting coroutine."""
         node = self._node()
         executor = None if node is None else node.executor
         if executor is None or self._closed:
             return
 
-        def told() -> None:
+        def resume() -> None:
             if self._refusal is None:
-                tell(what)
+                set_outcome(what)
             # Tasks that wait are looked at before new ones are, and then only when it is woken.
             executor.wake()
 
-        executor.create_task(told)
+        executor.create_task(resume)
 
 
 class _NextTurn:

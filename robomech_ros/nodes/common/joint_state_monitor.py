@@ -46,7 +46,7 @@ class JointStateMonitor:
         self._node = node
         self._states: dict[str, _JointSample] = {}
         self._looks = 0
-        self._heard_in: dict[str, int] = {}
+        self._updated_in: dict[str, int] = {}
         self._fault = ""
         self._inbox = Inbox(node, JointState, TOPIC, _DEPTH)
 
@@ -78,7 +78,7 @@ class JointStateMonitor:
 
         It counts as of the last look at positions.
         """
-        return min((self._heard_in.get(name, 0) for name in joint_names), default=0)
+        return min((self._updated_in.get(name, 0) for name in joint_names), default=0)
 
     def forget(self) -> None:
         """Discard all joint states: their publisher may be gone."""
@@ -96,10 +96,10 @@ class JointStateMonitor:
         positions = self.positions(joint_names)
         if positions is None:
             missing = [name for name in joint_names if name not in self._states]
-            raise NoStateError(missing, self._inbox.topic, self._what_came())
+            raise NoStateError(missing, self._inbox.topic, self._received_text())
         return positions
 
-    def _what_came(self) -> str:
+    def _received_text(self) -> str:
         """Describe the received joint states, for an error about missing ones."""
         refused = f" (and what could not be used: {self._fault})" if self._fault else ""
         if not self._states:
@@ -179,7 +179,7 @@ class JointStateMonitor:
         self._fault = newest_fault or self._fault
         for name, state in seen.items():
             if name in self._states or len(self._states) < _MOST_JOINTS:
-                self._states[name], self._heard_in[name] = state, self._looks
+                self._states[name], self._updated_in[name] = state, self._looks
 
 
 def _read(data: bytes) -> tuple[dict[str, _JointSample], str]:

@@ -259,25 +259,25 @@ class RobotModel:
         """Name the joints of a group, "" being the configured chain."""
         return self.groups[group].joints if group else self.chain.joint_names
 
-    def posture(self, way: SerialChain, name: str) -> Array:
+    def posture(self, chain: SerialChain, name: str) -> Array:
         """Find a named posture of the joints that move a link, shape (n,) (rad or m).
 
         Where some of those go on behind the configured chain with no such posture of their own, it
         is one of the configured chain, and the joints outside it rest, or are at their own
         ``home``.
         """
-        behind = set(self.chain.joint_names) < set(way.joint_names)
-        if not behind or self.semantic.gives(way, name):
-            return self.semantic.posture(way, name)
+        behind = set(self.chain.joint_names) < set(chain.joint_names)
+        if not behind or self.semantic.gives(chain, name):
+            return self.semantic.posture(chain, name)
         own = self.semantic.posture(self.chain, name)
         if name == HOME:
-            at_home = dict(zip(way.joint_names, way.home().tolist(), strict=True))
+            at_home = dict(zip(chain.joint_names, chain.home().tolist(), strict=True))
             at_home |= self.semantic.home() | dict(zip(self.chain.joint_names, own, strict=True))
-            q = np.array([at_home[joint] for joint in way.joint_names])
-            return np.clip(q, way.lower, way.upper)
+            q = np.array([at_home[joint] for joint in chain.joint_names])
+            return np.clip(q, chain.lower, chain.upper)
         given = dict(zip(self.chain.joint_names, own.tolist(), strict=True))
         positions = self.description.joint_positions(given)
-        return np.array([positions[joint] for joint in way.joint_names])
+        return np.array([positions[joint] for joint in chain.joint_names])
 
     def learn(self, semantic: SemanticDescription) -> None:
         """Take other groups and named postures than so far; the configured chain stays."""

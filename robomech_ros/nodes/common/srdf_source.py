@@ -42,7 +42,7 @@ class SemanticSource:
         self._complaints = ThrottledLog(self._log)
         self._place = node.resolve_topic_name(SEMANTIC_TOPIC)
         self._given = settings.robot_description_semantic
-        self._heard = ""
+        self._received = ""
         self._groups, self._group = settings.groups, settings.group
         self._model: RobotModel | None = None
         if not self._given:
@@ -52,7 +52,7 @@ class SemanticSource:
     def lacks_group(self) -> bool:
         """Whether the parameter group names one that only an SRDF can have, and none is known."""
         listed = [entry.split(":")[0].strip() for entry in self._groups]
-        known = bool(self._given or self._heard)
+        known = bool(self._given or self._received)
         return bool(self._group) and self._group not in listed and not known
 
     def semantic(self, description: RobotDescription) -> SemanticDescription:
@@ -79,9 +79,9 @@ class SemanticSource:
 
     def _read(self, description: RobotDescription) -> SemanticDescription:
         try:
-            return load_semantics(description, self._given or self._heard, self._groups)
+            return load_semantics(description, self._given or self._received, self._groups)
         except RobomechError as error:
-            if not self._heard:
+            if not self._received:
                 raise
             # Of another robot, perhaps: it must not keep this one from starting.
             self._drop(error)
@@ -92,22 +92,22 @@ class SemanticSource:
             # What comes by the topic is a document and never names a file.
             self._complain("it is no XML")
             return
-        if self._model is not None and message.data == self._heard:
+        if self._model is not None and message.data == self._received:
             return
-        before, self._heard = self._heard, message.data
+        before, self._received = self._received, message.data
         if self._model is None:
             self.on_document()
             return
         try:
-            load_semantics(self._model.description, self._heard, self._groups)
+            load_semantics(self._model.description, self._received, self._groups)
         except RobomechError as error:
             self._drop(error)
-            self._heard = before
+            self._received = before
             return
         self.supply_groups(self._model)
 
     def _drop(self, error: RobomechError) -> None:
-        self._heard = ""
+        self._received = ""
         self._complain(str(error)[:_LONGEST_NOTE])
 
     def _complain(self, why: str) -> None:

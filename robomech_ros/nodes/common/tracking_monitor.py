@@ -45,7 +45,7 @@ class TrackingMonitor:
         self._tolerance, self._delay = tolerance, delay
         self._tracking = Tracking(joints, tolerance, delay)
         # How many looks have heard of the joints, and when that became more (s).
-        self._heard, self._heard_at = 0, 0.0
+        self._updates, self._updated_at = 0, 0.0
         self._waits_from: float | None = None
         self._lags: deque[float] = deque(maxlen=_LOOKS)
 
@@ -59,8 +59,8 @@ class TrackingMonitor:
         update_count = self._monitor.update_count(self._names)
         if self._waits_from is None:
             # What was heard before may be old: the next state is the present one.
-            self._waits_from, self._heard = now, update_count
-        if position is None or update_count <= self._heard:
+            self._waits_from, self._updates = now, update_count
+        if position is None or update_count <= self._updates:
             return None
         return position, self._monitor.velocities(self._names)
 
@@ -86,9 +86,9 @@ class TrackingMonitor:
         self._tracking.begin()
         self._lags.clear()
         self._waits_from = None
-        self._heard, self._heard_at = self._monitor.update_count(self._names), now
+        self._updates, self._updated_at = self._monitor.update_count(self._names), now
 
-    def tell(self, time: float, position: Array) -> None:
+    def expect(self, time: float, position: Array) -> None:
         """Note the commanded positions at a time (s)."""
         self._tracking.tell(time, position)
 
@@ -111,10 +111,10 @@ class TrackingMonitor:
             return None
         position = self.position()
         update_count = self._monitor.update_count(self._names)
-        if position is None or update_count <= self._heard:
-            silent = now - self._heard_at
+        if position is None or update_count <= self._updates:
+            silent = now - self._updated_at
             lost = silent > self._delay + _STATE_LOST
             return Fault(f"no state of the joints for {silent:.3g} s", ()) if lost else None
-        self._heard, self._heard_at = update_count, now
+        self._updates, self._updated_at = update_count, now
         found = self._tracking.deviation(now, position)
         return None if found is None else Fault(found.text, (found.joint,))

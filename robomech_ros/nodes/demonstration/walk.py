@@ -72,8 +72,8 @@ class Walk:
         known = len(self._poses)
 
         def stands() -> bool:
-            heard = len(self._poses) > known and self._contacts and self._margins
-            return bool(heard and self._still and self._contacts[-1][1].all())
+            reported = len(self._poses) > known and self._contacts and self._margins
+            return bool(reported and self._still and self._contacts[-1][1].all())
 
         if not self._client.wait(stands, _PATIENCE):
             raise DemoFailedError(f"after {_PATIENCE:g} s the robot does not stand on all feet")

@@ -54,14 +54,14 @@ class MovingFrames:
         silence = SILENCE + random.uniform(0.0, BY_CHANCE)
         self._silence = max(2, round(silence * rate))
         # When a frame was heard of last, in turns of the publisher: simulated time may stand.
-        self._heard: dict[str, int] = {}
+        self._received: dict[str, int] = {}
         self._own: Counter[tuple[int, frozenset[str]]] = Counter()
         self._inbox: Inbox | None = None
 
     def look(self) -> frozenset[str]:
         """Return the frames that others publish at present."""
         if not self.others.look():
-            self._heard.clear()
+            self._received.clear()
             return frozenset()
         if self._inbox is None:
             kind, topic = self._publisher.kind, self._publisher.topic
@@ -70,7 +70,7 @@ class MovingFrames:
         messages, sent = [*self._inbox.take()], self._publisher.sent
         self._listen(messages, Counter(sent.popleft() for _ in range(len(sent))))
         turn = self._publisher.turns
-        return frozenset(f for f, heard in self._heard.items() if turn - heard < self._silence)
+        return frozenset(f for f, at in self._received.items() if turn - at < self._silence)
 
     def _listen(self, messages: list[Any], sent: Counter[tuple[int, frozenset[str]]]) -> None:
         """Note what others have said, given what was sent since the last look."""
@@ -85,7 +85,7 @@ class MovingFrames:
             if own[what] > 0:
                 own[what] -= 1
             else:
-                self._heard.update(dict.fromkeys(frames, self._publisher.turns))
+                self._received.update(dict.fromkeys(frames, self._publisher.turns))
         # What is older will not arrive any more, even on a busy machine.
         waiting = [(what, n) for what, n in own.items() if n > 0]
         self._own = Counter(dict(waiting[-_AWAITED:]))
@@ -105,22 +105,22 @@ class FixedFrames:
         self._node, self._publisher = node, publisher
         self._frames = frozenset(publisher.fixed)
         self.others = OtherPublishers(node, publisher.fixed_topic)
-        self._heard: set[str] = set()
+        self._received: set[str] = set()
         self._log = ThrottledLog(node.get_logger())
         self._subscription: Any = None
 
     def look(self) -> frozenset[str] | None:
         """Return the frames that others publish; None where that will be known at the next look."""
         if not self.others.look():
-            self._heard.clear()
+            self._received.clear()
             return frozenset()
         if self._subscription is not None and not self.others.one_left:
-            return frozenset(self._heard)
+            return frozenset(self._received)
         # Which frames went with who left, the latched messages of those who are there will tell.
         # The callback group of the node would keep a trace of every subscription there was.
         if self._subscription is not None:
             self._node.destroy_subscription(self._subscription)
-        self._heard.clear()
+        self._received.clear()
         kind, topic = self._publisher.kind, self._publisher.fixed_topic
         self._subscription = self._node.create_subscription(
             kind,
@@ -139,7 +139,7 @@ class FixedFrames:
             self._log.warning(f"passed over on '{self._publisher.fixed_topic}': {error}")
             return
         if message != self._publisher.at_rest:
-            self._heard.update(self._frames & _children(message))
+            self._received.update(self._frames & _children(message))
 
 
 def _children(message: Any) -> set[str]:

@@ -28,7 +28,7 @@ class Drives:
         All joints.
     places : ndarray of int, shape (m,)
         Where the drives are among these.
-    way : SerialChain or Mechanism
+    linkage : SerialChain or Mechanism
         What states are read for.
     home : ndarray, shape (n,)
         A posture of it (rad or m).
@@ -37,12 +37,12 @@ class Drives:
     def __init__(self, model: RobotModel, joints: JointPositions) -> None:
         self.system: DynamicSystem
         if model.mechanism is None:
-            self.way: Linkage = model.chain
+            self.linkage: Linkage = model.chain
             self.system, self.home = ChainDynamics(model.chain), model.chain.midrange()
         else:
             from robomech_ros.parallel import ParallelDynamics
 
-            self.way, self.home = model.mechanism, model.mechanism.home()
+            self.linkage, self.home = model.mechanism, model.mechanism.home()
             self.system = ParallelDynamics(model.mechanism)
         self.names, self.joint_names = self.system.drive_names, self.system.joint_names
         self.places = self.system.drives_at

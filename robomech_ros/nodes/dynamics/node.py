@@ -182,7 +182,7 @@ class DynamicsNode(Node):
     async def _positions(self, state: JointState) -> Array:
         """Read the positions (n,) of a state; of an empty one, the present ones."""
         patience = self._table.settings.state_timeout
-        return await self._joints.read_or_present(self._drives.way, state, "state", patience)
+        return await self._joints.read_or_present(self._drives.linkage, state, "state", patience)
 
     async def _present(self, names: list[str]) -> JointTrajectoryPoint:
         """Return the present positions of joints, at rest; who reads it finds unknown names."""

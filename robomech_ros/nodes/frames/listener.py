@@ -44,7 +44,7 @@ class FrameListener:
     fault : str
         What of what was heard could not be used at last; empty if all could, or if the same frame
         was heard of rightly since.
-    heard_since : float
+    receiving_since : float
         When the first of the frames in the tree was heard of (s, on the monotonic clock), infinite
         while there is none.
     """
@@ -53,7 +53,7 @@ class FrameListener:
         self.tree = FrameTree()
         self.missing = ""
         self.fault = ""
-        self.heard_since = math.inf
+        self.receiving_since = math.inf
         self._faulty = ""
         self._clock = node.get_clock()
         self._kind: Any = None
@@ -73,7 +73,7 @@ class FrameListener:
             min_forward=None, min_backward=Duration(nanoseconds=-1), on_clock_change=True
         )
         # Jumps are reported as long as this is kept.
-        self._jumps = self._clock.create_jump_callback(back, post_callback=self._begin_anew)
+        self._jumps = self._clock.create_jump_callback(back, post_callback=self._restart)
 
     @property
     def now(self) -> int:
@@ -95,11 +95,11 @@ class FrameListener:
         for data in taken[len(taken) - kept :]:
             self._take(data, static=False)
 
-    def _begin_anew(self, jump: TimeJump) -> None:
+    def _restart(self, jump: TimeJump) -> None:
         # What waits is from before, too.
         self._moving.take_packed()
         self.tree.forget_moving()
-        self.heard_since = math.inf
+        self.receiving_since = math.inf
 
     def _take(self, data: bytes, *, static: bool) -> None:
         if len(data) > _LARGEST_MESSAGE:
@@ -123,6 +123,6 @@ class FrameListener:
             child = bare_link(entry.child_frame_id)
             fault = self.tree.insert(child, sample, now, static=static)
             if not fault:
-                self.heard_since = min(self.heard_since, time.monotonic())
+                self.receiving_since = min(self.receiving_since, time.monotonic())
             if fault or child == self._faulty:
                 self.fault, self._faulty = fault, child if fault else ""

@@ -145,7 +145,7 @@ class RobotFrames:
             except NoTransformError as error:
                 end = begun + patience
                 if self.model.full_frame(frame) not in self._listener.tree:
-                    end = min(end, max(begun, self._listener.heard_since) + _NOWHERE)
+                    end = min(end, max(begun, self._listener.receiving_since) + _NOWHERE)
                 if not error.may_come or time.monotonic() >= end:
                     raise self._unavailable(frame, error) from None
             await pause(self._node)
@@ -218,21 +218,21 @@ class RobotFrames:
     def _by_tf(self, frame: str, instant: int | None) -> FrameAttachment:
         """Find a frame of tf by the links of the robot that tf connects with it."""
         tree, model = self._listener.tree, self.model
-        way = tree.path_to_root(frame, instant)
+        path = tree.path_to_root(frame, instant)
         fixed = [model.base_frame, *map(model.frame_of, model.fixed_frames)]
         # Now is told best by the joints and the link that carries the frame, the past by tf alone.
-        others = [*way, *fixed] if instant is None else [*fixed, *way]
+        others = [*path, *fixed] if instant is None else [*fixed, *path]
         for other in dict.fromkeys([*others, *tree.frames]):
             if not other.startswith(model.frame_prefix):
                 continue
             place = self._place_of_link(other.removeprefix(model.frame_prefix))
-            if place is not None and self._root_of(other, instant) == way[-1]:
+            if place is not None and self._root_of(other, instant) == path[-1]:
                 return self._carried(place, tree.between(other, frame, instant), instant)
         for other, pose in model.virtual_frames.items():
-            if self._root_of(other, instant) == way[-1]:
+            if self._root_of(other, instant) == path[-1]:
                 found = tree.between(other, frame, instant)
                 return self._carried(FrameAttachment(None, pose), found, instant)
-        raise NoTransformError(self._not_connected(way))
+        raise NoTransformError(self._not_connected(path))
 
     def _root_of(self, frame: str, instant: int | None = None) -> str | None:
         """Return the root of a frame in tf; None for an unknown frame, or a circle."""
@@ -241,7 +241,7 @@ class RobotFrames:
         except NoTransformError:
             return None
 
-    def _not_connected(self, way: list[str]) -> str:
+    def _not_connected(self, path: list[str]) -> str:
         """Say why a frame of tf leads to no link of the robot."""
         base = self.model.base_frame
         root = self._root_of(base)
@@ -251,7 +251,7 @@ class RobotFrames:
             other = f"the base {base!r} is on a circle"
         else:
             other = "tf has no link of the robot"
-        return f"tf does not connect it with the robot: it hangs on {way[-1]!r}, {other}"
+        return f"tf does not connect it with the robot: it hangs on {path[-1]!r}, {other}"
 
     def _carried(
         self, place: FrameAttachment, found: TransformResult, instant: int | None

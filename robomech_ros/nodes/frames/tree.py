@@ -149,16 +149,16 @@ class FrameTree:
         if frame not in self:
             text = f"tf has no frame {frame[:200]!r}" if self._histories else "tf has no frames yet"
             raise NoTransformError(text)
-        way = {frame: None}
+        path = {frame: None}
         while frame in self._histories:
             history = self._histories[frame]
             frame = (history.last if stamp is None else history.at(stamp)).parent
-            if frame in way:
-                circle = [*way][[*way].index(frame) :]
+            if frame in path:
+                circle = [*path][[*path].index(frame) :]
                 shown = ", ".join(circle[:5]) + (", ..." if len(circle) > 5 else "")
                 raise NoTransformError(f"tf goes round in a circle: {shown}, {frame}")
-            way[frame] = None
-        return [*way]
+            path[frame] = None
+        return [*path]
 
     def between(self, target: str, source: str, stamp: int | None = None) -> TransformResult:
         """Find where a frame is in another one.
@@ -175,7 +175,7 @@ class FrameTree:
             A frame is not known, the two belong to different trees, the way is a circle, or the
             instant is not among those kept.
         """
-        up, down = self._ways(target, source, stamp)
+        up, down = self._paths(target, source, stamp)
         moving = [frame for frame in (*up, *down) if not self._histories[frame].static]
         if not moving:
             return TransformResult(self._pose(up, down, 0), None, "")
@@ -183,12 +183,12 @@ class FrameTree:
         if stamp is None:
             stamp = self._histories[slowest].last.stamp
             # A frame may have had another parent then.
-            up, down = self._ways(target, source, stamp)
+            up, down = self._paths(target, source, stamp)
         else:
             self._check_kept(moving, slowest, stamp)
         return TransformResult(self._pose(up, down, stamp), stamp, slowest)
 
-    def _ways(self, target: str, source: str, stamp: int | None) -> tuple[list[str], list[str]]:
+    def _paths(self, target: str, source: str, stamp: int | None) -> tuple[list[str], list[str]]:
         """List the frames from the source and from the target to below where they meet."""
         from_source = self.path_to_root(source, stamp)
         from_target = self.path_to_root(target, stamp)
@@ -199,7 +199,7 @@ class FrameTree:
                 f"{from_source[-1]!r}, {target!r} on {from_target[-1]!r}"
             )
         up, down = (
-            [frame for frame in way if frame not in shared] for way in (from_source, from_target)
+            [frame for frame in path if frame not in shared] for path in (from_source, from_target)
         )
         return up, down
 
@@ -225,10 +225,10 @@ class FrameTree:
     def _pose(self, up: Sequence[str], down: Sequence[str], stamp: int) -> Array:
         return rigid_inverse(self._product(down, stamp)) @ self._product(up, stamp)
 
-    def _product(self, way: Sequence[str], stamp: int) -> Array:
+    def _product(self, path: Sequence[str], stamp: int) -> Array:
         """Return the pose of the first frame of a way in the parent of the last."""
         pose = np.eye(4)
-        for frame in way:
+        for frame in path:
             sample = self._histories[frame].at(stamp)
             pose = assembled(matrix_from_quaternion(sample.turn), np.array(sample.place)) @ pose
         return pose

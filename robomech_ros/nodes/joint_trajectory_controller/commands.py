@@ -44,12 +44,12 @@ class TrajectoryTopic:
         self._joints, self._on_refused = joints, on_refused
         # Where the last message of the topic ended, and when it came (s).
         self._end: tuple[tuple[str, ...], tuple[float, ...]] | None = None
-        self._heard_at = -math.inf
+        self._received_at = -math.inf
         subscribe_reliably(node, JointTrajectory, f"{joints.place}/{_TOPIC}", self._execute, _DEPTH)
 
     def _execute(self, trajectory: JointTrajectory) -> None:
         try:
-            if self._adds_nothing(trajectory):
+            if self._is_replaced(trajectory):
                 return
             goal = self._joints.execute(trajectory, _BY, self._log_end, streamed=True)
             if goal.strain:
@@ -59,7 +59,7 @@ class TrajectoryTopic:
             self._log.error(f"trajectory refused ({code} {name_of(code)}): {error}")
             self._on_refused()
 
-    def _adds_nothing(self, trajectory: JointTrajectory) -> bool:
+    def _is_replaced(self, trajectory: JointTrajectory) -> bool:
         """Whether it is the rest of a stream that a goal of an action has replaced already.
 
         That comes soon after the message before it, and ends where that one ended.
@@ -69,8 +69,8 @@ class TrajectoryTopic:
         with self._joints.lock:
             self._joints.advance()
             now, goal = self._joints.follower.now, self._joints.follower.active
-        soon = now < self._heard_at + _STREAM
-        self._heard_at, self._end = now, end
+        soon = now < self._received_at + _STREAM
+        self._received_at, self._end = now, end
         if not soon or goal is None or goal.streamed or end is None or known is None:
             return False
         same = end[0] == known[0] and len(end[1]) == len(known[1])

@@ -50,7 +50,7 @@ class PollThread(ABC):
         self.condition = ""
         self._monitor = JointStateMonitor(node)
         self._topic = node.resolve_topic_name("joint_states")
-        self._heard, self._heard_at, self._looked_at = 0, -math.inf, -math.inf
+        self._updates, self._updated_at, self._looked_at = 0, -math.inf, -math.inf
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="states", daemon=True)
 
@@ -70,9 +70,9 @@ class PollThread(ABC):
     def _look(self, now: float) -> None:
         # Only what has been taken counts.
         self._monitor.known_positions(self._joints)
-        heard = self._monitor.update_count(self._joints)
-        if heard > self._heard:
-            self._heard, self._heard_at = heard, now
+        updates = self._monitor.update_count(self._joints)
+        if updates > self._updates:
+            self._updates, self._updated_at = updates, now
         self.show(now)
         if now - self._looked_at >= _SELDOM:
             self._looked_at = now

@@ -66,7 +66,7 @@ class StateFeed(PollThread):
     def show(self, now: float) -> None:
         """Show where the joints are."""
         self.positions = self._monitor.known_positions(self._all_joints)
-        if self._heard_at == now:
+        if self._updated_at == now:
             self._view.show_joints(self.positions)
 
     def fault(self, now: float) -> str:
@@ -74,7 +74,7 @@ class StateFeed(PollThread):
         for status in self._inbox.take():
             self._servo, self._servo_at = servo_news(status), now
         self._view.show_servo(None if self._since_servo > _SERVO_GONE else self._servo)
-        age = now - self._heard_at
+        age = now - self._updated_at
         if age <= self._settings.state_timeout:
             return ""
         if math.isfinite(age):

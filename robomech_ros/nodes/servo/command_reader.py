@@ -101,10 +101,10 @@ class CommandReader:
             raise BadValueError("velocities", list(message.velocities), "none beside displacements")
         if not duration:
             raise BadValueError("duration", duration, "more than 0 s, for displacements")
-        ways = np.array(message.displacements, dtype=np.float64)
+        displacements = np.array(message.displacements, dtype=np.float64)
         with np.errstate(over="ignore"):
-            speeds = ways / duration
-        if np.isfinite(ways).all() and not np.isfinite(speeds).all():
+            speeds = displacements / duration
+        if np.isfinite(displacements).all() and not np.isfinite(speeds).all():
             raise BadValueError("duration", duration, "a time in which the displacements can be")
         rates = self._joint_speeds(names, speeds.tolist(), "displacements", scaled=False)
         return JointCommand(rates, until)
@@ -161,7 +161,7 @@ class CommandReader:
         The stream is sent ahead of its time, so the robot brakes later than that.
         """
         timeout = self.settings().command_timeout
-        told_ahead = min(self.ahead(), 0.5 * timeout)
+        sent_ahead = min(self.ahead(), 0.5 * timeout)
         now = self.clock.now()
         ahead = self.clock.until(header.stamp, now)
         if ahead < -timeout:
@@ -169,7 +169,7 @@ class CommandReader:
         elif ahead > timeout:
             what = f"{ahead:.3g} s in the future"
         else:
-            return now + timeout - told_ahead + min(ahead, 0.0)
+            return now + timeout - sent_ahead + min(ahead, 0.0)
         expected = f"a command from the last {timeout:g} s, the parameter command_timeout"
         stamp = header.stamp
         raise BadValueError("stamp", f"{stamp.sec}.{stamp.nanosec:09d}, {what}", expected)

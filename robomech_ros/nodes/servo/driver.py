@@ -87,7 +87,7 @@ class Driver:
         )
         self._timer = node.create_timer(self.stream.period, self._tick, clock=clock.clock)
         self._timer.cancel()
-        self._idle_timer = node.create_timer(REPEATED, self._tell_at_rest)
+        self._idle_timer = node.create_timer(REPEATED, self._publish_at_rest)
         # A timer that has not fired since it was reset would wait until its old time comes again.
         clock.on_jump(lambda by: self._timer.is_canceled() or self._timer.reset())
 
@@ -146,7 +146,7 @@ class Driver:
             if self._servo.motion.at_rest:
                 self._servo.end()
             return
-        self._joints.tell(*self.stream.publish(now))
+        self._joints.expect(*self.stream.publish(now))
         if fault := self._joints.fault(now):
             self._let_go(now, fault)
         elif (lag := self._joints.lag(now)) is not None:
@@ -166,7 +166,7 @@ class Driver:
         if alone or not self._servo.wants_to_move(now):
             self._joints.stop_waiting()
             if alone:
-                self._tell_fault(now)
+                self._report_fault(now)
             elif self._status.is_new((self._servo.paused, self._servo.command is None), now):
                 self._publish_idle(now)
             return False
@@ -177,7 +177,7 @@ class Driver:
             return False
         if self._fault is not None:
             if (np.abs(state[1]) > _STANDING * self._servo.limits.velocity).any():
-                self._tell_fault(now)
+                self._report_fault(now)
                 return False
             self._fault = None
         self.stream.begin(now, *state)
@@ -192,13 +192,13 @@ class Driver:
         self._fault = fault._replace(why=f"{fault.why}; the stream has stopped")
         self._left_alone_until = now + _LEFT_ALONE
         self._log.warning(self._fault.why)
-        self._tell_fault(now)
+        self._report_fault(now)
 
-    def _tell_fault(self, now: float) -> None:
+    def _report_fault(self, now: float) -> None:
         if self._fault is not None and self._status.is_new(self._fault, now):
             self._status.publish(now, None, *self._fault)
 
-    def _tell_at_rest(self) -> None:
+    def _publish_at_rest(self) -> None:
         """Publish the status from time to time also where nothing has happened for long."""
         if self._timer.is_canceled():
             now = self._clock.now()

@@ -55,14 +55,14 @@ class StatusPublisher:
         self._clock, self._refusal = node.get_clock(), refusal
         self._publisher = node.create_publisher(ServoStatus, status_topic(node), 10)
         self.also: Callable[[ServoStatus], None] = lambda status: None
-        self._told: tuple[tuple[object, ...], float] = ((), -REPEATED)
+        self._published: tuple[tuple[object, ...], float] = ((), -REPEATED)
 
     def is_new(self, situation: tuple[object, ...], now: float) -> bool:
         """Whether a situation, or a refusal in it, was not reported in the last second."""
         situation = (*situation, self._refusal(now))
-        if situation == self._told[0] and now < self._told[1] + REPEATED:
+        if situation == self._published[0] and now < self._published[1] + REPEATED:
             return False
-        self._told = (situation, now)
+        self._published = (situation, now)
         return True
 
     def publish(

@@ -89,7 +89,7 @@ class StreamPublisher:
         report, enough = None, now + (lead + 0.5) * self.period
         if self._knot < enough:
             # The next knot was due when the one before it was so far ahead.
-            self._hear_lateness(now, now - (self._knot + self.period - lead * self.period))
+            self._follow_lateness(now, now - (self._knot + self.period - lead * self.period))
         for _ in range(lead):
             if self._knot >= enough:
                 break
@@ -97,7 +97,7 @@ class StreamPublisher:
             self._knot += self.period
         return report
 
-    def _hear_lateness(self, now: float, late: float) -> None:
+    def _follow_lateness(self, now: float, late: float) -> None:
         """Have the lead follow a lateness (s), and say so the first time."""
         self.lead.sent(now, late)
         lead = self.lead
@@ -131,7 +131,7 @@ class StreamPublisher:
         samples = Samples(*(part[self._most - lead :] for part in samples))
         samples.times[:] -= samples.times[0]
         first = self._knot - lead * self.period
-        told = min(now, first - self.period)
-        stamp = Time(nanoseconds=max(self._clock.stamp(told), 0)).to_msg()
-        self._publisher.publish(stream_message(self._names, samples, first - told, stamp))
+        sent_for = min(now, first - self.period)
+        stamp = Time(nanoseconds=max(self._clock.stamp(sent_for), 0)).to_msg()
+        self._publisher.publish(stream_message(self._names, samples, first - sent_for, stamp))
         return first, samples.positions[0]

@@ -71,12 +71,12 @@ class ActionTransport:
         """Whether the controller executes a goal."""
         return bool(self._handles)
 
-    def send(self, delivery: ExecutionRequest, message: JointTrajectory, moved: Moved) -> None:
+    def send(self, execution: ExecutionRequest, message: JointTrajectory, moved: Moved) -> None:
         """Send the message of a delivery; `moved` says whether the robot has moved since."""
         self._last += 1
         number = self._last
         sent = self._client.send_goal_async(self._goals.goal(message, self._tolerances))
-        sent.add_done_callback(lambda future: self._take_handle(number, delivery, moved, future))
+        sent.add_done_callback(lambda future: self._take_handle(number, execution, moved, future))
 
     def cancel(self) -> None:
         """Ask the controller to give up all that was sent, also what it has not accepted yet."""
@@ -91,7 +91,7 @@ class ActionTransport:
             self._client.destroy()
 
     def _take_handle(
-        self, number: int, delivery: ExecutionRequest, moved: Moved, future: Future
+        self, number: int, execution: ExecutionRequest, moved: Moved, future: Future
     ) -> None:
         if future.exception() is not None:
             text = f"sending the goal failed: {future.exception()}"
@@ -100,16 +100,16 @@ class ActionTransport:
         else:
             text = ""
         if text:
-            self._conclude(number, delivery, Code.REJECTED, text)
+            self._conclude(number, execution, Code.REJECTED, text)
             return
         self._handles[number] = handle
         if number <= self._cancelled:
             handle.cancel_goal_async()
         result = handle.get_result_async()
-        result.add_done_callback(lambda done: self._take_result(number, delivery, moved, done))
+        result.add_done_callback(lambda done: self._take_result(number, execution, moved, done))
 
     def _take_result(
-        self, number: int, delivery: ExecutionRequest, moved: Moved, future: Future
+        self, number: int, execution: ExecutionRequest, moved: Moved, future: Future
     ) -> None:
         self._handles.pop(number, None)
         if future.exception() is not None:
@@ -120,9 +120,9 @@ class ActionTransport:
             verdict = MotionResult(Code.REJECTED, text)
         else:
             verdict = self._goals.verdict(answer.status, answer.result, moved())
-        self._conclude(number, delivery, *verdict)
+        self._conclude(number, execution, *verdict)
 
-    def _conclude(self, number: int, delivery: ExecutionRequest, code: int, text: str) -> None:
+    def _conclude(self, number: int, execution: ExecutionRequest, code: int, text: str) -> None:
         """Hand over the result of what was sent last."""
         if number == self._last:
-            self._on_result(delivery, code, text)
+            self._on_result(execution, code, text)

@@ -15,7 +15,7 @@ from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.middleware.liveliness import LivelinessMonitor
 from robomech_ros.nodes.trajectory_publisher.action_transport import ActionTransport, request_topic
 from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals
-from robomech_ros.nodes.trajectory_publisher.messages import message_from_delivery
+from robomech_ros.nodes.trajectory_publisher.messages import message_from_execution
 from robomech_ros.typing import Array
 
 _DEPTH = 10
@@ -110,22 +110,22 @@ class ControllerClient:
             return None
         return np.array([self._acceleration[name] for name in names])
 
-    def send(self, delivery: ExecutionRequest) -> None:
+    def send(self, execution: ExecutionRequest) -> None:
         """Send by the transport of the delivery."""
         self._sent_to = self._life.server
-        message = message_from_delivery(delivery, self._clock.stamp(delivery.sent_at))
-        if delivery.transport is Transport.TOPIC:
-            self._refusals.expect(delivery, message)
+        message = message_from_execution(execution, self._clock.stamp(execution.sent_at))
+        if execution.transport is Transport.TOPIC:
+            self._refusals.expect(execution, message)
             self._publisher.publish(message)
             return
-        start = self.positions(delivery.names)
-        self._action.send(delivery, message, lambda: self._left(start, delivery.names))
+        start = self.positions(execution.names)
+        self._action.send(execution, message, lambda: self._left(start, execution.names))
 
-    def runs_before(self, delivery: ExecutionRequest) -> bool:
+    def runs_before(self, execution: ExecutionRequest) -> bool:
         """Say whether the controller still executes a goal before the last one."""
         return self._action.runs
 
-    def cancel(self, delivery: ExecutionRequest) -> None:
+    def cancel(self, execution: ExecutionRequest) -> None:
         """Ask the controller to give up all that was sent, also what it has not accepted yet."""
         self._action.cancel()
 

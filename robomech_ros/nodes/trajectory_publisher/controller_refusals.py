@@ -34,9 +34,9 @@ class ControllerRefusals:
         self._sent: tuple[ExecutionRequest, str, tuple[str, int]] | None = None
         node.create_subscription(DiagnosticArray, TOPIC, self._take, _DEPTH)
 
-    def expect(self, delivery: ExecutionRequest, message: JointTrajectory) -> None:
+    def expect(self, execution: ExecutionRequest, message: JointTrajectory) -> None:
         """Note the message that is sent now."""
-        self._sent = delivery, trajectory_label(message), (self._run, self._count)
+        self._sent = execution, trajectory_label(message), (self._run, self._count)
 
     def _take(self, array: DiagnosticArray) -> None:
         for status in array.status:
@@ -48,9 +48,9 @@ class ControllerRefusals:
             self._run, self._count = refusal.run, refusal.number
             if self._sent is None:
                 continue
-            delivery, label, (run, count) = self._sent
+            execution, label, (run, count) = self._sent
             # A controller that was started again counts from the beginning.
-            anew = refusal.number > (count if refusal.run == run else 0)
-            if refusal.label == label and anew and refusal.code:
+            is_new = refusal.number > (count if refusal.run == run else 0)
+            if refusal.label == label and is_new and refusal.code:
                 self._sent = None
-                self._on_refused(delivery, refusal.code, refusal.text)
+                self._on_refused(execution, refusal.code, refusal.text)

@@ -49,7 +49,7 @@ class DispatchLoop:
         # A timer that has not fired since it was reset would wait until its old time comes again.
         clock.on_jump(self._take_jump)
 
-    def offer(self, delivery: ExecutionRequest) -> None:
+    def offer(self, execution: ExecutionRequest) -> None:
         """Queue a delivery.
 
         Raises
@@ -57,12 +57,12 @@ class DispatchLoop:
         QueueFullError
             It is not accepted.
         """
-        self.dispatcher.offer(delivery, self.clock.now())
+        self.dispatcher.offer(execution, self.clock.now())
         self.watch()
 
-    def conclude(self, delivery: ExecutionRequest, code: int, text: str) -> None:
+    def conclude(self, execution: ExecutionRequest, code: int, text: str) -> None:
         """Take the controller's result of a delivery sent by action."""
-        self.dispatcher.conclude(delivery, code, text, self.clock.now())
+        self.dispatcher.conclude(execution, code, text, self.clock.now())
 
     def watch(self) -> None:
         """Look at the robot again and again while there is something to see."""
@@ -87,8 +87,8 @@ class DispatchLoop:
         self.dispatcher.clock_jumped(by, self.clock.now())
         self.watch()
 
-    def _log_end(self, delivery: ExecutionRequest) -> None:
-        report = delivery.report
+    def _log_end(self, execution: ExecutionRequest) -> None:
+        report = execution.report
         assert report is not None
         if report.code:
             text = f"trajectory failed ({report.code} {name_of(report.code)}): {report.text}"

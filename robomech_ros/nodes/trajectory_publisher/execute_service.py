@@ -55,24 +55,24 @@ class ExecuteService:
     async def _execute(self, request: Any, response: Any) -> Any:
         if _asks_for_latest(request.trajectory) and not await self._plans.next_on_its_way():
             return answer(response, Code.PREEMPTED, f"not sent: {CANCELLED}")
-        delivery = self._delivery(request.trajectory)
-        before = delivery.report is not None and delivery is self._plans.latest
+        execution = self._execution(request.trajectory)
+        before = execution.report is not None and execution is self._plans.latest
         ended: Future = Future()
-        delivery.listen(lambda report: ended.done() or ended.set_result(report))
+        execution.listen(lambda report: ended.done() or ended.set_result(report))
         report = await ended
         response.duration = duration_from_seconds(report.duration)
         done_before = before and not report.code
         return answer(response, report.code, _DONE_BEFORE if done_before else report.text)
 
-    def _delivery(self, trajectory: JointTrajectory) -> ExecutionRequest:
+    def _execution(self, trajectory: JointTrajectory) -> ExecutionRequest:
         """Find the delivery that a request means: a new one, or the latest plan's.
 
         A client that gives the latest plan, which is executed anyway, means that one.
         """
         if not (_asks_for_latest(trajectory) or self._plans.executes(trajectory)):
-            delivery = self._plans.asked = self._plans.reader.read(trajectory, self._transport)
-            self._plans.loop.offer(delivery)
-            return delivery
+            execution = self._plans.asked = self._plans.reader.read(trajectory, self._transport)
+            self._plans.loop.offer(execution)
+            return execution
         latest = self._plans.latest
         if latest is None:
             raise NoPlanError(self._plans.topics)
@@ -84,15 +84,15 @@ class ExecuteService:
         self._plans.loop.offer(self._plans.latest)
         return self._plans.latest
 
-    def _stands_at_the_end_of(self, delivery: ExecutionRequest) -> bool:
+    def _stands_at_the_end_of(self, execution: ExecutionRequest) -> bool:
         """Whether it was executed, and the robot is still where it ended and not at its start."""
-        if delivery.report is None or delivery.report.code:
+        if execution.report is None or execution.report.code:
             return False
-        names, settings = delivery.names, self._settings
+        names, settings = execution.names, self._settings
         positions = self._link.positions(names)
         if positions is None:
             return False
-        given = delivery, positions, self._link.kinds(names)
+        given = execution, positions, self._link.kinds(names)
         there = not off_goal(*given, settings.goal_tolerance)
         return there and bool(off_start(*given, settings.start_tolerance))
 

@@ -19,7 +19,7 @@ _NANO = 1_000_000_000
 
 
 @dataclass
-class DeliveryReader:
+class ExecutionReader:
     """Makes deliveries of messages.
 
     Attributes
@@ -60,12 +60,12 @@ class DeliveryReader:
         return ExecutionRequest(message, names, waypoints, transport, delay)
 
 
-def message_from_delivery(delivery: ExecutionRequest, now: int) -> JointTrajectory:
+def message_from_execution(execution: ExecutionRequest, now: int) -> JointTrajectory:
     """Make the message of a delivery.
 
     Parameters
     ----------
-    delivery : ExecutionRequest
+    execution : ExecutionRequest
         What is to be sent.
     now : int
         ROS time of `sent_at`, ns; where the pace is changed on the way, the stamp counts from it.
@@ -75,12 +75,12 @@ def message_from_delivery(delivery: ExecutionRequest, now: int) -> JointTrajecto
     JointTrajectory
         As it came, unless it is sent at another pace.
     """
-    if not delivery.paced:
-        return delivery.trajectory
-    header = copy.copy(delivery.trajectory.header)
-    if delivery.paced_on_way:
-        header.stamp = _stamp(now, delivery.delay)
-    waypoints = delivery.waypoints
+    if not execution.paced:
+        return execution.trajectory
+    header = copy.copy(execution.trajectory.header)
+    if execution.paced_on_way:
+        header.stamp = _stamp(now, execution.delay)
+    waypoints = execution.waypoints
     points = [
         JointTrajectoryPoint(
             positions=floats(waypoints.positions[k]),
@@ -90,7 +90,7 @@ def message_from_delivery(delivery: ExecutionRequest, now: int) -> JointTrajecto
         )
         for k, time in enumerate(waypoints.times.tolist())
     ]
-    return JointTrajectory(header=header, joint_names=list(delivery.names), points=points)
+    return JointTrajectory(header=header, joint_names=list(execution.names), points=points)
 
 
 def _stamp(now: int, delay: float) -> Time:

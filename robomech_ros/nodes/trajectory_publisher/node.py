@@ -21,7 +21,7 @@ from robomech_ros.nodes.trajectory_publisher.controller_refusals import Controll
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.execute_service import ExecuteService
 from robomech_ros.nodes.trajectory_publisher.goals import ExecuteGoals
-from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
+from robomech_ros.nodes.trajectory_publisher.messages import ExecutionReader
 from robomech_ros.nodes.trajectory_publisher.program_runner import ProgramRunner
 from robomech_ros.nodes.trajectory_publisher.program_service import (
     ProgramService,
@@ -64,7 +64,7 @@ class TrajectoryPublisherNode(Node):
             self, settings.controller, clock, action, refusals, life, monitor
         )
         self._loop = DispatchLoop(self, clock, self._link, settings)
-        self._reader = DeliveryReader(clock, *limits)
+        self._reader = ExecutionReader(clock, *limits)
         self._plans = ReceivedPlans(self, table, self._reader, self._loop)
         ExecuteService(self, settings, self._plans, self._link)
         self._runner = ProgramRunner(self, clock, self._loop.offer, transport, limits)
@@ -87,8 +87,8 @@ class TrajectoryPublisherNode(Node):
         self._reader.robot_joints = tuple(model.joint_names)
         self._programs.model = model
 
-    def _take_result(self, delivery: ExecutionRequest, code: int, text: str) -> None:
-        self._loop.conclude(delivery, code, text)
+    def _take_result(self, execution: ExecutionRequest, code: int, text: str) -> None:
+        self._loop.conclude(execution, code, text)
 
     def _condition(self) -> NodeHealth:
         """Describe what is executed; a warning while something waits, and after a failure."""

@@ -130,10 +130,10 @@ class ProgramRunner:
             names = list(self._chain.joint_names)
             rows: Any = (points.times, points.positions, points.velocities, points.accelerations)
             trajectory = joint_trajectory(names, *rows)
-            delivery = ExecutionRequest(trajectory, names, points, self._transport)
-            delivery.listen(self._moved)
+            execution = ExecutionRequest(trajectory, names, points, self._transport)
+            execution.listen(self._moved)
             self._position = points.positions[-1]
-            self._offer(delivery)
+            self._offer(execution)
         except RobomechError as error:
             self._end(f"{self.condition}: {error}")
 

@@ -16,7 +16,7 @@ from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.middleware.reliable_topics import subscribe_reliably
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
-from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
+from robomech_ros.nodes.trajectory_publisher.messages import ExecutionReader
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
 from robomech_ros.outcomes import name_of
 
@@ -57,7 +57,7 @@ class ReceivedPlans:
         self,
         node: Node,
         table: NodeParameters[PublisherSettings],
-        reader: DeliveryReader,
+        reader: ExecutionReader,
         loop: DispatchLoop,
     ) -> None:
         self._node, self._log = node, ThrottledLog(node.get_logger())

@@ -84,7 +84,7 @@ class Driver:
                 self._send(stream.samples(), knot.time)
                 self._sent = now
             self._streams = True
-            self._joints.tell(knot.time, knot.update.q)
+            self._joints.expect(knot.time, knot.update.q)
             if fault := self._joints.fault(now):
                 self._let_go(fault.why)
                 return
@@ -115,10 +115,10 @@ class Driver:
             self._stands, self._fault, self._streams = True, "", False
             return True
         if self._intake.commanded and now > self._rises_until:
-            way = rising(self._walker, position, self._settings.rising_speed)
-            self._send(way, now)
-            self._rises_until = now + float(way.times[-1]) + _PATIENCE
-            self._log.info(f"rises in {way.times[-1]:.3g} s")
+            rise = rising(self._walker, position, self._settings.rising_speed)
+            self._send(rise, now)
+            self._rises_until = now + float(rise.times[-1]) + _PATIENCE
+            self._log.info(f"rises in {rise.times[-1]:.3g} s")
         return False
 
     def _elsewhere(self) -> str:

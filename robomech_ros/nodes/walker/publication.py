@@ -71,9 +71,9 @@ class Uncertainty:
         rows = np.zeros((len(away), 2, 3))
         rows[:, 0, 0], rows[:, 1, 0] = -away[:, 1], away[:, 0]
         rows[:, 0, 1] = rows[:, 1, 2] = 1.0
-        ways = np.linalg.norm(rows @ step, axis=1)
+        lengths = np.linalg.norm(rows @ step, axis=1)
         solution = np.linalg.pinv(rows.reshape(-1, 3))
-        spread = self._slip * (solution * np.repeat(ways, 2)) @ solution.T
+        spread = self._slip * (solution * np.repeat(lengths, 2)) @ solution.T
         onward = np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])
         turned = np.array([[0.0, c, -s], [0.0, s, c], [1.0, 0.0, 0.0]])
         grown = onward @ self._pose @ onward.T + turned @ spread @ turned.T

@@ -135,11 +135,11 @@ def _reach(root: str, children: dict[str, list[Joint]]) -> float:
 
 def _bars(joints: Sequence[Joint], scale: float, reach: float, colour: int) -> Iterator[Shape]:
     for joint in joints:
-        way = joint.origin[:3, 3]
-        length = float(np.linalg.norm(way))
+        offset = joint.origin[:3, 3]
+        length = float(np.linalg.norm(offset))
         if length > SHORTEST_BAR * reach:
-            pose = rotation_from_z(way / length)
-            pose[:3, 3] = 0.5 * way
+            pose = rotation_from_z(offset / length)
+            pose[:3, 3] = 0.5 * offset
             yield Shape(pose, _rounded(BAR_RADIUS * scale), length, colour)
 
 

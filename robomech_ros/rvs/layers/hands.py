@@ -155,8 +155,8 @@ def _load(hand: HandView, study: GraspStudy) -> TwistArrows:
     length = float(np.linalg.norm(moment))
     along = moment * (LONGEST * hand.held.size / length) if length > 0.0 else moment
     parts = [
-        np.stack([centre, centre + way])[None] if way.any() else np.empty((0, 2, 3))
-        for way in (force, along)
+        np.stack([centre, centre + vector])[None] if vector.any() else np.empty((0, 2, 3))
+        for vector in (force, along)
     ]
     return TwistArrows(*parts)
 

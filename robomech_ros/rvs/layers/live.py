@@ -78,13 +78,13 @@ class LiveLayer(LivePage):
         self._goal_buttons = gui.add_button_group(
             GOAL, (PLAN, EXECUTE, TO_ROBOT), hint=hint, order=-0.1
         )
-        ways = {PLAN: self.plan, EXECUTE: self.execute, TO_ROBOT: self.bring_goal}
+        actions = {PLAN: self.plan, EXECUTE: self.execute, TO_ROBOT: self.bring_goal}
 
         @self._goal_buttons.on_click
         async def _(event: Any) -> None:
-            way = ways.get(event.target.value)
-            if way is not None:
-                way()
+            action = actions.get(event.target.value)
+            if action is not None:
+                action()
 
         return self._goal_buttons
 
@@ -123,7 +123,7 @@ class LiveLayer(LivePage):
         """Plan to the goal, and execute."""
         self._ask_for_motion("execute", "Not executed", self._robot.execute)
 
-    def _ask_for_motion(self, kind: str, refusal: str, way: Callable[[Array], None]) -> None:
+    def _ask_for_motion(self, kind: str, refusal: str, action: Callable[[Array], None]) -> None:
         """Go a way to the goal when the page comes to it.
 
         Not if Stop is clicked before, or the browser has lost command by then.
@@ -139,7 +139,7 @@ class LiveLayer(LivePage):
                 elif folder is None or folder.removed:
                     dropped = "another browser has taken command"
                 else:
-                    way(self._place.moved.values.copy())
+                    action(self._place.moved.values.copy())
             if dropped:
                 self.say("dropped", f"{refusal}: {dropped}.")
 

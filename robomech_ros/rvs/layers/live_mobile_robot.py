@@ -138,7 +138,7 @@ class LiveMobileRobotLayer(LivePage):
 
     def show_condition(self, text: str, links: Sequence[str], *, warns: bool) -> None:
         """Say how it is, or warn of what limits it, and mark links."""
-        self.ask("condition", lambda: self._followed.tell(text, links, refused=warns))
+        self.ask("condition", lambda: self._followed.report(text, links, refused=warns))
 
 
 def _checked(shift: Shift, value: object) -> float:

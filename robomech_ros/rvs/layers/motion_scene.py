@@ -65,10 +65,10 @@ class MotionScene:
         self._scene, self._root = place.server.scene, f"{place.base}/plan"
         self._reach = place.seen.reach
         self._scene.add_frame(self._root, show_axes=False)
-        ways = {"sweep": (SWEEP_SLIMNESS, SWEEP_OPACITY), "now": (NOW_SLIMNESS, NOW_OPACITY)}
+        styles = {"sweep": (SWEEP_SLIMNESS, SWEEP_OPACITY), "now": (NOW_SLIMNESS, NOW_OPACITY)}
         self._sweep, self._now = (
             GhostBatch(self._scene, f"{self._root}/{name}", _ghosts(place, slimness), opacity)
-            for name, (slimness, opacity) in ways.items()
+            for name, (slimness, opacity) in styles.items()
         )
         self._lines: list[Any] = []
 

@@ -56,7 +56,7 @@ class MotionLayer(Layer):
         self._picture = gui.add_html("", order=40.5)
         self._cursor = gui.add_html("", order=40.6)
         self.player = Player()
-        self.way, self.profile = JOINTS, "poly345"
+        self.path_kind, self.profile = JOINTS, "poly345"
         self.curves, self.sweep, self.along = QUANTITIES[0], True, False
         end = place.moved.end
         links = place.chain.links if place.jogged else (end,)
@@ -91,7 +91,7 @@ class MotionLayer(Layer):
         for label, which in ((START, "start"), (GOAL, "goal")):
             hint = f"The present posture is the {which} of a plan"
             folder.button(label, partial(self.remember, which), hint)
-        folder.dropdown("Way", PATH_KINDS, self.way, partial(self._choose, "way"))
+        folder.dropdown("Way", PATH_KINDS, self.path_kind, partial(self._choose, "way"))
         folder.dropdown("Profile", tuple(PROFILES), self.profile, partial(self._choose, "profile"))
         self._add_playing(folder, gui)
         folder.dropdown("Curves", CURVES, self.curves, self.choose_curves)
@@ -147,12 +147,12 @@ class MotionLayer(Layer):
     # What the controls ask for, each on the thread of the page.
 
     def _choose(self, what: str, value: str) -> None:
-        chosen = {"way": self.way, "profile": self.profile, what: value}
+        chosen = {"way": self.path_kind, "profile": self.profile, what: value}
         self.choose_plan(chosen["way"], chosen["profile"])
 
-    def choose_plan(self, way: str, profile: str) -> None:
+    def choose_plan(self, path_kind: str, profile: str) -> None:
         """Plan in another way."""
-        self.way = as_choice("way", way, PATH_KINDS)
+        self.path_kind = as_choice("way", path_kind, PATH_KINDS)
         self.profile = as_choice("profile", profile, tuple(PROFILES))
         self.make_plan()
 
@@ -167,11 +167,15 @@ class MotionLayer(Layer):
         if missing:
             self._say(f"The {' and the '.join(missing)} of a plan: not chosen yet.", False)
             return
-        start, goal, way, profile = self._ends["start"], self._ends["goal"], self.way, self.profile
+        ends = self._ends["start"], self._ends["goal"]
+        robot, kind, profile = self._robot, self.path_kind, self.profile
 
         def compute() -> None:
             try:
-                made = self._planned(start, goal, way, profile)
+                if isinstance(robot, Mechanism):
+                    made = plan_platform_between(robot, *ends, kind, profile)
+                else:
+                    made = plan_between(robot, *ends, kind, profile)
             except RobomechError as error:
                 made = MadePlan(None, str(error), False)
             self._place.ask("plan", lambda: self._take(made))
@@ -217,11 +221,6 @@ class MotionLayer(Layer):
         self._scene.show(self._plan, self.sweep, [k for k, chosen in self.traced.items() if chosen])
 
     # What happens inside.
-
-    def _planned(self, start: Array, goal: Array, way: str, profile: str) -> MadePlan:
-        if isinstance(self._robot, Mechanism):
-            return plan_platform_between(self._robot, start, goal, way, profile)
-        return plan_between(self._robot, start, goal, way, profile)
 
     def _closed(self, q: Array) -> Array:
         """Close the loops of a posture between two samples of a plan."""

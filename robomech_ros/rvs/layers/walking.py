@@ -39,7 +39,7 @@ class SupportNodes:
     def __init__(self, scene: Any, base: str, reach: float) -> None:
         self._scene, self._name, self._size = scene, f"{base}/feet", FOOT * reach
         self._border = PathNode(scene, f"{base}/support_polygon", BORDER, reach)
-        self._ways = {
+        self._edge_lines = {
             safe: PathNode(scene, f"{base}/{name}", colour, reach)
             for safe, name, colour in ((True, "margin", SAFE), (False, "no_margin", UNSAFE))
         }
@@ -61,9 +61,9 @@ class SupportNodes:
         else:
             self._feet.points, self._feet.colors = points, colours
         self._border.show(support.border())
-        way = support.shortest_path()
-        for one, node in self._ways.items():
-            node.show(way if one == safe else way[:0])
+        path = support.shortest_path()
+        for one, node in self._edge_lines.items():
+            node.show(path if one == safe else path[:0])
 
     def hide(self) -> None:
         """Draw nothing."""
@@ -71,7 +71,7 @@ class SupportNodes:
             self._feet.remove()
             self._feet = None
         nothing = np.empty((0, 3))
-        for node in (self._border, *self._ways.values()):
+        for node in (self._border, *self._edge_lines.values()):
             node.show(nothing)
 
 

@@ -113,7 +113,7 @@ class JogSwitch(Generic[Held]):
         self._what: Held | None = None
         self._press = self._ended = -1
         # When the last word came, and when the press began, by the word that came fastest.
-        self._heard = self._begun = 0.0
+        self._last_beat = self._begun = 0.0
         self._closed = False
 
     def hold(self, what: Held, press: int, age: float) -> None:
@@ -136,7 +136,7 @@ class JogSwitch(Generic[Held]):
             if press != self._press:
                 self._ended, self._begun = self._press, now - age
             self._begun = min(self._begun, now - age)
-            self._what, self._press, self._heard = what, press, now
+            self._what, self._press, self._last_beat = what, press, now
             if now - age - self._begun > self._silence:
                 self._end()
             self._change.notify_all()
@@ -166,7 +166,7 @@ class JogSwitch(Generic[Held]):
             self._change.notify_all()
 
     def _end_if_silent(self) -> None:
-        if self._what is not None and self._clock() - self._heard > self._silence:
+        if self._what is not None and self._clock() - self._last_beat > self._silence:
             self._end()
 
     def _end(self) -> None:

@@ -44,7 +44,9 @@ class MadePlan(NamedTuple):
     complete: bool
 
 
-def plan_between(chain: SerialChain, start: Array, goal: Array, way: str, profile: str) -> MadePlan:
+def plan_between(
+    chain: SerialChain, start: Array, goal: Array, kind: str, profile: str
+) -> MadePlan:
     """Plan a motion from rest to rest.
 
     Parameters
@@ -53,7 +55,7 @@ def plan_between(chain: SerialChain, start: Array, goal: Array, way: str, profil
         Of n joints, within whose limits to move.
     start, goal : ndarray, shape (n,)
         Postures (rad or m); along a line of the tip, the pose of the goal counts.
-    way : str
+    kind : str
         One of ``PATH_KINDS``.
     profile : str
         One of :data:`robomech_ros.trajectory.PROFILES`; not each of them suits a line.
@@ -65,8 +67,8 @@ def plan_between(chain: SerialChain, start: Array, goal: Array, way: str, profil
     RobomechError
         As for the planners: limits are missing, a posture is outside them.
     """
-    as_choice("way", way, PATH_KINDS)
-    if way == JOINTS:
+    as_choice("way", kind, PATH_KINDS)
+    if kind == JOINTS:
         as_choice("profile", profile, tuple(PROFILES))
         if np.array_equal(start, goal):
             raise BadValueError("goal", "the start", "another posture")

@@ -68,7 +68,7 @@ class PageClients:
         if number != self.commander:
             return False
         self.commander = None
-        self._tell_watchers(_NOBODY)
+        self._notify_watchers(_NOBODY)
         # What computes for it ends, too.
         self.withdraw()
         return True
@@ -107,12 +107,12 @@ class PageClients:
             client.gui.reset()
             client.scene.reset()
             self._let_watch(client)
-            self._tell_watchers(_NOBODY)
+            self._notify_watchers(_NOBODY)
             raise
         self.commander = client.client_id
-        self._tell_watchers(_OTHER)
+        self._notify_watchers(_OTHER)
 
-    def _tell_watchers(self, sentence: str) -> None:
+    def _notify_watchers(self, sentence: str) -> None:
         for text, _ in self._watching.values():
             text.content = _WATCHING.format(text=sentence)
 

@@ -67,8 +67,8 @@ class RobotPage(ServedPage):
         self._worker = Worker()
         self._set_up(description, seen, arm)
         self._audience = PageClients(self._make_controls, self._take_over)
-        self._server.viser.on_client_connect(self._came)
-        self._server.viser.on_client_disconnect(self._left)
+        self._server.viser.on_client_connect(self._connected)
+        self._server.viser.on_client_disconnect(self._disconnected)
 
     @property
     def name(self) -> str:
@@ -124,10 +124,10 @@ class RobotPage(ServedPage):
 
     # What browsers ask for, on threads of the server.
 
-    async def _came(self, client: Any) -> None:
+    async def _connected(self, client: Any) -> None:
         self._worker.submit(("came", client.client_id), lambda: self._audience.came(client))
 
-    async def _left(self, client: Any) -> None:
+    async def _disconnected(self, client: Any) -> None:
         def forget() -> None:
             self._dark.discard(client.client_id)
             if self._audience.left(client.client_id):

@@ -70,7 +70,7 @@ class MobileRobotFeed(PollThread):
         for message in self._odometry.take():
             self._T = matrix_from_pose(message.pose.pose, "odometry")
             self._placed_at = now
-        if self._T is not None and now in (self._heard_at, self._placed_at):
+        if self._T is not None and now in (self._updated_at, self._placed_at):
             placed = self._robot.followed.placed(self._T)
             known = self._monitor.known_positions(self._joints)
             self._view.show_pose({**known, **placed}, on_plane(self._T))
@@ -85,7 +85,7 @@ class MobileRobotFeed(PollThread):
     def fault(self, now: float) -> str:
         """Show what limits the robot, and say what is wrong with odometry or joint states."""
         self._read_reports()
-        for topic, at in ((self._odometry.topic, self._placed_at), (self._topic, self._heard_at)):
+        for topic, at in ((self._odometry.topic, self._placed_at), (self._topic, self._updated_at)):
             if math.isinf(at):
                 return f"Nothing yet on '{topic}': where the robot is is not known."
             if now - at > self._settings.state_timeout:

@@ -320,8 +320,10 @@ def _length(finger: SerialChain) -> float:
     return fixed + float(sum(one for one in slides if math.isfinite(one)))
 
 
-def _spots(ways: Array) -> list[Spot]:
+def _spots(directions: Array) -> list[Spot]:
     """Let each finger touch where its tip comes from, or all round where they are at one place."""
-    if np.linalg.norm(ways[:, :2], axis=1).min() < 1e-6:
-        return [Spot(True, angle) for angle in 2.0 * np.pi * np.arange(len(ways)) / len(ways)]
-    return [Spot(True, round(math.atan2(way[1], way[0]), 6) + 0.0) for way in ways]
+    if np.linalg.norm(directions[:, :2], axis=1).min() < 1e-6:
+        n = len(directions)
+        return [Spot(True, angle) for angle in 2.0 * np.pi * np.arange(n) / n]
+    angles = np.arctan2(directions[:, 1], directions[:, 0]).tolist()
+    return [Spot(True, round(angle, 6) + 0.0) for angle in angles]

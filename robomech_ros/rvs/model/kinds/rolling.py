@@ -99,7 +99,7 @@ class BaseView(MobileRobotView):
             text = f"At the limit of {', '.join(shortened)}: slower, on the same curve."
         if "curvature" in limited:
             text = f"Steering does not turn so sharply. {text}"
-        self.tell(text, [f"{name}_link" for name in self.robot.base.names if name in limited])
+        self.report(text, [f"{name}_link" for name in self.robot.base.names if name in limited])
 
     @property
     def allowed_twist(self) -> Array:

@@ -79,7 +79,7 @@ class TreeView(DraggableRobot):
         """Links that are in the way of what was asked for."""
         return self._faulty
 
-    def tell(self, text: str, faulty: Sequence[str] = (), *, refused: bool = False) -> None:
+    def report(self, text: str, faulty: Sequence[str] = (), *, refused: bool = False) -> None:
         """Say what is known, in a sentence, or why something is refused; and mark links."""
         self._text, self._faulty, self._refused = text, tuple(faulty), refused
 

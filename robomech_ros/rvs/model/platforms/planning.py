@@ -24,7 +24,7 @@ from robomech_ros.typing import Array
 
 
 def plan_platform_between(
-    mechanism: Mechanism, start: Array, goal: Array, way: str, profile: str
+    mechanism: Mechanism, start: Array, goal: Array, kind: str, profile: str
 ) -> MadePlan:
     """Plan a motion from rest to rest, in one assembly mode.
 
@@ -35,7 +35,7 @@ def plan_platform_between(
     start, goal : ndarray, shape (n,)
         Postures (rad or m), loops closed; along a line of the platform, the pose of the goal
         counts, otherwise its drives.
-    way : str
+    kind : str
         One of ``PATH_KINDS``: the drives together, or the platform along a line.
     profile : str
         One of :data:`robomech_ros.trajectory.PROFILES`; not each of them suits a line.
@@ -47,8 +47,8 @@ def plan_platform_between(
     RobomechError
         As for the planners: limits are missing, a posture is outside them.
     """
-    as_choice("way", way, PATH_KINDS)
-    if way != JOINTS:
+    as_choice("way", kind, PATH_KINDS)
+    if kind != JOINTS:
         poses = mechanism.pose(np.stack([start, goal]))
 
         def made(trajectory: PiecewiseTrajectory, sentence: str, complete: bool) -> MadePlan:

@@ -99,8 +99,8 @@ def _arc(robot: ParallelRobot | Mechanism, T: Array) -> PlatformReach:
     found = platform_orientation_workspace(robot, T, directions=[[0, 0, 1], [0, 0, -1]])
     start = np.arctan2(T[1, 0], T[0, 0])
     radius, parts = RADIUS * robot.mechanism.size, dict[str, Array]()
-    for way, angle, cause in zip((1.0, -1.0), found.distances, _causes(found), strict=True):
-        at = start + way * np.linspace(0.0, angle, ARC)
+    for sign, angle, cause in zip((1.0, -1.0), found.distances, _causes(found), strict=True):
+        at = start + sign * np.linspace(0.0, angle, ARC)
         points = T[:3, 3] + radius * np.stack((np.cos(at), np.sin(at), 0.0 * at), axis=1)
         points = np.vstack([points, T[:3, 3]])
         lines = np.stack([points[:-1], points[1:]], axis=1)

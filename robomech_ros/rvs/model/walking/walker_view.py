@@ -62,7 +62,7 @@ class WalkerView(MobileRobotView):
         self.period = self._walker.period
         self.room = ROOM * float(np.ptp(self._update.feet[:, :2], axis=0).max())
         self._wanted = np.zeros(len(BODY_JOINTS))
-        self._on_its_way = False
+        self._in_motion = False
         self._speeds = _speeds(robot)
         speed = FASTER * max(self._speeds.values())
         away = float(np.linalg.norm(robot.feet(robot.home)[:, :2], axis=1).max())
@@ -136,19 +136,19 @@ class WalkerView(MobileRobotView):
         self._walker.stand()
         self._wanted[:] = 0.0
         self.moved_joint, self._refusal = None, ""
-        self._on_its_way = True
+        self._in_motion = True
         self.trail.clear()
         self._show(self._walker.update())
 
     def choose_gait(self, gait: str) -> None:
         """Walk in a gait, as soon as it stands."""
         self._walker.command_gait(gait)
-        self._chosen, self._on_its_way = gait, True
+        self._chosen, self._in_motion = gait, True
 
     @property
     def stands(self) -> bool:
         """Whether no joint moves, and none is to move."""
-        return not self._on_its_way
+        return not self._in_motion
 
     def drive(self, steps: int, *, brake: bool = False) -> None:
         """Walk for some periods as commanded, or stop with all feet down."""
@@ -157,7 +157,7 @@ class WalkerView(MobileRobotView):
             self._walker.command(command)
             self._update = update = self._walker.update()
             still = float(np.abs(update.rates).max()) <= REST
-            self._on_its_way = update.walking or not still or bool(command.any())
+            self._in_motion = update.walking or not still or bool(command.any())
         self.trail.add(self._update.base)
         self._show(self._update)
 
@@ -166,13 +166,13 @@ class WalkerView(MobileRobotView):
         if self._refusal:
             joints = self.robot.legs[self.robot.leg_number(self._refusing)].joint_names
             links = [one.child for one in self.description.joints if one.name in joints]
-            self.tell(self._refusal, links, refused=True)
+            self.report(self._refusal, links, refused=True)
             return
         support = self.support
         standing = int(support.contacts.sum())
         does = "Walks" if self._update.walking else "Stands"
         first, second = support.edge
-        self.tell(
+        self.report(
             f"{does} on {standing} feet, gait '{self.gait}': margin {self._update.margin:.4f} m, "
             f"nearest is the edge from {first} to {second}."
         )
@@ -203,7 +203,7 @@ class WalkerView(MobileRobotView):
         answer = self._walker.command_pose(wanted, HOP)
         possible = answer.status == Code.NONE
         if possible:
-            self._wanted, self._on_its_way = wanted, True
+            self._wanted, self._in_motion = wanted, True
         reason = answer.reason
         self._refusal = "" if possible else f"{reason[:1].upper()}{reason[1:]}."
         self._refusing = answer.leg

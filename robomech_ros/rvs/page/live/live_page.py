@@ -35,7 +35,7 @@ class LivePage(Layer):
         self._commander: int | None = None
         # Buttons that jog, of the browser that commands; none of a robot that cannot be jogged.
         self._pads: list[HoldField] = []
-        self._somebody, self._clients = threading.Event(), set[int]()
+        self._viewer_present, self._clients = threading.Event(), set[int]()
         gui = place.server.gui
         # Messages on top of the panel, which every browser sees.
         self._messages = place.units.html(gui, order=-0.2)
@@ -47,8 +47,8 @@ class LivePage(Layer):
         async def _(_: Any) -> None:
             self._stop()
 
-        place.server.on_client_connect(self._came)
-        place.server.on_client_disconnect(self._left)
+        place.server.on_client_connect(self._connected)
+        place.server.on_client_disconnect(self._disconnected)
 
     def close(self) -> None:
         """End what is jogged."""
@@ -61,14 +61,14 @@ class LivePage(Layer):
     def _stop(self) -> None:
         self._running.stop()
 
-    async def _came(self, client: Any) -> None:
+    async def _connected(self, client: Any) -> None:
         self._clients.add(client.client_id)
-        self._somebody.set()
+        self._viewer_present.set()
 
-    async def _left(self, client: Any) -> None:
+    async def _disconnected(self, client: Any) -> None:
         self._clients.discard(client.client_id)
         if not self._clients:
-            self._somebody.clear()
+            self._viewer_present.clear()
         if self._commander == client.client_id:
             self._running.let_go()
 
@@ -87,7 +87,7 @@ class LivePage(Layer):
 
     def wait_for_viewer(self, seconds: float) -> bool:
         """Wait until somebody looks, but no longer; return whether somebody does."""
-        return self._somebody.wait(seconds)
+        return self._viewer_present.wait(seconds)
 
     def show_state(self, text: str) -> None:
         """Say what is wrong with the state of the robot; empty for nothing."""
