@@ -2,9 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +27,10 @@ _DARK, _GHOST = "#30343b", "#d9dce2"
 _FACES = {True: "#f4f5f7", False: "#ef476f"}
 # Sizes as parts of the picture's width: a joint's length and radius, the hand's axes, the base.
 _DRUM, _RADIUS, _TRIAD, _BASE = 0.05, 0.021, 0.13, 0.075
-# A link is cut into so many pieces, which are painted from the back to the front.
+# A link is cut into so many pieces, so that nearer ones cover others.
 _PIECES = 16
+# The zorder of what is as near as the base, and how much a fill is above its outline.
+_AT_BASE, _ABOVE = 20.0, 1e-6
 
 
 @dataclass(frozen=True)
@@ -105,8 +105,7 @@ def plot_postures(
     if not 1 <= len(postures) <= _MOST:
         raise BadValueError("number of postures", len(postures), f"1 to {_MOST}")
     forward_kinematics(chain, postures)  # says what is wrong with values that are no numbers
-    ca, sa, ce, se = (f(x) for x in (azimuth, elevation) for f in (math.cos, math.sin))
-    view = _View(np.array([[-sa, ca, 0.0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]]))
+    view = _View(_rows(azimuth, elevation))
     whole = chain.uncoupled
     skeletons = [_skeleton(whole, chain.joint_values(posture)) for posture in postures]
     columns = math.ceil(math.sqrt(len(postures)))
@@ -144,6 +143,11 @@ def _draw_panel(
     for other in skeletons:
         painter.ghost(other)
     painter.arm(skeletons[number], chain)
+
+
+def _rows(azimuth: float, elevation: float) -> Array:
+    ca, sa, ce, se = (f(x) for x in (azimuth, elevation) for f in (math.cos, math.sin))
+    return np.array([[-sa, ca, 0.0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]])
 
 
 def _skeleton(chain: SerialChain, q: Array) -> _Skeleton:
@@ -189,68 +193,55 @@ class _Painter:
         self._ax.plot(*points.T, color=_GHOST, linewidth=0.8, zorder=0, solid_joinstyle="round")
 
     def arm(self, arm: _Skeleton, chain: SerialChain) -> None:
-        """Paint an arm from the back to the front."""
-        parts = [*self._pieces(arm), *self._joints(arm, chain), *self._hand(arm)]
+        """Paint an arm; what is nearer to the eye covers the rest."""
         ring = _circle(np.zeros(3), np.array([0.0, 0.0, 1.0]), _BASE * self._width)
         self._ax.fill(*self._view.flat(ring).T, facecolor="#e3e6eb", edgecolor="#9aa1ac", zorder=5)
-        for order, (_, paint) in enumerate(sorted(parts, key=lambda part: part[0])):
-            paint(10 + 3 * order)
-
-    def _pieces(self, arm: _Skeleton) -> Iterator[tuple[float, Any]]:
         last = max(len(arm.links) - 1, 1)
         for i, corners in enumerate(arm.links):
-            color = _LINKS[round(i * (len(_LINKS) - 1) / last)]
             for start, end in itertools.pairwise(corners):
-                if np.linalg.norm(end - start) < 1e-9 * self._width:
-                    continue
-                steps = np.linspace(0.0, 1.0, _PIECES + 1)[:, None]
-                points = start + steps * (end - start)
-                for k in range(_PIECES):
-                    yield self._piece(points[k], points[k + 1], color)
-
-    def _piece(self, start: Array, end: Array, color: str) -> tuple[float, Any]:
-        # A little longer, so that no seam shows between two pieces.
-        more = 0.2 * (end - start)
-        flat = self._view.flat(np.array([start - more, end + more]))
-
-        def paint(order: int) -> None:
-            for above, (width, shade) in enumerate(((5.8, _DARK), (4.2, color))):
-                style = {"color": shade, "linewidth": width, "solid_capstyle": "butt"}
-                self._ax.plot(*flat.T, zorder=order + above, **style)
-
-        return self._view.depth(0.5 * (start + end)), paint
-
-    def _joints(self, arm: _Skeleton, chain: SerialChain) -> Iterator[tuple[float, Any]]:
-        for origin, axis, kind in zip(arm.origins, arm.axes, chain.types, strict=True):
-            ahead = bool(axis @ self._view.rows[2] > 0.0)
-            toward = axis if ahead else -axis
-            half = 0.5 * _DRUM * self._width * toward
-            radius = _RADIUS * self._width
-            around = 4 if kind == PRISMATIC else 40
-            near, far = (_circle(origin + s * half, toward, radius, around) for s in (1, -1))
-            # In front of the links that it carries.
-            depth = self._view.depth(origin) + 0.5 * radius
-            yield depth, partial(self._drum, near, far, _FACES[ahead])
-
-    def _drum(self, near: Array, far: Array, face: str, order: int) -> None:
-        near, far = self._view.flat(near), self._view.flat(far)
-        points = np.concatenate((near, far))
-        hull = points[ConvexHull(points).vertices]
-        self._ax.fill(*hull.T, facecolor="#5b616b", edgecolor=_DARK, linewidth=0.8, zorder=order)
-        style = {"facecolor": face, "edgecolor": _DARK, "linewidth": 0.6}
-        self._ax.fill(*near.T, zorder=order + 1, **style)
-
-    def _hand(self, arm: _Skeleton) -> Iterator[tuple[float, Any]]:
-        def paint(ends: Array, color: str, order: int) -> None:
+                if np.linalg.norm(end - start) >= 1e-9 * self._width:
+                    self._link(start, end, _LINKS[round(i * (len(_LINKS) - 1) / last)])
+        joints = zip(arm.origins, arm.axes, chain.types, strict=True)
+        for k, (origin, axis, kind) in enumerate(joints):
+            # In front of the links that it carries, and of earlier joints at the same point.
+            order = self._order(origin, 0.5 * _RADIUS + 2.0 * k * _ABOVE)
+            self._joint(origin, axis, 4 if kind == PRISMATIC else 40, order)
+        origin = arm.tip[:3, 3]
+        for i, color in enumerate(_AXES):
+            end = origin + _TRIAD * self._width * arm.tip[:3, i]
+            ends, order = self._view.flat(np.array([origin, end])), self._order(end, _RADIUS)
             style = {"color": color, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0, "zorder": order}
             arrow = {"arrowstyle": "-|>", "mutation_scale": 8, **style}
             self._ax.annotate("", ends[1], ends[0], arrowprops=arrow, zorder=order)
 
-        origin = arm.tip[:3, 3]
-        for i, color in enumerate(_AXES):
-            end = origin + _TRIAD * self._width * arm.tip[:3, i]
-            ends = self._view.flat(np.array([origin, end]))
-            yield self._view.depth(end) + _RADIUS * self._width, partial(paint, ends, color)
+    def _order(self, point: Array, more: float = 0.0) -> float:
+        """Return the zorder of what is at a point, and nearer by a part of the width."""
+        return _AT_BASE + self._view.depth(point) / self._width + more
+
+    def _link(self, start: Array, end: Array, color: str) -> None:
+        points = start + np.linspace(0.0, 1.0, _PIECES + 1)[:, None] * (end - start)
+        for begin, stop in itertools.pairwise(points):
+            # A little longer, so that no seam shows between two pieces.
+            more = 0.2 * (stop - begin)
+            flat = self._view.flat(np.array([begin - more, stop + more]))
+            for above, width, shade in ((0.0, 5.8, _DARK), (_ABOVE, 4.2, color)):
+                order = self._order(0.5 * (begin + stop), above)
+                style = {"color": shade, "linewidth": width, "solid_capstyle": "butt"}
+                self._ax.plot(*flat.T, zorder=order, **style)
+
+    def _joint(self, origin: Array, axis: Array, around: int, order: float) -> None:
+        ahead = bool(axis @ self._view.rows[2] > 0.0)
+        toward = axis if ahead else -axis
+        half, radius = 0.5 * _DRUM * self._width * toward, _RADIUS * self._width
+        near, far = (
+            self._view.flat(_circle(origin + s * half, toward, radius, around)) for s in (1, -1)
+        )
+        points = np.concatenate((near, far))
+        hull = points[ConvexHull(points).vertices]
+        style = {"edgecolor": _DARK, "zorder": order}
+        self._ax.fill(*hull.T, facecolor="#5b616b", linewidth=0.8, **style)
+        style["zorder"] = order + _ABOVE
+        self._ax.fill(*near.T, facecolor=_FACES[ahead], linewidth=0.6, **style)
 
 
 def _circle(center: Array, axis: Array, radius: float, around: int = 40) -> Array:
@@ -258,10 +249,8 @@ def _circle(center: Array, axis: Array, radius: float, around: int = 40) -> Arra
     side = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
     side /= np.linalg.norm(side)
     angles = np.arange(around) * (2.0 * math.pi / around) + math.pi / around
-    circle: Array = center + radius * (
-        np.cos(angles)[:, None] * side + np.sin(angles)[:, None] * np.cross(axis, side)
-    )
-    return circle
+    across = np.cos(angles)[:, None] * side + np.sin(angles)[:, None] * np.cross(axis, side)
+    return np.asarray(center + radius * across)
 
 
 def _caption(ax: Any, number: int, q: Array, chain: SerialChain) -> None:
