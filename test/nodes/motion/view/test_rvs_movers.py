@@ -104,7 +104,7 @@ def test_a_walking_machine_is_jogged_and_drawn_on_its_feet(graph, browse, name):
     wait_until(lambda: browser.layer._stance.support.contacts.all())
     wait_until(lambda: "kept above" in browser.layer._table.content)
     robot = browser.node._robot
-    legs = robot._mover.legged
+    legs = robot._robot.legged
 
     def feet_drawn():
         poses = browser.page._arm.description.link_poses(browser.page._arm.positions)
