@@ -18,8 +18,10 @@ from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.outcomes import Code
 
 
-class ControlInterfaces:
-    """The action follow_joint_trajectory, and topics and services of the controller's state.
+def serve_control(
+    node: Node, robot: SimulatedRobot, clock: MotionClock
+) -> tuple[list[ActionBase], Callable[[], None]]:
+    """Serve the action follow_joint_trajectory, and topics and services of the controller's state.
 
     Parameters
     ----------
@@ -30,34 +32,26 @@ class ControlInterfaces:
     clock : MotionClock
         Its time.
 
-    Attributes
-    ----------
-    servers : list of GoalServer
+    Returns
+    -------
+    servers : list of ActionBase
         That of the action; empty where control_msgs is not installed.
+    publish : callable
+        Publishes controller_state.
     """
-
-    def __init__(self, node: Node, robot: SimulatedRobot, clock: MotionClock) -> None:
-        self.servers: list[GoalServer] = []
-        try:
-            from robomech_ros.nodes.joint_trajectory_controller.follow_messages import (
-                FollowMessages,
-            )
-            from robomech_ros.nodes.joint_trajectory_controller.state_topics import StateTopics
-        except ImportError as error:
-            if getattr(error, "name", "") != "control_msgs":
-                node.get_logger().warning(f"no follow_joint_trajectory: {error}")
-            return
-        self.servers.append(GoalServer(node, robot, FollowMessages(robot.joint_names)))
-        self._state = StateTopics(node, robot, clock)
-
-    def publish(self) -> None:
-        """Publish controller_state."""
-        if self.servers:
-            self._state.publish()
+    try:
+        from robomech_ros.nodes.joint_trajectory_controller.follow_messages import FollowMessages
+        from robomech_ros.nodes.joint_trajectory_controller.state_topics import StateTopics
+    except ImportError as error:
+        if getattr(error, "name", "") != "control_msgs":
+            node.get_logger().warning(f"no follow_joint_trajectory: {error}")
+        return [], lambda: None
+    server = GoalServer(node, robot, FollowMessages(robot.joint_names))
+    return [server], StateTopics(node, robot, clock).publish
 
 
 class ControlCycle:
-    """Moves the robot, and tells where it is.
+    """Moves the robot, and publishes its states.
 
     Parameters
     ----------
@@ -68,8 +62,8 @@ class ControlCycle:
         The whole robot, with the joints that do not belong to the chain.
     settings : ControllerSettings
         Which rates there are.
-    control : ControlInterfaces
-        Gets its states.
+    publish_control : callable
+        Publishes controller_state.
     servers : sequence of ActionBase
         Get their feedback.
     on_moved : callable
@@ -87,7 +81,7 @@ class ControlCycle:
         commanded: Sequence[CommandedJoints],
         model: RobotModel,
         settings: ControllerSettings,
-        control: ControlInterfaces,
+        publish_control: Callable[[], None],
         servers: Sequence[ActionBase],
         on_moved: Callable[[], None],
     ) -> None:
@@ -105,7 +99,8 @@ class ControlCycle:
             describe=settings.publish_description and bool(settings.robot_description),
             semantic=model.semantic.document if given and settings.publish_description else "",
         )
-        self._control, self._servers, self._on_moved = control, servers, on_moved
+        self._publish_control = publish_control
+        self._servers, self._on_moved = servers, on_moved
         rate = settings.publish_rate
         self._cycles_per_feedback = max(round(rate / settings.action_monitor_rate), 1)
         self._cycles_per_frames = max(round(rate / settings.frame_rate), 1)
@@ -114,43 +109,36 @@ class ControlCycle:
         self._limited = False
 
     def run(self) -> None:
-        """Do what is to be done in one cycle."""
-        with self._robot.lock:
-            time = self._robot.time
+        """Move the robot, and publish what is due."""
+        robot = self._robot
+        with robot.lock:
+            time = robot.time
             for joints in self._commanded:
-                self._move(joints, time)
+                try:
+                    joints.advance_to(time)
+                    if joints.fault:
+                        self._log.error(joints.fault)
+                except Exception:
+                    self._log.error(f"motion failed, please report:\n{traceback.format_exc()}")
+                    text = "internal error of the controller, see its log"
+                    joints.follower.halt(Code.INTERNAL, text)
             self.publish_joint_states()
-            self._log_saturation()
+            limited = bool(robot.simulated_joints.at_limit.any())
+            # Once in each motion.
+            if limited and not self._limited:
+                saturation = robot.simulated_joints.saturation(robot.joint_names)
+                self._log.warning(f"the robot may not follow: {saturation} so far")
+            self._limited = limited
             self._on_moved()
-            self._publish_what_is_due()
+            self._count += 1
+            if self._count % self._cycles_per_frames == 0:
+                self._display.publish(self.states.positions, self.states.stamp)
+            if self._count % self._cycles_per_state == 0:
+                self._publish_control()
+            if self._count % self._cycles_per_feedback == 0:
+                for server in self._servers:
+                    server.publish_feedback()
 
     def publish_joint_states(self) -> None:
         """Publish where the joints are; the robot's lock is to be held."""
         self.states.publish(self._robot.stamp())
-
-    def _move(self, joints: CommandedJoints, time: float) -> None:
-        try:
-            joints.advance_to(time)
-            if joints.fault:
-                self._log.error(joints.fault)
-        except Exception:
-            self._log.error(f"motion failed, please report:\n{traceback.format_exc()}")
-            joints.follower.halt(Code.INTERNAL, "internal error of the controller, see its log")
-
-    def _log_saturation(self) -> None:
-        """Log once in each motion that drives are at their limits."""
-        limited = bool(self._robot.simulated_joints.at_limit.any())
-        if limited and not self._limited:
-            saturation = self._robot.simulated_joints.saturation(self._robot.joint_names)
-            self._log.warning(f"the robot may not follow: {saturation} so far")
-        self._limited = limited
-
-    def _publish_what_is_due(self) -> None:
-        self._count += 1
-        if self._count % self._cycles_per_frames == 0:
-            self._display.publish(self.states.positions, self.states.stamp)
-        if self._count % self._cycles_per_state == 0:
-            self._control.publish()
-        if self._count % self._cycles_per_feedback == 0:
-            for server in self._servers:
-                server.publish_feedback()

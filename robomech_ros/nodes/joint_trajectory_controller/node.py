@@ -24,10 +24,7 @@ from robomech_ros.nodes.joint_trajectory_controller.constraints import (
     constraint_rows,
     default_tolerances,
 )
-from robomech_ros.nodes.joint_trajectory_controller.control_cycle import (
-    ControlCycle,
-    ControlInterfaces,
-)
+from robomech_ros.nodes.joint_trajectory_controller.control_cycle import ControlCycle, serve_control
 from robomech_ros.nodes.joint_trajectory_controller.cycles import Cycles
 from robomech_ros.nodes.joint_trajectory_controller.diagnostics import (
     gripper_condition,
@@ -128,12 +125,12 @@ class JointTrajectoryControllerNode(Node):
         self._table.declare(self, constraint_rows(names))
         self._hold_to(settings)
         robot.simulated_joints.inject(self._faults(settings))
-        control = ControlInterfaces(self, robot, clock)
+        servers, publish_control = serve_control(self, robot, clock)
         passive = [name for name in robot.shown_names if name not in robot.joint_names]
         execute = GoalServer(self, robot, ExecuteMessages(robot.joint_names, passive))
         hardware = f"{robot.name} (simulated)"
         report = StatusReport(self, "motion", hardware, lambda: robot_condition(robot))
-        self._servers = [execute, *control.servers]
+        self._servers = [execute, *servers]
         if gripper is not None:
             condition = partial(gripper_condition, gripper)
             of_gripper = StatusReport(self, "gripper", hardware, condition)
@@ -141,7 +138,7 @@ class JointTrajectoryControllerNode(Node):
         commanded = [robot] if gripper is None else [robot, gripper]
         self._shutdown = Shutdown(self, commanded)
         self._control_cycle = ControlCycle(
-            self, commanded, model, settings, control, self._servers, self._shutdown.look
+            self, commanded, model, settings, publish_control, self._servers, self._shutdown.look
         )
         TrajectoryTopic(self, robot, report.publish)
         Commands(self, commanded, self._control_cycle.publish_joint_states)
