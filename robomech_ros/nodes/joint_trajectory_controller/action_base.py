@@ -30,7 +30,6 @@ class ActionBase(ABC, Generic[Motion]):
     ----------
     node : Node
     joints : CommandedJoints
-        What moves.
     kind : type
         The action.
     name : str

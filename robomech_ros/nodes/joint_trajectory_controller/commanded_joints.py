@@ -88,9 +88,7 @@ class CommandedJoints:
     simulated_joints : SimulatedJoints
         The joints themselves, where a reset puts them.
     settings : ControllerSettings
-        Parameters of the node.
     clock : MotionClock
-        The time.
     lock : RLock
         Shared by all joints that are commanded in one process.
     start : ndarray, optional

@@ -34,7 +34,6 @@ class TrajectoryTopic:
     ----------
     node : Node
     joints : CommandedJoints
-        What executes.
     on_refused : callable
         Called when a trajectory was refused, whose sender gets no answer.
     """

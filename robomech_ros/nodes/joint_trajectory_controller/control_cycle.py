@@ -30,7 +30,6 @@ def serve_control(
     robot : SimulatedRobot
         What executes.
     clock : MotionClock
-        Its time.
 
     Returns
     -------

@@ -27,7 +27,6 @@ class Cycles:
     node : Node
         Whose cycle it is.
     clock : MotionClock
-        Its time.
     rate : float
         Cycles per second.
     work : callable

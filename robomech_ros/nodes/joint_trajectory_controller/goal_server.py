@@ -102,7 +102,6 @@ class GoalServer(ActionBase[TrajectoryGoal]):
     ----------
     node : Node
     robot : CommandedJoints
-        What executes.
     messages : ExecuteMessages or FollowMessages
         Those of the action: what its goals ask for, and how its results are put.
     """

@@ -140,9 +140,7 @@ class ParallelRobot(SimulatedRobot):
     ----------
     mechanism : Mechanism
     settings : ControllerSettings
-        Parameters of the node.
     clock : MotionClock
-        The time.
 
     Raises
     ------

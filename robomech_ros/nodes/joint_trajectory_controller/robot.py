@@ -41,9 +41,7 @@ class SimulatedRobot(CommandedJoints):
     initial : ndarray, shape (n,)
         Where they are at start, rad or m.
     settings : ControllerSettings
-        Parameters of the node.
     clock : MotionClock
-        The time.
     plant : DynamicPlant, optional
         The drives and what they move, where forces are simulated.
     start : ndarray, optional

@@ -30,9 +30,7 @@ class StateTopics:
     ----------
     node : Node
     robot : CommandedJoints
-        What moves.
     clock : MotionClock
-        Its time.
     """
 
     def __init__(self, node: Node, robot: CommandedJoints, clock: MotionClock) -> None:

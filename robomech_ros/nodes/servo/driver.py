@@ -43,7 +43,6 @@ class Driver:
     monitor : JointStateMonitor
         Hears the robot's joint states.
     clock : MotionClock
-        Whose time it is.
     settings : callable
         Gives the parameters as they are now.
 

@@ -29,7 +29,6 @@ class StreamPublisher:
     servo : Servo
         Makes the stream.
     clock : MotionClock
-        Whose time it is.
     names : tuple of str
         The joints.
     settings : ServoNodeSettings

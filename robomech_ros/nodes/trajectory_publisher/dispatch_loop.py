@@ -21,7 +21,6 @@ class DispatchLoop:
     node : Node
         Owner of the timer, and whose log tells how deliveries end.
     clock : MotionClock
-        The time.
     link : ControllerClient
         The way to the controller.
     settings : PublisherSettings

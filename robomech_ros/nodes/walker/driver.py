@@ -40,7 +40,6 @@ class Driver:
     node : Node
     walker : Walker
     clock : MotionClock
-        Whose time it is.
     settings : WalkerSettings
     """
 

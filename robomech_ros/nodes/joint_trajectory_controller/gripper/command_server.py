@@ -30,7 +30,6 @@ class CommandServer(ActionBase[FingerMotion]):
     ----------
     node : Node
     gripper : Gripper
-        What moves.
     place : str
         Name below which the action is.
     messages : GripperMessages

@@ -57,9 +57,7 @@ class Gripper(CommandedJoints):
     joints : sequence of Joint
         The n finger joints.
     settings : ControllerSettings
-        Parameters of the node.
     clock : MotionClock
-        The time.
     lock : RLock
         That of the arm.
 

@@ -22,7 +22,6 @@ def serve_gripper(
     node : Node
         Gets them, below names of their own.
     gripper : Gripper
-        What moves.
     settings : ControllerSettings
         The names.
     on_refused : callable
