@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -12,12 +10,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import SelfMotionCurve, self_motion_curve
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.robots import PRISMATIC, SerialChain
-from robomech_ros.rvs.model.draggable import (
-    OPEN_TURN,
-    ROUNDING,
-    DraggableRobot,
-    SliderRange as SliderRange,
-)
+from robomech_ros.rvs.model.draggable import OPEN_TURN, ROUNDING, DraggableRobot, slider_range
 from robomech_ros.rvs.model.ghosts import Ghosts
 from robomech_ros.rvs.model.postures import study_pose
 from robomech_ros.rvs.model.visual_model import VisualModel
@@ -48,7 +41,11 @@ class ArmView(DraggableRobot):
 
     def __init__(self, chain: SerialChain, q: ArrayLike | None = None) -> None:
         joints, ends = chain.joint_names, (chain.base, chain.tip)
-        travels = {name: _travel(chain, joint) for joint, name in enumerate(joints)}
+        rows = zip(joints, chain.lower.tolist(), chain.upper.tolist(), chain.types, strict=True)
+        travels = {
+            name: slider_range(low, high, 0.0, OPEN_SLIDE if kind == PRISMATIC else OPEN_TURN)
+            for name, low, high, kind in rows
+        }
         super().__init__(chain.name, *ends, travels, chain.units, joints, chain.home())
         self.chain = chain
         self.others: dict[str, float] = {}
@@ -154,11 +151,3 @@ class ArmView(DraggableRobot):
             return
         name, unit = self.chain.joint_names[joint], self.chain.units[joint]
         raise BadValueError(f"joint '{name}'", value, f"{low:.6g} to {high:.6g} {unit}")
-
-
-def _travel(chain: SerialChain, joint: int) -> SliderRange:
-    """Return the limits of a joint, or a range about 0."""
-    most = OPEN_SLIDE if chain.types[joint] == PRISMATIC else OPEN_TURN
-    low, high = float(chain.lower[joint]), float(chain.upper[joint])
-    low = low if math.isfinite(low) else min(-most, high - most)
-    return SliderRange(low, high if math.isfinite(high) else max(most, low + most))

@@ -32,6 +32,12 @@ class SliderRange(NamedTuple):
     high: float
 
 
+def slider_range(low: float, high: float, middle: float, most: float) -> SliderRange:
+    """Return the limits of a joint, or a range about a middle where it has none (rad or m)."""
+    low = low if math.isfinite(low) else min(middle - most, high - most)
+    return SliderRange(low, high if math.isfinite(high) else max(middle + most, low + most))
+
+
 class DraggableRobot(ABC):
     """A robot with its present posture; not for several threads at a time.
 

@@ -80,13 +80,16 @@ class BaseView(MobileRobotView):
         for _ in range(steps):
             self.motion = self.limiter.step(self.motion, command)
             simulated.advance(self.motion, PERIOD)
-        turned = simulated.positions - before
-        joints = self.positions
-        wheels = {n: joints[n] + t for n, t in zip(self.robot.base.names, turned, strict=True)}
+        base, joints = self.robot.base, self.positions
         x, y, heading = simulated.pose
-        turn = math.remainder(heading, 2.0 * math.pi)
-        self.place(dict(zip(BASE_JOINTS, (x, y, turn), strict=True)) | wheels)
-        self.place(self._angles())
+        at = dict(zip(BASE_JOINTS, (x, y, math.remainder(heading, 2.0 * math.pi)), strict=True))
+        for name, turned in zip(base.names, simulated.positions - before, strict=True):
+            at[name] = joints[name] + turned
+        for name, angle in zip(base.steered, self.motion.steering.tolist(), strict=True):
+            at[f"{name}_steering"] = angle
+        for name, angle in zip(base.casters, simulated.brackets.tolist(), strict=True):
+            at[f"{name}_bracket"] = angle
+        self.place(at)
         self.trail.add(simulated.pose)
         self.preview()
 
@@ -116,14 +119,6 @@ class BaseView(MobileRobotView):
         for name, angle in zip(base.steered, self.motion.steering, strict=True):
             lines.append((f"steering {name}", f"{angle + 0.0:.3f} rad"))
         return lines
-
-    def _angles(self) -> dict[str, float]:
-        base = self.robot.base
-        steering = zip(base.steered, self.motion.steering.tolist(), strict=True)
-        brackets = zip(base.casters, self._simulated.brackets.tolist(), strict=True)
-        return {f"{name}_steering": angle for name, angle in steering} | {
-            f"{name}_bracket": angle for name, angle in brackets
-        }
 
 
 def load_base_view(robot: str | os.PathLike[str]) -> BaseView:

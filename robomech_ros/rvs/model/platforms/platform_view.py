@@ -14,7 +14,13 @@ from robomech_ros.kinematics import Status
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Mechanism, ParallelRobot
 from robomech_ros.robots.chain_layout import PRISMATIC
-from robomech_ros.rvs.model.draggable import OPEN_TURN, ROUNDING, DraggableRobot, SliderRange
+from robomech_ros.rvs.model.draggable import (
+    OPEN_TURN,
+    ROUNDING,
+    DraggableRobot,
+    SliderRange,
+    slider_range,
+)
 from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
 from robomech_ros.rvs.model.platforms.lists import PlatformList
 from robomech_ros.rvs.model.postures import PoseStudy, pose_summary
@@ -201,10 +207,9 @@ def _travels(mechanism: Mechanism, home: Array) -> dict[str, SliderRange]:
     """Return the limits of each drive, or a range about its home."""
     travels = {}
     for name, index in zip(mechanism.actuated, mechanism.drive_index.tolist(), strict=True):
-        low, high = (float(row[index]) for row in (mechanism.lower, mechanism.upper))
-        middle, most = 0.0, OPEN_TURN
+        about = (0.0, OPEN_TURN)
         if mechanism.types[index] == PRISMATIC:
-            middle, most = float(home[index]), OPEN_SIZES * mechanism.size
-        low = low if math.isfinite(low) else middle - most
-        travels[name] = SliderRange(low, high if math.isfinite(high) else middle + most)
+            about = (float(home[index]), OPEN_SIZES * mechanism.size)
+        low, high = (float(row[index]) for row in (mechanism.lower, mechanism.upper))
+        travels[name] = slider_range(low, high, *about)
     return travels

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,6 +36,10 @@ class WalkerView(MobileRobotView):
     ----------
     height : float
         Of the trunk that is level (m).
+    gaits : tuple of str
+        Names of the gaits that it can walk in.
+    chosen_gait : str
+        Name of the gait that was chosen last, which it takes up once it stands.
 
     Raises
     ------
@@ -63,11 +66,11 @@ class WalkerView(MobileRobotView):
         self.room = ROOM * float(np.ptp(self._update.feet[:, :2], axis=0).max())
         self._wanted = np.zeros(len(BODY_JOINTS))
         self._in_motion = False
-        self._speeds = _speeds(robot)
-        speed = FASTER * max(self._speeds.values())
+        speeds = _speeds(robot)
+        self.gaits, speed = tuple(speeds), FASTER * max(speeds.values())
         away = float(np.linalg.norm(robot.feet(robot.home)[:, :2], axis=1).max())
         self.most = np.round([speed / away, speed, speed], 2)
-        self._chosen = self._walker.gait
+        self.chosen_gait = self._walker.gait
         self._refusal, self._refusing = "", ""
         self._show(self._update)
 
@@ -77,19 +80,9 @@ class WalkerView(MobileRobotView):
         return self._wanted.copy()
 
     @property
-    def gaits(self) -> tuple[str, ...]:
-        """Names of the gaits that it can walk in."""
-        return tuple(self._speeds)
-
-    @property
     def gait(self) -> str:
         """Name of the present gait."""
         return self._walker.gait
-
-    @property
-    def chosen_gait(self) -> str:
-        """Name of the gait that was chosen last, which it takes up once it stands."""
-        return self._chosen
 
     @property
     def support(self) -> Support:
@@ -143,7 +136,7 @@ class WalkerView(MobileRobotView):
     def choose_gait(self, gait: str) -> None:
         """Walk in a gait, as soon as it stands."""
         self._walker.command_gait(gait)
-        self._chosen, self._in_motion = gait, True
+        self.chosen_gait, self._in_motion = gait, True
 
     @property
     def stands(self) -> bool:
@@ -201,10 +194,9 @@ class WalkerView(MobileRobotView):
     def _pose(self, wanted: Array) -> bool:
         """Have the trunk take a pose; says whether it can."""
         answer = self._walker.command_pose(wanted, HOP)
-        possible = answer.status == Code.NONE
+        possible, reason = answer.status == Code.NONE, answer.reason
         if possible:
             self._wanted, self._in_motion = wanted, True
-        reason = answer.reason
         self._refusal = "" if possible else f"{reason[:1].upper()}{reason[1:]}."
         self._refusing = answer.leg
         self.preview()
@@ -212,10 +204,8 @@ class WalkerView(MobileRobotView):
 
     def _show(self, update: WalkUpdate) -> None:
         self._update = update
-        joints: Mapping[str, float] = dict(
-            zip(self.robot.joint_names, update.q.tolist(), strict=True)
-        )
-        self.place({**joints, **placing(update.base, update.trunk, self.height)})
+        joints = dict(zip(self.robot.joint_names, update.q.tolist(), strict=True))
+        self.place(joints | placing(update.base, update.trunk, self.height))
         self.preview()
 
 
