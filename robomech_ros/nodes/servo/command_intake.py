@@ -54,9 +54,13 @@ class CommandIntake:
             (JointState, "~/joint_velocity_cmds", reader.joint_state),
             (PoseStamped, "~/pose_target_cmds", reader.pose),
         ]
-        joint_jog = _joint_jog(node)
-        if joint_jog is not None:
-            kinds.append((joint_jog, "~/delta_joint_cmds", reader.joint_jog))
+        try:
+            from control_msgs.msg import JointJog
+        except ImportError as error:
+            if getattr(error, "name", "") != "control_msgs":
+                node.get_logger().warning(f"no delta_joint_cmds: {error}")
+        else:
+            kinds.append((JointJog, "~/delta_joint_cmds", reader.joint_jog))
         self._readers = [
             (Inbox(node, kind, topic, _DEPTH, on_message), read) for kind, topic, read in kinds
         ]
@@ -111,14 +115,3 @@ class CommandIntake:
         self._refusal = text
         self._log.warning(text)
         self._refused_until = now + self._settings().command_timeout
-
-
-def _joint_jog(node: Node) -> type | None:
-    """Find the message control_msgs/JointJog, which need not be installed."""
-    try:
-        from control_msgs.msg import JointJog
-    except ImportError as error:
-        if getattr(error, "name", "") != "control_msgs":
-            node.get_logger().warning(f"no delta_joint_cmds: {error}")
-        return None
-    return JointJog

@@ -1,7 +1,6 @@
 """Drives the robot period by period: takes commands, continues the stream, watches the joints."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 from rclpy.node import Node
@@ -12,6 +11,7 @@ from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.stall_monitor import HELD_UP, StallMonitor
 from robomech_ros.nodes.common.tracking_monitor import Fault, TrackingMonitor
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.servo.command_intake import CommandIntake
 from robomech_ros.nodes.servo.command_reader import CommandReader
 from robomech_ros.nodes.servo.settings import ServoNodeSettings
@@ -19,10 +19,6 @@ from robomech_ros.nodes.servo.status import REPEATED, StatusPublisher
 from robomech_ros.nodes.servo.stream import StreamPublisher
 from robomech_ros.servo.commands import Command
 from robomech_ros.servo.servo import Servo
-
-if TYPE_CHECKING:
-    from robomech_ros.nodes.servo.moveit_interface import MoveItInterface
-from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 
 # How long the robot is left alone after it did not follow (s).
 _LEFT_ALONE = 0.5
@@ -78,8 +74,12 @@ class Driver:
         )
         self._intake = CommandIntake(node, servo, reader, settings, self.wake)
         self._status = StatusPublisher(node, self._intake.refusal)
-        if (moveit := _moveit_interface(node, self._choose)) is not None:
-            self._status.also = moveit.publish
+        try:
+            from robomech_ros.nodes.servo.moveit_interface import MoveItInterface
+        except ImportError as error:
+            node.get_logger().info(f"no switch_command_type and no servo_node/status: {error}")
+        else:
+            self._status.also = MoveItInterface(node, self._choose).publish
         given = settings()
         self._joints = TrackingMonitor(
             model.chain, monitor, given.tracking_tolerance, given.tracking_delay
@@ -210,15 +210,3 @@ class Driver:
             self._status.publish(now, why=self._joints.why_no_state())
         else:
             self._status.publish(now, self._servo.idle(now, position))
-
-
-def _moveit_interface(
-    node: Node, choose: Callable[[type[Command]], None]
-) -> "MoveItInterface | None":
-    """Add what has types of moveit_msgs, which need not be installed."""
-    try:
-        from robomech_ros.nodes.servo.moveit_interface import MoveItInterface
-    except ImportError as error:
-        node.get_logger().info(f"no switch_command_type and no servo_node/status: {error}")
-        return None
-    return MoveItInterface(node, choose)

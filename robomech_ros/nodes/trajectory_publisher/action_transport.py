@@ -9,7 +9,6 @@ from rclpy.task import Future
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.execution.client.execution_request import ExecutionRequest
-from robomech_ros.execution.motion_result import MotionResult
 from robomech_ros.nodes.middleware.queue_depth import ask_action
 from robomech_ros.nodes.trajectory_publisher.goals import AskedTolerances, ExecuteGoals
 from robomech_ros.outcomes import Code
@@ -29,7 +28,7 @@ def request_topic(action: str) -> str:
 
 
 class ActionTransport:
-    """Sends deliveries as goals; of all goals the result of the last one counts.
+    """Sends execution requests as goals; of all goals the result of the last one counts.
 
     Parameters
     ----------
@@ -41,7 +40,7 @@ class ActionTransport:
     tolerances : AskedTolerances
         What every goal asks of the controller.
     on_result : callable
-        Called with every delivery whose result has come, its code and its text.
+        Called with every execution request whose result has come, its code and its text.
     """
 
     def __init__(
@@ -72,11 +71,42 @@ class ActionTransport:
         return bool(self._handles)
 
     def send(self, execution: ExecutionRequest, message: JointTrajectory, moved: Moved) -> None:
-        """Send the message of a delivery; `moved` says whether the robot has moved since."""
+        """Send the message of a request; `moved` says whether the robot has moved since."""
         self._last += 1
         number = self._last
+
+        def conclude(code: int, text: str) -> None:
+            if number == self._last:
+                self._on_result(execution, code, text)
+
+        def take_handle(future: Future) -> None:
+            if future.exception() is not None:
+                conclude(Code.REJECTED, f"sending the goal failed: {future.exception()}")
+                return
+            handle = future.result()
+            if not handle.accepted:
+                text = f"action '{self.name}' rejected the goal without a reason"
+                conclude(Code.REJECTED, text)
+                return
+            self._handles[number] = handle
+            if number <= self._cancelled:
+                handle.cancel_goal_async()
+            handle.get_result_async().add_done_callback(take_result)
+
+        def take_result(future: Future) -> None:
+            self._handles.pop(number, None)
+            if future.exception() is not None:
+                conclude(Code.REJECTED, f"asking for the result failed: {future.exception()}")
+                return
+            answer = future.result()
+            if answer.status in _ENDED:
+                conclude(*self._goals.verdict(answer.status, answer.result, moved()))
+            else:
+                text = f"action '{self.name}' does not know the goal; how the motion ended is not "
+                conclude(Code.REJECTED, f"{text}known")
+
         sent = self._client.send_goal_async(self._goals.goal(message, self._tolerances))
-        sent.add_done_callback(lambda future: self._take_handle(number, execution, moved, future))
+        sent.add_done_callback(take_handle)
 
     def cancel(self) -> None:
         """Ask the controller to give up all that was sent, also what it has not accepted yet."""
@@ -89,40 +119,3 @@ class ActionTransport:
         if not self._destroyed:
             self._destroyed = True
             self._client.destroy()
-
-    def _take_handle(
-        self, number: int, execution: ExecutionRequest, moved: Moved, future: Future
-    ) -> None:
-        if future.exception() is not None:
-            text = f"sending the goal failed: {future.exception()}"
-        elif not (handle := future.result()).accepted:
-            text = f"action '{self.name}' rejected the goal without a reason"
-        else:
-            text = ""
-        if text:
-            self._conclude(number, execution, Code.REJECTED, text)
-            return
-        self._handles[number] = handle
-        if number <= self._cancelled:
-            handle.cancel_goal_async()
-        result = handle.get_result_async()
-        result.add_done_callback(lambda done: self._take_result(number, execution, moved, done))
-
-    def _take_result(
-        self, number: int, execution: ExecutionRequest, moved: Moved, future: Future
-    ) -> None:
-        self._handles.pop(number, None)
-        if future.exception() is not None:
-            text = f"asking for the result failed: {future.exception()}"
-            verdict = MotionResult(Code.REJECTED, text)
-        elif (answer := future.result()).status not in _ENDED:
-            text = f"action '{self.name}' does not know the goal; how the motion ended is not known"
-            verdict = MotionResult(Code.REJECTED, text)
-        else:
-            verdict = self._goals.verdict(answer.status, answer.result, moved())
-        self._conclude(number, execution, *verdict)
-
-    def _conclude(self, number: int, execution: ExecutionRequest, code: int, text: str) -> None:
-        """Hand over the result of what was sent last."""
-        if number == self._last:
-            self._on_result(execution, code, text)

@@ -31,7 +31,7 @@ class ControllerClient:
     controller : str
         Name of the controller.
     clock : MotionClock
-        The time of deliveries.
+        The time of execution requests.
     action : ActionTransport
         The way by action.
     refusals : ControllerRefusals
@@ -111,7 +111,7 @@ class ControllerClient:
         return np.array([self._acceleration[name] for name in names])
 
     def send(self, execution: ExecutionRequest) -> None:
-        """Send by the transport of the delivery."""
+        """Send by the transport of the execution request."""
         self._sent_to = self._life.server
         message = message_from_execution(execution, self._clock.stamp(execution.sent_at))
         if execution.transport is Transport.TOPIC:

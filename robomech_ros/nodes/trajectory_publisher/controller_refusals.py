@@ -22,7 +22,7 @@ class ControllerRefusals:
     controller : str
         Name of the controller.
     on_refused : callable
-        Called with a delivery, the controller's code and its reason.
+        Called with an execution request, the controller's code and its reason.
     """
 
     def __init__(

@@ -19,7 +19,7 @@ class DispatchLoop:
     Parameters
     ----------
     node : Node
-        Owner of the timer, and whose log tells how deliveries end.
+        Owner of the timer, and whose log tells how execution requests end.
     clock : MotionClock
     link : ControllerClient
         The way to the controller.
@@ -29,7 +29,7 @@ class DispatchLoop:
     Attributes
     ----------
     dispatcher : Dispatcher
-        What executes deliveries.
+        What executes execution requests.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class DispatchLoop:
         clock.on_jump(self._take_jump)
 
     def offer(self, execution: ExecutionRequest) -> None:
-        """Queue a delivery.
+        """Queue an execution request.
 
         Raises
         ------
@@ -60,7 +60,7 @@ class DispatchLoop:
         self.watch()
 
     def conclude(self, execution: ExecutionRequest, code: int, text: str) -> None:
-        """Take the controller's result of a delivery sent by action."""
+        """Take the controller's result of an execution request sent by action."""
         self.dispatcher.conclude(execution, code, text, self.clock.now())
 
     def watch(self) -> None:

@@ -39,7 +39,7 @@ class ExecuteService:
     settings : PublisherSettings
         How far the robot may be from start and goal.
     plans : ReceivedPlans
-        Where the latest plan is, what makes deliveries, and what executes them.
+        Where the latest plan is, what makes execution requests, and what executes them.
     link : ControllerClient
         Knows where the robot is.
     """
@@ -65,7 +65,7 @@ class ExecuteService:
         return answer(response, report.code, _DONE_BEFORE if done_before else report.text)
 
     def _execution(self, trajectory: JointTrajectory) -> ExecutionRequest:
-        """Find the delivery that a request means: a new one, or the latest plan's.
+        """Find the execution request that a request means: a new one, or the latest plan's.
 
         A client that gives the latest plan, which is executed anyway, means that one.
         """

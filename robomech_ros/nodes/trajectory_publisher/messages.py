@@ -1,4 +1,4 @@
-"""Deliveries from received messages, and the messages in which they are sent."""
+"""Execution requests from received messages, and the messages in which they are sent."""
 
 import copy
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ _NANO = 1_000_000_000
 
 @dataclass
 class ExecutionReader:
-    """Makes deliveries of messages.
+    """Makes execution requests of messages.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class ExecutionReader:
     robot_joints: tuple[str, ...] = ()
 
     def read(self, message: JointTrajectory, transport: Transport) -> ExecutionRequest:
-        """Check a received trajectory, and make a delivery of it.
+        """Check a received trajectory, and make an execution request of it.
 
         Raises
         ------
@@ -61,7 +61,7 @@ class ExecutionReader:
 
 
 def message_from_execution(execution: ExecutionRequest, now: int) -> JointTrajectory:
-    """Make the message of a delivery.
+    """Make the message of an execution request.
 
     Parameters
     ----------

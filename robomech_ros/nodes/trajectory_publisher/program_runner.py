@@ -35,7 +35,7 @@ class ProgramRunner:
     clock : MotionClock
         The time of waits.
     offer : callable
-        Queues a delivery.
+        Queues an execution request.
     transport : Transport
         How moves reach the controller.
     limits : tuple of int and float

@@ -36,8 +36,8 @@ class ReceivedPlans:
     node : Node
     table : NodeParameters
         Where plans come from, and what is done with them.
-    reader : DeliveryReader
-        Makes deliveries of them.
+    reader : ExecutionReader
+        Makes execution requests of them.
     loop : DispatchLoop
         Executes them.
 
