@@ -122,7 +122,10 @@ class CalibrationNode(Node):
         patience = seconds_from_duration(request.timeout, "timeout") or settings.sample_timeout
         if patience > LONGEST_WAIT:
             raise BadValueError("timeout", patience, f"at most {LONGEST_WAIT:g} s")
-        self._check_frames(settings)
+        for name in ("tracking_base_frame", "tracking_marker_frame"):
+            if not settings.tracking_topic and not getattr(settings, name):
+                expected = "the name of a frame in tf, given at the start; or else tracking_topic"
+                raise BadValueError(f"the parameter {name}", "", expected)
         robot, tracking = await self._sampler.take(patience)
         response.index = self._samples.add(robot[None], tracking[None], settings.max_samples)
         response.robot = stamped_pose(robot, self._base)
@@ -134,14 +137,6 @@ class CalibrationNode(Node):
         self._markers.publish(marker_message(self._samples, self._frames))
         response.count = len(self._samples)
         return answer(response)
-
-    @staticmethod
-    def _check_frames(settings: CalibrationSettings) -> None:
-        """Refuse to sample from tf where it is not known which frames."""
-        for name in ("tracking_base_frame", "tracking_marker_frame"):
-            if not settings.tracking_topic and not getattr(settings, name):
-                expected = "the name of a frame in tf, given at the start; or else tracking_topic"
-                raise BadValueError(f"the parameter {name}", "", expected)
 
     @guarded
     def _add_samples(self, request: Any, response: Any) -> Any:
@@ -183,7 +178,12 @@ class CalibrationNode(Node):
         samples.solution = solution
         encode_solution(solution, response)
         encode_next(proposed, chosen, self._base, response)
-        self._publish(solution, response)
+        ends = solution.sensor_parent, solution.frames.sensor
+        why = self._broadcaster.publish(*ends, solution.result.sensor)
+        response.published = not why
+        self._placed = None if why else self._broadcaster.placed
+        if why:
+            response.summary += f"\nnot on /tf_static: {why}"
         self._markers.publish(marker_message(samples, self._frames))
         self.get_logger().info(response.summary)
         return answer(response)
@@ -196,15 +196,6 @@ class CalibrationNode(Node):
             expected = "CONFIGURED (0), EYE_IN_HAND (1) or EYE_TO_HAND (2)"
             raise BadValueError("mount", number, expected)
         return _MOUNTS[number]
-
-    def _publish(self, solution: Solution, response: Any) -> None:
-        """Tell tf, and say in the response whether it was told."""
-        ends = solution.sensor_parent, solution.frames.sensor
-        why = self._broadcaster.publish(*ends, solution.result.sensor)
-        response.published = not why
-        self._placed = None if why else self._broadcaster.placed
-        if why:
-            response.summary += f"\nnot on /tf_static: {why}"
 
     @guarded
     def _save(self, request: Any, response: Any) -> Any:

@@ -24,60 +24,23 @@ from robomech_ros.typing import Array
 _DEPTH = 10
 
 
-class BaseDisplay:
-    """Publishes the tree from the base on; where the base is, odometry says.
+def _display(
+    node: Node, robot: RollingRobot, joints: WheelJoints, settings: MobileBaseSettings, prefix: str
+) -> RobotDisplay | None:
+    """Publish the tree from the base on; where the base is, odometry says.
 
     A robot that no URDF can describe is not shown, with a warning, and drives all the same.
-
-    Parameters
-    ----------
-    node : Node
-    robot : RollingRobot
-    joints : WheelJoints
-        As joint_states has them.
-    settings : MobileBaseSettings
-    prefix : str
-        What the names of frames begin with.
     """
-
-    def __init__(
-        self,
-        node: Node,
-        robot: RollingRobot,
-        joints: WheelJoints,
-        settings: MobileBaseSettings,
-        prefix: str,
-    ) -> None:
-        frames = settings.publish_frames
-        if frames == AUTO and not settings.enable_odom_tf:
-            frames = NEVER
-        rate = min(settings.frame_rate, settings.publish_rate)
-        self._states_per_frames = max(round(settings.publish_rate / rate), 1)
-        self._states = 0
-        self._display: RobotDisplay | None = None
-        link = settings.base_frame_id
-        try:
-            tree = rolling_description(robot.base, joints, base_link=link, placed=False)
-        except RobomechError as error:
-            node.get_logger().warning(f"no robot_description and no frames of wheels: {error}")
-            return
-        self._display = RobotDisplay(
-            node,
-            tree,
-            prefix=prefix,
-            frames=frames,
-            rate=rate,
-            describe=settings.publish_description,
-        )
-
-    def publish(self, states: JointState) -> None:
-        """Publish the frames of the wheels where these are due."""
-        self._states += 1
-        if self._display is None or self._states % self._states_per_frames:
-            return
-        when = states.header.stamp
-        positions = dict(zip(states.name, states.position, strict=True))
-        self._display.publish(positions, (when.sec, when.nanosec))
+    frames, link = settings.publish_frames, settings.base_frame_id
+    if frames == AUTO and not settings.enable_odom_tf:
+        frames = NEVER
+    try:
+        tree = rolling_description(robot.base, joints, base_link=link, placed=False)
+    except RobomechError as error:
+        node.get_logger().warning(f"no robot_description and no frames of wheels: {error}")
+        return None
+    rate, describe = min(settings.frame_rate, settings.publish_rate), settings.publish_description
+    return RobotDisplay(node, tree, prefix=prefix, frames=frames, rate=rate, describe=describe)
 
 
 def frame_prefix(settings: MobileBaseSettings, namespace: str) -> str:
@@ -122,7 +85,9 @@ class BasePublication:
         self._frames = None
         if settings.enable_odom_tf:
             self._frames = odometry_frame(node, base.interface.frames)
-        self._shown = BaseDisplay(node, base.robot, joints, settings, prefix)
+        self._display = _display(node, base.robot, joints, settings, prefix)
+        self._states_per_frames = max(round(settings.publish_rate / settings.frame_rate), 1)
+        self._count = 0
 
     def publish_commands(self, stamp: int) -> None:
         """Publish what the wheels are commanded, at a ROS time (ns)."""
@@ -144,7 +109,11 @@ class BasePublication:
         rates = [simulated.rates[self._wheels], base.steering_rates, simulated.bracket_rates]
         self._states.velocity = floats(np.concatenate(rates))
         self._joint_states.publish(self._states)
-        self._shown.publish(self._states)
+        self._count += 1
+        if self._display is not None and self._count % self._states_per_frames == 0:
+            when = self._states.header.stamp
+            at = dict(zip(self._states.name, self._states.position, strict=True))
+            self._display.publish(at, (when.sec, when.nanosec))
         message = Odometry(child_frame_id=self._frame)
         fill_header(message.header, self._odom, stamp)
         odometry = base.odometry

@@ -56,17 +56,19 @@ def _rows_of(axis: str, turns: str, unit: str) -> dict[str, Any]:
     return rows | {name: parameter(_OFF, f"{what} {text}") for name, what in bounds.items()}
 
 
-def _limits_of_axes() -> Any:
-    axes = ("linear.x", "backward", "m"), ("linear.y", "to the right", "m")
-    fields = [
+_LimitsOfAxes: Any = make_dataclass(
+    "LimitsOfAxes",
+    [
         (f"{axis.replace('.', '__')}__{name}", type(row.default), row)
-        for axis, turns, unit in (*axes, ("angular.z", "clockwise", "rad"))
+        for axis, turns, unit in (
+            ("linear.x", "backward", "m"),
+            ("linear.y", "to the right", "m"),
+            ("angular.z", "clockwise", "rad"),
+        )
         for name, row in _rows_of(axis, turns, unit).items()
-    ]
-    return make_dataclass("LimitsOfAxes", fields, frozen=True)
-
-
-_LimitsOfAxes: Any = _limits_of_axes()
+    ],
+    frozen=True,
+)
 
 
 def _length(description: str) -> Any:

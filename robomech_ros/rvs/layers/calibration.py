@@ -50,8 +50,7 @@ class CalibrationLayer(Layer):
         place_camera(place.server, np.vstack(points))
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        folder.checkbox("shown", True, self._turn)
+        folder.checkbox(
+            "shown", True, lambda on: self._nodes.show(SOURCE, self._markers if on is True else ())
+        )
         folder.text().content = fact_table("calibration", calibration_facts(self._result))
-
-    def _turn(self, shown: object) -> None:
-        self._nodes.show(SOURCE, self._markers if shown is True else ())

@@ -114,7 +114,8 @@ class DHTableLayer(Layer):
             return
         hint = "Joint, parameter and number, as in: 2 a 0.5; a number typed above does it, too"
         folder.listen(gui.add_text(CHANGE, "", hint=hint), self._change)
-        folder.button("Reset robot", self._reset, "Back to the robot that the page began with")
+        hint = "Back to the robot that the page began with"
+        folder.button("Reset robot", lambda: self._replace(*self._kept["first"]), hint)
         self._write()
 
     def close(self) -> None:
@@ -158,9 +159,6 @@ class DHTableLayer(Layer):
         if change.parameter in ANGLES:
             change = change._replace(value=change.value / self._place.units.factor("rad"))
         self._replace(*changed_robot(chain, change))
-
-    def _reset(self) -> None:
-        self._place.ask(("dh table", "reset"), lambda: self._replace(*self._kept["first"]))
 
     def _replace(self, *robot: Any) -> None:
         before = self._kept["open"]

@@ -84,7 +84,10 @@ class MotionLayer(Layer):
             if motion is None:
                 self._display(None, None)
             else:
-                self.find("prepare", partial(_prepared, motion), self._show_prepared)
+                shown = motion
+                self.find(
+                    "prepare", lambda: (swept(shown), motion_curves(shown)), self._show_prepared
+                )
 
     def _fill(self, folder: Folder, gui: Any) -> None:
         self._status = folder.text()
@@ -299,10 +302,6 @@ class MotionLayer(Layer):
         if not self.player.playing:
             self._beating.clear()
         self._last = now
-
-
-def _prepared(motion: Motion) -> tuple[SweptPlan, MotionCurves]:
-    return swept(motion), motion_curves(motion)
 
 
 def _set_flag(owner: object, name: str, value: object) -> None:
