@@ -8,7 +8,7 @@ from robomech_ros.plotting.pictures import new_figure, save
 from robomech_ros.typing import Array
 
 _WIDTH, _HEIGHT = 12.0, 5.4
-_WAY, _PLANNED, _BOUND = "black", "0.55", "tab:red"
+_TRUNK, _PLANNED, _BOUND = "black", "0.55", "tab:red"
 
 
 def plot_walk(
@@ -66,7 +66,7 @@ def plot_walk(
     for leg, places in zip(legs, footholds, strict=True):
         ground.plot(*places.T, "o", ms=3.5, alpha=0.75, label=f"foot {leg}")
     ground.plot(*planned.T, "--", color=_PLANNED, linewidth=2.6, label="planned")
-    ground.plot(*way.T, color=_WAY, linewidth=1.2, label="trunk")
+    ground.plot(*way.T, color=_TRUNK, linewidth=1.2, label="trunk")
     ground.set_aspect("equal", adjustable="datalim")
     ground.set_xlabel("x (m)")
     ground.set_ylabel("y (m)")

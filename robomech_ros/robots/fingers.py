@@ -15,7 +15,7 @@ from robomech_ros.robots.joint import Joint
 _HALVINGS = 60
 # Of a wider range, rad or m, only a part is used: to where the fingers part again after they met,
 # found in steps of so much.
-_MOST = 2.0 * np.pi
+_MAX_RANGE = 2.0 * np.pi
 _STEP = 0.01
 # What a width may be beyond the greatest by rounding, m.
 _ROUNDING = 1e-9
@@ -122,14 +122,14 @@ class FingerOpening:
         Kinova's Robotiq 2F-85 has limits of 0 and 100 rad.
         """
         lower, upper = max(j.lower for j in self.joints), min(j.upper for j in self.joints)
-        if not np.isfinite([lower, upper]).all() or upper - lower <= _MOST:
+        if not np.isfinite([lower, upper]).all() or upper - lower <= _MAX_RANGE:
             return lower, upper
         rest = float(np.clip(0.0, lower, upper))
         return self._turning(rest, lower), self._turning(rest, upper)
 
     def _turning(self, begin: float, end: float) -> float:
         """Find where, on the way from one position to another, the links turn back (rad or m)."""
-        steps = round(min(abs(end - begin), _MOST) / _STEP)
+        steps = round(min(abs(end - begin), _MAX_RANGE) / _STEP)
         positions = begin + np.sign(end - begin) * _STEP * np.arange(steps + 1)
         change = np.diff([self._distance(position) for position in positions])
         turned = np.flatnonzero(change[1:] * change[:-1] < 0.0)

@@ -19,7 +19,7 @@ from robomech_ros.spatial import pose_error
 from robomech_ros.typing import Array
 
 # So many places of the hand are compared over the time in which it has to stand.
-_PLACES = 11
+_SAMPLES = 11
 
 
 class Sampler:
@@ -101,13 +101,13 @@ class Sampler:
     def _sample(self, instant: int) -> tuple[Array, Array]:
         """Return both poses at an instant, unless the hand moved just before."""
         settings = self._settings()
-        before = np.linspace(settings.still_time, 0.0, _PLACES) * NANO
+        before = np.linspace(settings.still_time, 0.0, _SAMPLES) * NANO
         try:
-            places = np.array([self._robot.at(instant - round(back)) for back in before.tolist()])
+            poses = np.array([self._robot.at(instant - round(back)) for back in before.tolist()])
         except NoTransformError as error:
             why = f"{error}: it has to stand for {settings.still_time:g} s"
             raise _no_pose(self._robot, why) from None
-        moved = pose_error(places[-1], places)
+        moved = pose_error(poses[-1], poses)
         angle, distance = (
             float(np.linalg.norm(part, axis=1).max()) for part in (moved[:, :3], moved[:, 3:])
         )
@@ -120,7 +120,7 @@ class Sampler:
             )
             raise OutcomeError(Code.NO_STATE, text)
         try:
-            return places[-1], self._tracking.at(instant)
+            return poses[-1], self._tracking.at(instant)
         except NoTransformError as error:
             raise _no_pose(self._tracking, str(error)) from None
 

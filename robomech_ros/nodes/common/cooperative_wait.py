@@ -23,9 +23,9 @@ _STEADY = ClockType.STEADY_TIME
 # How long a pause takes, s.
 _PAUSE = 0.02
 # How long abandoned work may go on at the end, s.
-_LAST_WORK = 1.0
+_CLOSE_TIMEOUT = 1.0
 # Others are served after so long at the most, s, and one step of the work.
-_TURN = 0.005
+_TIME_SLICE = 0.005
 
 
 class _Pauses:
@@ -149,7 +149,7 @@ class Worker:
         """Do no more; work in progress gets a moment to end, and its result is dropped."""
         self._closed = True
         self._pieces.put(None)
-        self._thread.join(_LAST_WORK)
+        self._thread.join(_CLOSE_TIMEOUT)
 
     def _run(self) -> None:
         while (piece := self._pieces.get()) is not None and not self._closed:
@@ -200,7 +200,7 @@ class TimeSlices:
     async def end_if_over(self) -> None:
         """Let others work if the turn was long enough; to be awaited after every step."""
         executor = self._node.executor
-        if executor is None or time.monotonic() - self._began <= _TURN:
+        if executor is None or time.monotonic() - self._began <= _TIME_SLICE:
             return
         # Woken, the executor does not wait for work beyond what there is.
         executor.wake()

@@ -13,16 +13,16 @@ from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 _NANO = 1e-9
 # Simulated time that goes on by more than this (s) from one message to the next has jumped, and so
 # has one that goes on by so many times its usual steps and by more than the shortest jump (s).
-LONGEST_STEP, SHORTEST_JUMP, _UNUSUAL = 0.5, 0.05, 5.0
+LONGEST_STEP, SHORTEST_JUMP, _JUMP_FACTOR = 0.5, 0.05, 5.0
 # How fast the usual step falls to what the steps are now, as a part of it for each step.
 _FORGET = 0.1
 # Jumps longer than this (s) are said.
-_SAID = 0.1
+_LOGGED_JUMP = 0.1
 # The setting of the system's clock is followed as it is from a difference of this on, and slowly,
 # by a part of the time, from the second on (ns): between lies what looks at two clocks are off.
-_SET, _ADRIFT, _SLOWLY = 1_000_000, 50_000, 1e-3
+_CLOCK_SET, _CLOCK_DRIFT, _DRIFT_RATE = 1_000_000, 50_000, 1e-3
 # Two clocks are read at once if that takes no longer than this (ns); so often it is tried.
-_AT_ONCE = 20_000
+_READ_TIME = 20_000
 _LOOKS = 5
 
 
@@ -77,7 +77,7 @@ class MotionClock:
     def _take_step(self, step: TimeJump) -> None:
         """Take a step of simulated time for a jump, or for usual."""
         by = float(step.delta.nanoseconds) * _NANO
-        if 0.0 <= by <= min(max(_UNUSUAL * self._usual, SHORTEST_JUMP), LONGEST_STEP):
+        if 0.0 <= by <= min(max(_JUMP_FACTOR * self._usual, SHORTEST_JUMP), LONGEST_STEP):
             self._usual = max(by, (1.0 - _FORGET) * self._usual)
             return
         # A clock that has come to go in longer steps is believed after some of them.
@@ -89,7 +89,7 @@ class MotionClock:
         # Before its first message the time is 0: there it begins.
         if int(self._ros.now().nanoseconds) == by:
             self._usual = LONGEST_STEP
-        elif abs(by) * _NANO > _SAID:
+        elif abs(by) * _NANO > _LOGGED_JUMP:
             how = "forward" if by > 0 else "back"
             self._log.warning(
                 f"the clock jumped {how} by {abs(by) * _NANO:.4g} s; motions go on as if it had not"
@@ -131,10 +131,10 @@ class MotionClock:
             return int(self._ros.now().nanoseconds) - self._nanoseconds()
         found, now = self._difference(), time.monotonic_ns()
         known = self._ahead
-        if known is None or abs(found - known) > _SET:
+        if known is None or abs(found - known) > _CLOCK_SET:
             known = found
-        elif abs(found - known) > _ADRIFT:
-            most = round(_SLOWLY * (now - self._looked))
+        elif abs(found - known) > _CLOCK_DRIFT:
+            most = round(_DRIFT_RATE * (now - self._looked))
             known += max(min(found - known, most), -most)
         self._ahead, self._looked = known, now
         return known
@@ -151,6 +151,6 @@ class MotionClock:
             end = time.monotonic_ns()
             if not look or end - begin < shortest:
                 shortest, ahead = end - begin, ros - (begin + end) // 2
-            if shortest <= _AT_ONCE:
+            if shortest <= _READ_TIME:
                 break
         return ahead + self._epoch

@@ -49,11 +49,11 @@ SERVICES: dict[str, Any] = {
 _FIRST, _MISTAKEN = 4, 6
 _CANDIDATES = 80
 # How far the hand is turned about the target, rad, and how far a joint may go from the start.
-_LEAST_TURN, _MOST_TURN, _MOST_WAY = 0.25, 0.7, 2.0
+_LEAST_TURN, _MOST_TURN, _MAX_MOVE = 0.25, 0.7, 2.0
 _ARRIVED, _GRACE_SECONDS = 1e-6, 10.0
 # Squared distance of six normal numbers that none exceeds, even where the noise is estimated from a
 # few samples.
-_IMPOSSIBLE = 100.0
+_MAX_SQUARED_DISTANCE = 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +157,7 @@ class CalibrationTask:
         response = self._client.call("kinematics/solve_ik_batch", request)
         rows = np.reshape(response.solutions, (-1, self._chain.n))
         solved = np.flatnonzero(np.array(response.counts) > 0)
-        near = np.abs(rows - start).max(axis=1, initial=0.0) <= _MOST_WAY
+        near = np.abs(rows - start).max(axis=1, initial=0.0) <= _MAX_MOVE
         self._reporter.say(
             f"{int(near.sum())} of {_CANDIDATES} views of the target can be reached nearby"
         )
@@ -209,7 +209,7 @@ class CalibrationTask:
         if left_out != wrong:
             raise DemoFailedError(f"samples {left_out} were left out, not {wrong}")
         distance = self.progress[-1].squared_distance
-        if distance > _IMPOSSIBLE:
+        if distance > _MAX_SQUARED_DISTANCE:
             raise DemoFailedError(
                 f"the truth is {np.sqrt(distance):.3g} deviations from the result, which is wrong"
             )

@@ -16,13 +16,13 @@ from robomech_ros.typing import Array
 _CANDIDATES, _MOVE, _TURN, _USED_PART = 60, 0.3, 0.1, 0.5
 # No posture on the way is conditioned worse, and pick and place are apart by this part of what is
 # possible.
-_CONDITION, _APART = 30.0, 0.5
+_CONDITION, _SEPARATION = 30.0, 0.5
 # Points of a way of the drives that are looked at.
-_LOOKS = 20
+_SAMPLES = 20
 # Lifts, radii (parts of the size) and tilts (rad) that are tried, the largest first.
 _LIFTS, _RADII, _TILTS = (0.1, 0.05, 0.025), (0.12, 0.08, 0.04), (0.15, 0.1, 0.05, 0.0)
 # The part of the circle that is gone (rad), in so many waypoints.
-_ROUND, _WAYPOINTS = np.radians(300.0), 10
+_CIRCLE_ANGLE, _WAYPOINTS = np.radians(300.0), 10
 
 
 class DemoPlatform:
@@ -65,7 +65,7 @@ class DemoPlatform:
         T = self.pose(np.stack(ends))
         turned = self.model.size * np.linalg.norm(T[:, :3, :3] - T[0, :3, :3], axis=(1, 2))
         apart = np.linalg.norm(T[:, :3, 3] - T[0, :3, 3], axis=1) + turned
-        far = [q for q, d in zip(ends, apart, strict=True) if d >= _APART * apart.max()]
+        far = [q for q, d in zip(ends, apart, strict=True) if d >= _SEPARATION * apart.max()]
         self._place = next((q for q in far if self._free(pick, q) is not None), pick)
         return self.pose(pick), self.pose(self._place)
 
@@ -86,7 +86,7 @@ class DemoPlatform:
         """Return the posture at the end of a straight path of the drives; None if one ends it."""
         drives = self.model.drive_index
         end = goal[drives] if len(goal) == self.model.n else goal
-        path = np.linspace(start[drives], end, _LOOKS)
+        path = np.linspace(start[drives], end, _SAMPLES)
         found = follow_drives(self.model, path, start, condition=_CONDITION)
         return None if found.stop is not None else found.q[-1]
 
@@ -103,7 +103,7 @@ class DemoPlatform:
 
     def path_onward(self, place: Array) -> TipPath | None:
         """Return a circle that begins at place, as in machining; with a tilt if it can turn so."""
-        angles = np.linspace(0.0, _ROUND, _WAYPOINTS + 1)[1:]
+        angles = np.linspace(0.0, _CIRCLE_ANGLE, _WAYPOINTS + 1)[1:]
         # Its middle is where home is, seen from the place: there is most room.
         inwards = self.pose(self.model.home())[:2, 3] - place[:2, 3]
         far = float(np.linalg.norm(inwards))

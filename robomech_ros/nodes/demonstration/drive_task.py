@@ -26,25 +26,27 @@ from robomech_ros.rolling import CommandLimiter, RollingBase, RollingRobot
 from robomech_ros.typing import Array
 
 # Of the least radius that the base can turn at, and of its length: the radius of the paths.
-_WIDER, _OF_LENGTH = 1.3, 1.0
+_RADIUS_FACTOR, _LENGTH_FACTOR = 1.3, 1.0
 # Parts of the limits of velocity and of the others that are used; what is too fast is slowed down.
-_OF_VELOCITY, _USED, _SLOWER = 0.7, 0.5, 0.9
+_VELOCITY_PART, _LIMIT_PART, _SLOWDOWN = 0.7, 0.5, 0.9
 # The least speed that is driven (m/s).
-_LEAST = 1e-3
+_MIN_SPEED = 1e-3
 # How long a path may take, in the time that it needs at its speed, and besides (s).
-_PATIENCE, _BESIDES = 5.0, 60.0
-_UP = 60.0
+_TIME_FACTOR, _EXTRA_TIME = 5.0, 60.0
+_TIMEOUT = 60.0
 # At the end: how far off its beginning the base may be (m, rad), and odometry off the base.
-_OFF, _TURNED, _APART = 0.02, 0.02, 1e-6
+_POSITION_ERROR, _HEADING_ERROR, _ODOMETRY_ERROR = 0.02, 0.02, 1e-6
 # Quiet wheels: what rounding leaves of a twist (rad/s, m/s).
-_REST = 1e-9
+_REST_SPEED = 1e-9
 
 
 def paths_for(base: RollingBase) -> tuple[float, tuple[ClosedPath, ClosedPath]]:
     """Return the paths of a base, and the radius at which they turn (m)."""
     places = np.array([wheel.position for wheel in base.wheels])
     size = max(float(np.ptp(places, axis=0).max()), float(base.radii.max()))
-    radius = max(_OF_LENGTH * size, _WIDER * max(abs(1.0 / value) for value in base.curvatures))
+    radius = max(
+        _LENGTH_FACTOR * size, _RADIUS_FACTOR * max(abs(1.0 / value) for value in base.curvatures)
+    )
     turning = base.axle is None
     square = rounded_square(radius, turning=turning)
     return radius, (square, figure_of_eight(radius, looking_ahead=not turning))
@@ -64,18 +66,20 @@ def speed_on(robot: RollingRobot, path: ClosedPath, radius: float) -> tuple[floa
     assert limits.jerk is not None
     used = slice(1, 2) if base.axle is not None else slice(1, 3)
     slowest = np.minimum(limits.acceleration, limits.deceleration)[used]
-    acceleration = _USED * min(1.0, float(slowest.min()))
-    jerk = _USED * float(limits.jerk[used].min())
+    acceleration = _LIMIT_PART * min(1.0, float(slowest.min()))
+    jerk = _LIMIT_PART * float(limits.jerk[used].min())
     speed = min(2.0, math.sqrt(acceleration * radius), (jerk * radius**2) ** (1.0 / 3.0))
     for wheel in base.wheels:
         if wheel.kind == "steered":
             far = max(float(np.hypot(*wheel.position)), radius)
-            speed = min(speed, _USED * wheel.max_steering_rate * radius**2 / far)
+            speed = min(speed, _LIMIT_PART * wheel.max_steering_rate * radius**2 / far)
     limiter, twists = CommandLimiter(base, limits, 0.01), path.twists()
-    while limiter.allowed(twists * speed / _OF_VELOCITY)[1]:
-        speed *= _SLOWER
-        if speed < _LEAST:
-            raise BadValueError("limits", base.name, f"some that allow {path.name} at {_LEAST} m/s")
+    while limiter.allowed(twists * speed / _VELOCITY_PART)[1]:
+        speed *= _SLOWDOWN
+        if speed < _MIN_SPEED:
+            raise BadValueError(
+                "limits", base.name, f"some that allow {path.name} at {_MIN_SPEED} m/s"
+            )
     return speed, 0.5 * acceleration
 
 
@@ -140,9 +144,11 @@ class DriveTask:
             known = self._odometry and self._true
             return bool(known and self._commands.get_subscription_count())
 
-        if not self._client.wait(is_up, _UP):
+        if not self._client.wait(is_up, _TIMEOUT):
             topic = self._commands.topic_name
-            raise DemoFailedError(f"after {_UP:g} s no odometry comes, or nobody hears '{topic}'")
+            raise DemoFailedError(
+                f"after {_TIMEOUT:g} s no odometry comes, or nobody hears '{topic}'"
+            )
 
     @property
     def poses(self) -> Array:
@@ -163,7 +169,7 @@ class DriveTask:
         follower = PathFollower(self._robot.base.axle, path, speed, acceleration, radius)
         begin = self._odometry[-1][0]
         seconds = path.length / speed
-        patience = _PATIENCE * seconds + _BESIDES
+        patience = _TIME_FACTOR * seconds + _EXTRA_TIME
         self._reporter.say(
             f"{path.name}: {path.length:.1f} m at {speed:.2f} m/s, about {seconds:.0f} s"
         )
@@ -187,19 +193,21 @@ class DriveTask:
 
     def _check(self, path: ClosedPath, off: float) -> None:
         """Compare the end with the beginning, by odometry and by the base itself."""
-        if not self._client.wait(lambda: self._true[-1][0] >= self._odometry[-1][0] - 1e-6, _UP):
+        if not self._client.wait(
+            lambda: self._true[-1][0] >= self._odometry[-1][0] - 1e-6, _TIMEOUT
+        ):
             raise DemoFailedError("the simulated base is no longer told")
         odometry = self._odometry[-1]
         true = min(self._true[-50:], key=lambda row: abs(row[0] - odometry[0]))
         for what, row in (("odometry", odometry), ("the simulated base", true)):
             away, turned = math.hypot(row[1], row[2]), abs(math.remainder(row[3], 2.0 * math.pi))
-            if away > _OFF or turned > _TURNED:
+            if away > _POSITION_ERROR or turned > _HEADING_ERROR:
                 raise DemoFailedError(
                     f"{path.name}: by {what} the base is {away:.3g} m and {turned:.3g} rad from "
-                    f"where it began, expected at most {_OFF} m and {_TURNED} rad"
+                    f"where it began, expected at most {_POSITION_ERROR} m and {_HEADING_ERROR} rad"
                 )
         apart = float(np.abs(odometry[1:3] - true[1:3]).max())
-        if apart > _APART:
+        if apart > _ODOMETRY_ERROR:
             raise DemoFailedError(f"odometry is {apart:.3g} m off the simulated base")
         self._reporter.say(
             f"{path.name}: back after {path.length:.1f} m, {away * 1e3:.1f} mm and "
@@ -212,7 +220,7 @@ class DriveTask:
         twist = message.twist.twist
         moves = (twist.angular.z, twist.linear.x, twist.linear.y)
         row = _row(message.header.stamp, message.pose.pose)
-        self._rests = max(map(abs, moves)) < _REST
+        self._rests = max(map(abs, moves)) < _REST_SPEED
         follower = self._follower
         if follower is not None:
             command = twist_message(follower.command(row[0], row[1:]))

@@ -14,11 +14,11 @@ from robomech_ros.typing import Array
 _GAIN, _REACH = 2.0, 0.5
 # The place on the path waits for a base that is off by this part of the radius.  One that cannot go
 # sideways is never waited for beside it: it needs a way to come back, at this part of the speed.
-_SLACK, _COMING_BACK = 0.25, 0.3
+_SLACK, _RETURN_SPEED = 0.25, 0.3
 # After a longer silence (s) the base has braked: the place does not run ahead of it.
-_LONGEST = 0.1
+_MAX_STEP = 0.1
 # What is arrived: m, and rad.
-_NEAR, _NEAR_ANGLE = 1e-3, 2e-3
+_ARRIVED, _ARRIVED_ANGLE = 1e-3, 2e-3
 # Where an axle points forward (rad).
 _STRAIGHT = 1e-9
 
@@ -90,7 +90,7 @@ class PathFollower:
         self._go_on(time, error, turned)
         end = self.gone >= self._path.length
         near = abs(error[0]) if not self._sideways else float(np.hypot(*error))
-        if end and near < _NEAR and (not self._sideways or abs(turned) < _NEAR_ANGLE):
+        if end and near < _ARRIVED and (not self._sideways or abs(turned) < _ARRIVED_ANGLE):
             self.arrived = True
         if self.arrived:
             return np.zeros(3)
@@ -106,7 +106,7 @@ class PathFollower:
 
     def _go_on(self, time: float, error: Array, turned: float) -> None:
         """Move on along the path, the slower the further off the base is."""
-        step = 0.0 if math.isnan(self._time) else min(max(time - self._time, 0.0), _LONGEST)
+        step = 0.0 if math.isnan(self._time) else min(max(time - self._time, 0.0), _MAX_STEP)
         self._time = time
         left = self._path.length - self.gone
         most = min(self._speed, math.sqrt(2.0 * self._acceleration * left) + 0.02 * self._speed)
@@ -114,7 +114,7 @@ class PathFollower:
         behind, beside = abs(error[0]), abs(error[1]) + self._radius * abs(turned)
         if self._sideways:
             behind, beside = behind + beside, 0.0
-        most *= max(1.0 - behind / slack, 0.0) * max(1.0 - beside / slack, _COMING_BACK)
+        most *= max(1.0 - behind / slack, 0.0) * max(1.0 - beside / slack, _RETURN_SPEED)
         self._rate = min(most, self._rate + self._acceleration * step)
         self.gone = min(self.gone + self._rate * step, self._path.length)
         if self.gone >= self._path.length:

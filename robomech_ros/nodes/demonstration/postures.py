@@ -16,7 +16,7 @@ _MOST_SLIDE = 0.4
 # Where a slide has no limits, rad or m either side of 0.
 _UNLIMITED = {False: np.pi, True: 0.5}
 # The two must be apart by this part of the largest distance among the candidates.
-_APART = 0.4
+_SEPARATION = 0.4
 
 
 class NoPostureError(RobomechError):
@@ -54,7 +54,7 @@ def pick_and_place(chain: SerialChain) -> tuple[Array, Array]:
     distance = np.linalg.norm(tips - tips[pick], axis=1)
     if distance.max() == 0.0:
         raise NoPostureError(f"the tip of robot '{chain.name}' does not move")
-    apart = distance >= _APART * distance.max()
+    apart = distance >= _SEPARATION * distance.max()
     place = int(np.argmax(np.where(apart, dexterity, -1.0)))
     return q[pick], q[place]
 

@@ -21,9 +21,9 @@ from robomech_ros.typing import Array, BoolArray
 
 _DEPTH = 1000
 # So often (s) a twist is sent.
-_SENT = 0.05
+_TWIST_PERIOD = 0.05
 # So much longer than planned (s, and parts of the plan) a walk may take.
-_PATIENCE, _LONGER = 60.0, 3.0
+_PATIENCE, _TIME_FACTOR = 60.0, 3.0
 
 
 class Walk:
@@ -98,11 +98,11 @@ class Walk:
             It does not arrive, or does not stop.
         """
         begin, started = rigid_inverse(self._poses[-1][1]), self._now()
-        patience = _PATIENCE + _LONGER * seconds
+        patience = _PATIENCE + _TIME_FACTOR * seconds
 
         def look() -> None:
             now = self._now()
-            if self._sent and now < self._sent[-1][0] + _SENT:
+            if self._sent and now < self._sent[-1][0] + _TWIST_PERIOD:
                 return
             stamp, trunk = self._poses[-1]
             away = begin @ trunk

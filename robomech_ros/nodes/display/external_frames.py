@@ -25,7 +25,7 @@ SILENCE, BY_CHANCE = 3.0, 1.0
 # robot may have to move.
 _DEPTH = 40
 # So many of its own messages may still be on their way to itself.
-_AWAITED = 500
+_MAX_AWAITED = 500
 # Frames are published from this look on, later where others are on /tf: a robot_state_publisher
 # needs joint_states before it says anything.
 FIRST, FIRST_BESIDE_OTHERS = 2, 4
@@ -88,7 +88,7 @@ class MovingFrames:
                 self._received.update(dict.fromkeys(frames, self._publisher.turns))
         # What is older will not arrive any more, even on a busy machine.
         waiting = [(what, n) for what, n in own.items() if n > 0]
-        self._own = Counter(dict(waiting[-_AWAITED:]))
+        self._own = Counter(dict(waiting[-_MAX_AWAITED:]))
 
 
 class FixedFrames:

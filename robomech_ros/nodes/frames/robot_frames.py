@@ -27,9 +27,9 @@ Positions = Mapping[str, Any]
 
 # Some senders date their news ahead, so that they hold until the next ones; from farther ahead, s,
 # they would never get too old.
-_AHEAD = WINDOW / NANO
+_MAX_AHEAD = WINDOW / NANO
 # A frame that nobody speaks of is waited for no longer, s, once others are heard of.
-_NOWHERE = 0.5
+_UNKNOWN_FRAME_WAIT = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +145,7 @@ class RobotFrames:
             except NoTransformError as error:
                 end = begun + patience
                 if self.model.full_frame(frame) not in self._listener.tree:
-                    end = min(end, max(begun, self._listener.receiving_since) + _NOWHERE)
+                    end = min(end, max(begun, self._listener.receiving_since) + _UNKNOWN_FRAME_WAIT)
                 if not error.may_come or time.monotonic() >= end:
                     raise self._unavailable(frame, error) from None
             await pause(self._node)
@@ -265,10 +265,10 @@ class RobotFrames:
                     f"what tf last said of {found.slowest!r} is {age:.4g} s old, expected at most "
                     f"{most:g} s, the parameter max_transform_age"
                 )
-            if age < -_AHEAD:
+            if age < -_MAX_AHEAD:
                 raise NoTransformError(
                     f"what tf last said of {found.slowest!r} is {-age:.4g} s ahead of the time "
-                    f"here, expected at most {_AHEAD:g} s: two clocks differ"
+                    f"here, expected at most {_MAX_AHEAD:g} s: two clocks differ"
                 )
         offset = found.pose if place.offset is None else place.offset @ found.pose
         return FrameAttachment(place.chain, offset)

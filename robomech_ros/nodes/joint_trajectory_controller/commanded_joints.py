@@ -37,7 +37,7 @@ from robomech_ros.typing import Array
 _NANO = 1_000_000_000
 # Joints that forces move may overshoot their limits: of position by so much (rad or m), and of
 # velocity by this part.
-_BEYOND, _FASTER = 0.02, 0.2
+_OVERSHOOT, _OVERSPEED = 0.02, 0.2
 
 
 @dataclass
@@ -141,7 +141,7 @@ class CommandedJoints:
         if settings.interpolation_method != SPLINES:
             # The joints step to one point after the other.
             limits = replace(limits, velocity=np.full(len(limits.joint_names), np.inf))
-        overshoot = (_BEYOND, _FASTER) if settings.simulation == DYNAMIC else ()
+        overshoot = (_OVERSHOOT, _OVERSPEED) if settings.simulation == DYNAMIC else ()
         self._check = StateCheck(limits, margin, *overshoot)
         self._accept(self._start)
 

@@ -46,7 +46,7 @@ from robomech_ros.nodes.joint_trajectory_controller.settings import (
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.outcomes import Code
 
-_WHY = "the controller shuts down; the robot holds"
+_SHUTDOWN_TEXT = "the controller shuts down; the robot holds"
 # How long the robot may take to slow down when the node ends, s; then it holds at once.
 _LONGEST_STOP = 2.0
 _STEADY = ClockType.STEADY_TIME
@@ -78,7 +78,7 @@ class Shutdown:
         with self._lock:
             self._standing = standing
             for joints in self._commanded:
-                joints.close(_WHY)
+                joints.close(_SHUTDOWN_TEXT)
             self.look()
         await standing
         self._node.destroy_timer(deadline)
@@ -94,7 +94,7 @@ class Shutdown:
         with self._lock:
             for joints in self._commanded:
                 if joints.follower.phase is not Phase.HOLDING:
-                    joints.follower.halt(Code.PREEMPTED, _WHY)
+                    joints.follower.halt(Code.PREEMPTED, _SHUTDOWN_TEXT)
             self.look()
 
 

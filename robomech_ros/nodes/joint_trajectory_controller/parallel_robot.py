@@ -34,9 +34,9 @@ from robomech_ros.trajectory.waypoints import Waypoints
 from robomech_ros.typing import Array
 
 # Passive joints that a trajectory names may be off by this (rad, m).
-_AGREES = 1e-3
+_PASSIVE_TOLERANCE = 1e-3
 # A trajectory of few points is looked at in so many places at least, along its curve.
-_PLACES = 200
+_MIN_SAMPLES = 200
 _TURN = 2.0 * math.pi
 
 
@@ -80,7 +80,7 @@ def checked_drives(
     )
     whole = completed(drives, at_rest(posture[mechanism.drive_index]))
     # Between points, too, where they are few.
-    between = math.ceil(_PLACES / len(whole.times))
+    between = math.ceil(_MIN_SAMPLES / len(whole.times))
     parts = [np.linspace(a, b, between, endpoint=False) for a, b in pairwise(whole.times)]
     times = np.concatenate([*parts, whole.times[-1:]])
     followed = follow_drives(mechanism, whole.curve.sample(times).position, posture)
@@ -120,7 +120,7 @@ def _require_agreement(
     apart = given - rows[:, index]
     turns = mechanism.types[index] != PRISMATIC
     apart = np.abs(np.where(turns, apart - _TURN * np.round(apart / _TURN), apart))
-    bad = np.argwhere(apart > _AGREES)
+    bad = np.argwhere(apart > _PASSIVE_TOLERANCE)
     if not len(bad):
         return
     k = int(bad[0, 0])

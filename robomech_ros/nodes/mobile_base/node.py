@@ -30,7 +30,7 @@ from robomech_ros.nodes.process.run import run_node
 # Updates that are made up for at once; a base that was held up for longer goes on from where it is.
 _MOST_UPDATES = 100
 # Wheels that contradict each other by more than this (m/s) are worth a warning.
-_SLIPS = 1e-3
+_SLIP_WARNING = 1e-3
 
 
 class MobileBaseNode(Node):
@@ -126,7 +126,7 @@ class MobileBaseNode(Node):
         summary = "moves" if base.motion.twist.any() else "stands"
         summary += ", without commands" if base.timed_out else ""
         trouble = self._intake.refusal or (f"limited by {limits}" if limits else "")
-        if slip > _SLIPS:
+        if slip > _SLIP_WARNING:
             trouble = trouble or f"wheels slip by {slip:.3g} m/s"
         values = {
             "slip (m/s)": f"{slip:.6g}",

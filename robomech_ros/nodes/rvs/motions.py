@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 _AUTOMATIC = "auto_execute"
 # How long answers may take (s): about parameters, of the planner, and of who executes a motion.
-_BRIEFLY, _PLANNING, _MOVING = 5.0, 120.0, float("inf")
+_PARAMETER_TIMEOUT, _PLANNING_TIMEOUT, _MOTION_TIMEOUT = 5.0, 120.0, float("inf")
 
 
 class Motions:
@@ -85,7 +85,7 @@ class Motions:
         def planned(number: int, answer: Any, seconds: float) -> None:
             self._view.show_result(f"Executing a motion of {seconds:.2f} s ...")
             asked = Execute.Request(trajectory=answer.trajectory)
-            self._call(number, self._executor, asked, executed, _MOVING)
+            self._call(number, self._executor, asked, executed, _MOTION_TIMEOUT)
 
         def executed(answer: Any) -> None:
             if not self._said_no("The motion ended early", answer):
@@ -106,7 +106,7 @@ class Motions:
                     self._show_plan(answer.trajectory)
                     take(number, answer, seconds)
 
-            self._call(number, self._planner, request, planned, _PLANNING)
+            self._call(number, self._planner, request, planned, _PLANNING_TIMEOUT)
 
     def stop(self) -> None:
         """Stop whatever moves the robot."""
@@ -129,7 +129,7 @@ class Motions:
             self._look_whether_automatic()
 
         with self._lock:
-            self._call(self._begin("Setting ..."), self._writer, request, done, _BRIEFLY)
+            self._call(self._begin("Setting ..."), self._writer, request, done, _PARAMETER_TIMEOUT)
 
     def look(self) -> None:
         """Look whether plans wait, and whether who is to answer is still there."""
@@ -152,7 +152,7 @@ class Motions:
             self._looking = False
 
         request = GetParameters.Request(names=[_AUTOMATIC])
-        self._requests.send(self._reader, request, take, give_up, _BRIEFLY)
+        self._requests.send(self._reader, request, take, give_up, _PARAMETER_TIMEOUT)
 
     def _begin(self, text: str) -> int:
         self._number += 1

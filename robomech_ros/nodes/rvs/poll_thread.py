@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from robomech_ros.rvs.page.live.live_page import LivePage
 
 # How often it is looked whether somebody looks, and whether states are old (s).
-_IDLE, _SELDOM = 0.2, 0.1
+_IDLE_WAIT, _FAULT_PERIOD = 0.2, 0.1
 # Messages that wait at the most; the latest counts.
 DEPTH = 10
 
@@ -74,7 +74,7 @@ class PollThread(ABC):
         if updates > self._updates:
             self._updates, self._updated_at = updates, now
         self.show(now)
-        if now - self._looked_at >= _SELDOM:
+        if now - self._looked_at >= _FAULT_PERIOD:
             self._looked_at = now
             self.condition = self.fault(now)
             self._page.show_state(self.condition)
@@ -82,7 +82,7 @@ class PollThread(ABC):
     def _run(self) -> None:
         due = time.monotonic()
         while not self._closing.is_set():
-            if not self._page.wait_for_viewer(_IDLE):
+            if not self._page.wait_for_viewer(_IDLE_WAIT):
                 self.condition = ""
                 continue
             now = time.monotonic()

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from robomech_ros.rvs.layers.live import LiveLayer
 
 # At rest the servo speaks once a second.
-_SERVO_GONE = 3.0
+_SERVO_TIMEOUT = 3.0
 
 
 class StateFeed(PollThread):
@@ -57,7 +57,7 @@ class StateFeed(PollThread):
     @property
     def servo_is_silent(self) -> bool:
         """Whether the servo was heard of, and is no more, while somebody looks."""
-        return math.isfinite(self._servo_at) and self._since_servo > _SERVO_GONE
+        return math.isfinite(self._servo_at) and self._since_servo > _SERVO_TIMEOUT
 
     @property
     def _since_servo(self) -> float:
@@ -73,7 +73,7 @@ class StateFeed(PollThread):
         """Show what the servo says, and say what is wrong with the joint states."""
         for status in self._inbox.take():
             self._servo, self._servo_at = servo_news(status), now
-        self._view.show_servo(None if self._since_servo > _SERVO_GONE else self._servo)
+        self._view.show_servo(None if self._since_servo > _SERVO_TIMEOUT else self._servo)
         age = now - self._updated_at
         if age <= self._settings.state_timeout:
             return ""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from robomech_ros.rvs.layers.live import LiveLayer
 
 # From when on somebody who does not answer is named, and how long the answer still counts (s).
-_SOON, _PATIENCE = 2.0, 60.0
+_LATE_AFTER, _PATIENCE = 2.0, 60.0
 
 
 class StopClient:
@@ -72,7 +72,7 @@ class StopClient:
 
     @property
     def _late(self) -> bool:
-        return time.monotonic() > self._since + _SOON
+        return time.monotonic() > self._since + _LATE_AFTER
 
     def _send(self, number: int, client: Client) -> None:
         name = self._requests.name(client)

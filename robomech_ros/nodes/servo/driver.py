@@ -21,9 +21,9 @@ from robomech_ros.servo.commands import Command
 from robomech_ros.servo.servo import Servo
 
 # How long the robot is left alone after it did not follow (s).
-_LEFT_ALONE = 0.5
+_PAUSE_AFTER_FAULT = 0.5
 # A joint that is slower than this part of its limit stands.
-_STANDING = 0.01
+_STANDSTILL_PART = 0.01
 
 
 class Driver:
@@ -175,7 +175,7 @@ class Driver:
                 self._status.publish(now, why=self._joints.why_no_state())
             return False
         if self._fault is not None:
-            if (np.abs(state[1]) > _STANDING * self._servo.limits.velocity).any():
+            if (np.abs(state[1]) > _STANDSTILL_PART * self._servo.limits.velocity).any():
                 self._report_fault(now)
                 return False
             self._fault = None
@@ -189,7 +189,7 @@ class Driver:
         self._servo.end()
         self._servo.forget()
         self._fault = fault._replace(why=f"{fault.why}; the stream has stopped")
-        self._left_alone_until = now + _LEFT_ALONE
+        self._left_alone_until = now + _PAUSE_AFTER_FAULT
         self._log.warning(self._fault.why)
         self._report_fault(now)
 

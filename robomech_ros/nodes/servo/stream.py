@@ -15,9 +15,9 @@ from robomech_ros.servo.servo import Servo
 from robomech_ros.typing import Array
 
 # A knot that is nearer than this part of a period is too near for the controller to get it in time.
-_IN_TIME = 0.2
+_MIN_LEAD = 0.2
 # Ends of two messages that differ by less are the same (rad or m).
-_SAME = 1e-6
+_END_TOLERANCE = 1e-6
 
 
 class StreamPublisher:
@@ -72,7 +72,7 @@ class StreamPublisher:
 
     def catch_up(self, now: float) -> None:
         """After a delay of the node, brake as the controller already does."""
-        earliest = now + _IN_TIME * self.period
+        earliest = now + _MIN_LEAD * self.period
         while self._knot < earliest and not self._servo.motion.at_rest:
             self._servo.motion.brake()
             self._knot += self.period
@@ -112,7 +112,7 @@ class StreamPublisher:
     def has_news(self) -> bool:
         """Whether the stream ends elsewhere than the last message."""
         end = self._servo.samples().positions[-1]
-        return self._end is None or bool(np.abs(end - self._end).max() > _SAME)
+        return self._end is None or bool(np.abs(end - self._end).max() > _END_TOLERANCE)
 
     def publish(self, now: float) -> tuple[float, Array]:
         """Publish the stream; its stamp is no later than now, so that it counts at once.

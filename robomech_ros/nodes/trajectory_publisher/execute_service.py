@@ -53,7 +53,7 @@ class ExecuteService:
 
     @guarded
     async def _execute(self, request: Any, response: Any) -> Any:
-        if _asks_for_latest(request.trajectory) and not await self._plans.next_on_its_way():
+        if _asks_for_latest(request.trajectory) and not await self._plans.wait_for_plan():
             return answer(response, Code.PREEMPTED, f"not sent: {CANCELLED}")
         execution = self._execution(request.trajectory)
         before = execution.report is not None and execution is self._plans.latest

@@ -29,7 +29,7 @@ _NAMES = {
     if name.isupper() and isinstance(getattr(_RESULT, name), int)
 }
 # What joint_trajectory_controller says when there is nothing to say.
-_NOTHING = "Goal successfully reached!"
+_DEFAULT_TEXT = "Goal successfully reached!"
 
 
 class FollowGoals:
@@ -56,7 +56,7 @@ class FollowGoals:
         """
         given, text = int(result.error_code), str(result.error_string)
         if status == GoalStatus.STATUS_SUCCEEDED and given == _RESULT.SUCCESSFUL:
-            return MotionResult(Code.NONE, "" if text == _NOTHING else text)
+            return MotionResult(Code.NONE, "" if text == _DEFAULT_TEXT else text)
         name = _NAMES.get(given, f"error code {given}")
         if status == GoalStatus.STATUS_CANCELED:
             return MotionResult(Code.PREEMPTED, text or "the goal was cancelled")

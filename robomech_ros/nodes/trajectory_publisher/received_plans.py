@@ -25,7 +25,7 @@ TOPIC = "planned_trajectory"
 _DEPTH = 100
 # A request for the latest plan overtakes the plan itself by no more than this, s: they come by
 # different ways.
-_ON_ITS_WAY = 0.1
+_ARRIVAL_WAIT = 0.1
 
 
 class ReceivedPlans:
@@ -76,7 +76,7 @@ class ReceivedPlans:
         automatic = self._table.settings.auto_execute
         return automatic and latest is not None and bool(latest.trajectory == trajectory)
 
-    async def next_on_its_way(self) -> bool:
+    async def wait_for_plan(self) -> bool:
         """Wait a moment for a plan that was made before a request but has not arrived.
 
         Returns
@@ -88,7 +88,7 @@ class ReceivedPlans:
             self._next = Future()
         before = self._given_up
         self._waiting += 1
-        await ended_within(self._node, self._next, _ON_ITS_WAY)
+        await ended_within(self._node, self._next, _ARRIVAL_WAIT)
         self._waiting -= 1
         return self._given_up == before
 

@@ -23,11 +23,11 @@ from robomech_ros.servo.motion import Samples
 from robomech_ros.walking import Walker
 
 # A robot whose joints are all this near to where the walk has them stands there (rad or m).
-_THERE = 0.02
+_HOME_TOLERANCE = 0.02
 # A joint that is slower than this part of its limit stands.
-_STANDING = 0.01
+_STANDSTILL_PART = 0.01
 # So often (s) the controller gets a new message.
-_RENEWED = 0.05
+_MESSAGE_PERIOD = 0.05
 # So much longer than planned a rise may take (s).
 _PATIENCE = 1.0
 
@@ -79,7 +79,7 @@ class Driver:
         if stream.moves:
             if not self._streams:
                 self._joints.begin(now)
-            if not self._streams or now > self._sent + _RENEWED:
+            if not self._streams or now > self._sent + _MESSAGE_PERIOD:
                 self._send(stream.samples(), knot.time)
                 self._sent = now
             self._streams = True
@@ -103,9 +103,9 @@ class Driver:
             return False
         position, rates = state
         robot = self._walker.robot
-        if (np.abs(rates) > _STANDING * robot.velocity).any():
+        if (np.abs(rates) > _STANDSTILL_PART * robot.velocity).any():
             return False
-        at_home = np.abs(position - robot.home).max() <= _THERE
+        at_home = np.abs(position - robot.home).max() <= _HOME_TOLERANCE
         if at_home or self._stream.resume(now, position):
             if at_home:
                 self._stream.begin(now)

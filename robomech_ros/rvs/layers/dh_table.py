@@ -30,7 +30,7 @@ _CELL = (
     "text-align:right"
 )
 # Digits that a field has room for, and what is rounding of 0 (m or rad).
-_DIGITS, _NOTHING = 6, 1e-12
+_DIGITS, _ROUNDING = 6, 1e-12
 NO_TABLE = "No table: joints of this arm follow others (mimic)."
 
 
@@ -80,7 +80,7 @@ def dh_rows(
 
 def _number(value: float) -> str:
     """Write a number so short that a field shows all of it."""
-    return "0" if abs(value) < _NOTHING else f"{value:.{_DIGITS}g}"
+    return "0" if abs(value) < _ROUNDING else f"{value:.{_DIGITS}g}"
 
 
 class DHTableLayer(Layer):

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from robomech_ros.rvs.layers.live_mobile_robot import LiveMobileRobotLayer
 
 # Diagnostics that wait at the most: they come from many nodes.
-_MANY = 100
+_REPORT_DEPTH = 100
 # The margin that walking machines keep, until they say so themselves (m).
 _BOUND = 0.01
 
@@ -54,7 +54,7 @@ class MobileRobotFeed(PollThread):
         super().__init__(node, settings, view, mobile_robot.followed.joints)
         self._view, self._robot = view, mobile_robot
         self._odometry = Inbox(node, Odometry, mobile_robot.odometry, DEPTH)
-        self._reports = Inbox(node, DiagnosticArray, TOPIC, _MANY)
+        self._reports = Inbox(node, DiagnosticArray, TOPIC, _REPORT_DEPTH)
         self._reporter = node.resolve_topic_name(mobile_robot.node).lstrip("/")
         self._contacts = self._margins = None
         if mobile_robot.legged is not None:
