@@ -133,7 +133,7 @@ def test_stop_stops_and_says_why_the_motion_ended(suite, arm):
 def test_what_waits_when_stop_is_clicked_is_not_done(suite, arm, what):
     goal_beside(suite, arm, 0.25)
     start, held, free = arm.position, threading.Event(), threading.Event()
-    suite.page._run("hold the page up", lambda: held.set() or free.wait(60.0))
+    suite.page._worker.submit("hold the page up", lambda: held.set() or free.wait(60.0))
     assert held.wait(60.0)
     try:
         suite.click(what)
@@ -157,7 +157,7 @@ def test_what_waits_when_command_is_lost_is_not_done(suite, arm, what, kind):
     wait_until(lambda: suite.page._audience._watching)
     ((number, (_, button)),) = suite.page._audience._watching.items()
     start, held, free = arm.position, threading.Event(), threading.Event()
-    suite.page._run("hold the page up", lambda: held.set() or free.wait(60.0))
+    suite.page._worker.submit("hold the page up", lambda: held.set() or free.wait(60.0))
     assert held.wait(60.0)
     try:
         other.set(button, True)
