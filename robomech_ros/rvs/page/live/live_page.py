@@ -45,7 +45,7 @@ class LivePage(Layer):
 
         @stop.on_click
         async def _(_: Any) -> None:
-            robot.stop()
+            self._stop()
 
         place.server.on_client_connect(self._connected)
         place.server.on_client_disconnect(self._disconnected)
@@ -57,6 +57,9 @@ class LivePage(Layer):
     def refuse(self, error: BadValueError) -> None:
         """Say that something was refused."""
         self.show_result(f"Refused: {error}", failed=True)
+
+    def _stop(self) -> None:
+        self._running.stop()
 
     async def _connected(self, client: Any) -> None:
         self._clients.add(client.client_id)
