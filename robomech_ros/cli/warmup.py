@@ -17,19 +17,28 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from robomech_ros._kernels.compiling.sources import PACKAGE, sources
 from robomech_ros.cli.kernel_cache import compiled, prune
+from robomech_ros.errors import RobomechError
+from robomech_ros.robots import load_robot
 from robomech_ros.robots.robot_kinds import ARM, KINDS, check_name, kind_of
 
 _INSTALLATION = Path(__file__).resolve().parents[1]
 
-# Folders of kernels that only some demonstrations use, by the kind of robot.
-_FOLDERS = {
+_REDUNDANT = tuple(
+    f"inverse.redundant.{name}"
+    for name in ("arm_angle", "crossings", "nearest", "samples", "settling", "solutions", "tracing")
+)
+# Kernels that only some demonstrations use, by the kind of robot: folders and modules.
+_USED_BY = {
     "parallel": ("parallel", "loops"),
     "rolling": ("rolling",),
     "walking": ("walking", "loops"),
-    "hand": ("hands",),
+    "hand": ("hands", "kinetostatics.rates"),
     "calibration": ("calibration",),
 }
-_SPECIAL = {"servo"}.union(*_FOLDERS.values())
+_SPECIAL = {
+    *("servo", "dynamics.derivatives", "dynamics.regressor", "inverse.cheapest_moves"),
+    *("spatial.points", *_REDUNDANT),
+}.union(*_USED_BY.values())
 
 # Seconds.
 _NOTICEABLE = 1.5
@@ -49,10 +58,20 @@ def kernel_modules() -> tuple[str, ...]:
     return sources().modules()
 
 
-def demonstration_modules(kind: str) -> tuple[str, ...]:
-    """List the modules with kernels that the demonstration of a robot of a kind uses."""
-    unused = _SPECIAL - set(_FOLDERS.get(kind, ()))
-    return tuple(name for name in kernel_modules() if name.partition(".")[0] not in unused)
+def demonstration_modules(robot: str, kind: str) -> tuple[str, ...]:
+    """List the modules with kernels that the demonstration of a robot uses."""
+    used = {*_USED_BY.get(kind, ()), *(_REDUNDANT if _is_redundant(robot) else ())}
+    unused = tuple(f"{name}." for name in _SPECIAL - used)
+    return tuple(name for name in kernel_modules() if not f"{name}.".startswith(unused))
+
+
+def _is_redundant(robot: str) -> bool:
+    """Whether a robot is an arm of more than six joints."""
+    try:
+        return load_robot(robot).n > 6
+    except RobomechError:
+        # No arm, or one that the demonstration refuses.
+        return False
 
 
 def run(args: argparse.Namespace) -> int:
@@ -60,7 +79,7 @@ def run(args: argparse.Namespace) -> int:
     chosen = None
     if args.robot is not None:
         check_name(args.robot, (ARM, *KINDS))
-        chosen = demonstration_modules(kind_of(args.robot))
+        chosen = demonstration_modules(args.robot, kind_of(args.robot))
     warm(chosen, silent=args.quiet)
     return 0
 

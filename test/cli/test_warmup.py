@@ -25,17 +25,26 @@ def test_only_what_is_stale_is_compiled(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("kind", "used", "unused"),
+    ("robot", "kind", "used", "unused"),
     [
-        ("", "inverse", {"parallel", "loops", "rolling", "walking", "hands", "calibration"}),
-        ("parallel", "loops", {"rolling", "walking", "hands", "calibration"}),
-        ("walking", "walking", {"parallel", "rolling", "hands", "calibration"}),
+        ("ur5e", "", "inverse", {"parallel", "loops", "rolling", "walking", "hands"}),
+        ("ur5e", "calibration", "calibration", {"parallel", "rolling", "walking", "hands"}),
+        ("delta", "parallel", "loops", {"rolling", "walking", "hands", "calibration"}),
+        ("hexapod", "walking", "walking", {"parallel", "rolling", "hands", "calibration"}),
     ],
 )
-def test_a_demonstration_needs_no_kernels_of_other_kinds(kind, used, unused):
-    folders = {name.partition(".")[0] for name in warmup.demonstration_modules(kind)}
+def test_a_demonstration_needs_no_kernels_of_other_kinds(robot, kind, used, unused):
+    folders = {name.partition(".")[0] for name in warmup.demonstration_modules(robot, kind)}
     assert used in folders
     assert not folders & (unused | {"servo"})
+
+
+def test_only_redundant_arms_need_the_kernels_of_self_motions():
+    """They take a quarter of the time that all of an arm need."""
+    for robot, needed in (("panda", True), ("puma560", False), ("nonsense", False)):
+        names = warmup.demonstration_modules(robot, "")
+        assert ("inverse.redundant.tracing" in names) == needed
+        assert {"inverse.redundant.layout", "inverse.solutions"} <= set(names)
 
 
 def test_a_robot_that_is_not_there_is_refused_by_name():

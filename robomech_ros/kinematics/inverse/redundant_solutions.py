@@ -1,12 +1,13 @@
 """Solutions of redundant arms: samples of the self-motion, nearest to the seed first."""
 
+from collections.abc import Callable
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.inverse.redundant import layout as at
-from robomech_ros._kernels.inverse.redundant.solutions import solve_redundant
 from robomech_ros.kinematics.inverse.closed_form import rank_solutions
 from robomech_ros.kinematics.inverse.families.selection import Family
 from robomech_ros.kinematics.inverse.request import Request
@@ -16,7 +17,13 @@ from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.typing import Array, IntArray
 
-_solve = direct(solve_redundant)
+
+@lru_cache(maxsize=1)
+def _solver() -> Callable[..., Any]:
+    """Load the kernel when it is needed: it takes half a minute to compile."""
+    from robomech_ros._kernels.inverse.redundant.solutions import solve_redundant
+
+    return direct(solve_redundant)
 
 
 def solve_by_sampling(
@@ -65,7 +72,7 @@ def sample_self_motions(
     names, distances = np.empty(room, np.int64), np.empty(room)
     counts = np.empty(len(T), np.int64)
     asked = request.metric, request.respect_limits, room == 1, traced
-    _solve(family.arm, T, request.seed, asked, ranked, names, distances, counts)
+    _solver()(family.arm, T, request.seed, asked, ranked, names, distances, counts)
     return ranked, counts, names, distances
 
 

@@ -53,4 +53,4 @@ def run(args: argparse.Namespace) -> int:
 
         session.demonstrate_calibration(args.robot, args.type, args.samples, noise, args.output)
 
-    return run_demonstration("calibrate-demo", "calibration", demonstration)
+    return run_demonstration("calibrate-demo", args.robot, "calibration", demonstration)

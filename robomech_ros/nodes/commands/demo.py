@@ -100,14 +100,16 @@ def run(args: argparse.Namespace) -> int:
         payload = args.payload if args.dynamic else None
         demonstrate(Which(args.robot, args.srdf, args.group), args.output, payload)
 
-    return run_demonstration("demo", kind_of(args.robot), demonstration)
+    return run_demonstration("demo", args.robot, kind_of(args.robot), demonstration)
 
 
-def run_demonstration(command: str, kind: str, demonstration: Callable[[], None]) -> int:
-    """Run the demonstration of a kind of robot; returns 0 if every step of it succeeded, else 1."""
+def run_demonstration(
+    command: str, robot: str, kind: str, demonstration: Callable[[], None]
+) -> int:
+    """Run the demonstration of a robot; returns 0 if every step of it succeeded, else 1."""
     # Contexts are left in order on SIGTERM, too: no node outlives the demonstration.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
-    warm(demonstration_modules(kind), silent_if_quick=True)
+    warm(demonstration_modules(robot, kind), silent_if_quick=True)
     from robomech_ros.nodes.demonstration.suite import DemoFailedError
 
     try:

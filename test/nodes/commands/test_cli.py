@@ -403,8 +403,10 @@ def test_the_demonstration_of_an_arm_loads_only_the_kernels_that_are_compiled_fo
     code = (
         "import sys; from robomech_ros.nodes.demonstration import session; "
         "from robomech_ros.rvs.page import recording; "
+        "import robomech_ros.nodes.dynamics.node, robomech_ros.nodes.kinematics.node; "
+        "import robomech_ros.nodes.trajectory_planner.node; "
         "from robomech_ros.cli.warmup import demonstration_modules, kernel_modules; "
-        "others = set(kernel_modules()) - set(demonstration_modules('')); "
+        "others = set(kernel_modules()) - set(demonstration_modules('puma560', '')); "
         "print([one for one in others if f'robomech_ros._kernels.{one}' in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
