@@ -35,14 +35,11 @@ PARALLEL := -n auto --maxprocesses 8 -rs $(LONGEST)
 # A test of what takes the rest may wait minutes for the processor; the limit is for those that never end.
 PATIENT := --timeout 1800
 COMPUTING := $(PARALLEL) $(PATIENT) --ignore=test/nodes --ignore=test/installed --ignore=test/rvs
-# What depends on the clock may fail where another process takes the machine for a moment: it is run up to twice more,
-# a moment later, and the summary names it. A defect fails each time.
-AGAIN := --reruns 2 --reruns-delay 3 -rsR
-ANSWERING := $(PARALLEL) $(AGAIN) --ignore=test/nodes/motion test/nodes test/rvs
+ANSWERING := $(PARALLEL) --ignore=test/nodes/motion test/nodes test/rvs
 # Two workers, as robots mostly wait. Where Fast DDS takes a process down while a participant leaves, the test that ran
-# is named and run again, and the others go on; not so with --dist loadgroup, which then hangs.
-MOVING := -n 2 $(LONGEST) $(AGAIN) test/nodes/motion
-INSTALLED := $(PARALLEL) $(AGAIN) test/installed
+# is named, and the others go on; not so with --dist loadgroup, which then hangs.
+MOVING := -n 2 -rs $(LONGEST) test/nodes/motion
+INSTALLED := $(PARALLEL) test/installed
 # What takes long without computing: robots that move, browsers, processes.
 QUICK := --ignore=test/nodes/motion --ignore=test/rvs/in_chromium --ignore=test/installed
 LEFT := $(if $(shell command -v chrt),chrt --idle 0,nice -n 19)
