@@ -19,6 +19,7 @@ from robomech_ros.robots.chain_layout import pack_chain
 sys.path.insert(0, str(Path(__file__).parent))
 
 GOLDEN = Path(__file__).parent / "data" / "golden"
+LOOPBACK = Path(__file__).parent / "data" / "loopback.xml"
 
 
 def pytest_addoption(parser):
@@ -50,7 +51,10 @@ def own_network():
     """Keep what the tests start on this machine, and in a ROS domain of this run alone."""
     with free_domain() as number:
         os.environ["ROS_DOMAIN_ID"] = str(number)
-        os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+        os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SYSTEM_DEFAULT"
+        # Kilted and Jazzy.
+        for middleware in ("FASTDDS", "FASTRTPS"):
+            os.environ[f"{middleware}_DEFAULT_PROFILES_FILE"] = str(LOOPBACK)
         yield
 
 

@@ -95,7 +95,7 @@ def clean_environment(**more: str) -> dict[str, str]:
 @pytest.fixture
 def network(domain_id: int) -> dict[str, str]:
     """Return the variables that place a process in the test's own corner of the network."""
-    return {"ROS_DOMAIN_ID": str(domain_id), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    return {"ROS_DOMAIN_ID": str(domain_id)}
 
 
 @pytest.fixture
