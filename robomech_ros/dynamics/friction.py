@@ -60,11 +60,11 @@ def friction_torque(chain: SerialChain, qd: ArrayLike) -> Array:
         return _finite(chain, qd, friction_of_rates(friction_model(chain), qd))
 
 
-def friction_of_rates(rows: Array, qd: Array) -> Array:
-    """Compute the friction of joints, for the rows of :func:`friction_model`."""
+def friction_of_rates(rows: Array, qd: Array, senses: Array | None = None) -> Array:
+    """Compute the friction of joints by the rows of :func:`friction_model`; senses are signs."""
     viscous, coulomb, excess, decay = rows
     dry = coulomb + excess * np.exp(-(np.minimum(np.abs(qd) * decay, 30.0) ** 2))
-    return viscous * qd + dry * np.sign(qd)
+    return viscous * qd + dry * (np.sign(qd) if senses is None else senses)
 
 
 def dissipation(chain: SerialChain, qd: ArrayLike) -> Array:

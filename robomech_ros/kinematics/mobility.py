@@ -46,8 +46,13 @@ def sampled_jacobians(chain: SerialChain, size: float) -> Array:
     """Return the Jacobians (16, 6, n) of some postures, linear rows over a size (m)."""
     q = np.random.default_rng(0).uniform(-math.pi, math.pi, (16, chain.n))
     q[:, chain.types == PRISMATIC] *= size
-    J = np.empty((len(q), 6, chain.n))
-    jacobian(chain.packed, q, J, np.empty((4, 4)))
+    return scaled_jacobians(chain.packed, q, size)
+
+
+def scaled_jacobians(packed: Array, q: Array, size: float) -> Array:
+    """Return the Jacobians (m, 6, n) of a packed chain at q (m, n), linear rows over a size (m)."""
+    J = np.empty((len(q), 6, q.shape[1]))
+    jacobian(packed, q, J, np.empty((4, 4)))
     J[:, 3:] /= size
     return J
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from robomech_ros.dynamics.friction import friction_of_rates
 from robomech_ros.dynamics.systems import CompiledForward, DynamicSystem, LostPostureError
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.spatial.arrays import real_array
@@ -70,11 +71,10 @@ class EquationsOfMotion:
         """Return the efforts (m,) that the friction of all joints takes at rates (m,)."""
         if not self._rough:
             return np.zeros_like(rates)
-        viscous, coulomb, excess, decay = self.system.friction_rows
         N = self.system.complement(q)
         qd = N @ rates
-        dry = coulomb + excess * np.exp(-(np.minimum(np.abs(qd) * decay, 26.0) ** 2))
-        return N.T @ (viscous * qd + dry * np.tanh(qd / self.rest_rate))
+        senses = np.tanh(qd / self.rest_rate)
+        return N.T @ friction_of_rates(self.system.friction_rows, qd, senses)
 
     def requested_torque(self, t: float, q: Array, rates: Array) -> Array:
         """Return the torques (m,) that are asked of the drives, finite or not."""

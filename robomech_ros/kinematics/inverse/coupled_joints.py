@@ -10,6 +10,7 @@ import numpy as np
 from robomech_ros._kernels.inverse.polishing import polish
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
 from robomech_ros._kernels.tolerances import ACCEPTED, SAME_POSTURE
+from robomech_ros.kinematics.inverse.branch_names import largest_difference
 from robomech_ros.kinematics.inverse.closed_form import all_postures
 from robomech_ros.kinematics.inverse.families.merged_axes import MergedArm, merged_arm
 from robomech_ros.kinematics.inverse.families.selection import family_of
@@ -99,20 +100,15 @@ def _postures(arm: MergedArm, T: Array) -> tuple[Array, bool] | None:
 def _inversion(chain: SerialChain, arm: MergedArm, limited: bool) -> _Inversion | None:
     """Choose the joints of the arm that give the drives; None where none do."""
     p, n = arm.rows.shape
-    best: tuple[float, list[int], Array] | None = None
-    for joints in map(list, itertools.combinations(range(p), n)):
-        part = arm.rows[joints]
-        if abs(np.linalg.det(part)) < 1e-6:
-            continue
-        inverse: Array = np.linalg.inv(part).astype(np.float64)
-        broken = float(np.abs(inverse - np.round(inverse)).max())
-        if best is None or broken < best[0]:
-            best = broken, joints, inverse
-    if best is None:
+    choices = map(list, itertools.combinations(range(p), n))
+    regular = [joints for joints in choices if abs(np.linalg.det(arm.rows[joints])) >= 1e-6]
+    if not regular:
         return None
-    _, joints, inverse = best
+    inverses = np.linalg.inv(arm.rows[regular]).astype(np.float64)
+    best = int(np.abs(inverses - np.round(inverses)).max(axis=(1, 2)).argmin())
+    joints, inverse = regular[best], inverses[best]
     bounds = np.where(chain.turns, math.pi, np.maximum(np.abs(chain.lower), np.abs(chain.upper)))
-    listed, choices = True, []
+    listed, turnings = True, []
     for column, joint in enumerate(joints):
         feeds = inverse[:, column] != 0.0
         whole = np.abs(inverse[:, column] - np.round(inverse[:, column])) < 1e-9
@@ -123,10 +119,10 @@ def _inversion(chain: SerialChain, arm: MergedArm, limited: bool) -> _Inversion 
             most = _MOST_TURNS
             if reach < 2.0 * math.pi * _MOST_TURNS:
                 most = math.ceil(reach / (2.0 * math.pi) + 0.5)
-        choices.append(range(-most, most + 1))
-    if math.prod(len(choice) for choice in choices) > _MOST_COMBINATIONS:
+        turnings.append(range(-most, most + 1))
+    if math.prod(map(len, turnings)) > _MOST_COMBINATIONS:
         return None
-    turns = 2.0 * math.pi * np.array(list(itertools.product(*choices)))
+    turns = 2.0 * math.pi * np.array(list(itertools.product(*turnings)))
     return _Inversion(joints, inverse, turns, listed)
 
 
@@ -144,11 +140,8 @@ def _drive_values(
 def _is_new(chain: SerialChain, q: Array, solutions: list[Array]) -> bool:
     """Bring q (n,) to angles within half a turn; tell whether no solution is the same posture."""
     q[chain.turns] = _wrapped(q[chain.turns])
-    for other in solutions:
-        apart = np.where(chain.turns, _wrapped(q - other), q - other)
-        if np.abs(apart).max() < SAME_POSTURE:
-            return False
-    return True
+    known = np.array(solutions).reshape(-1, chain.n)
+    return not (largest_difference(chain, known, q) < SAME_POSTURE).any()
 
 
 def _wrapped(angles: Array) -> Array:

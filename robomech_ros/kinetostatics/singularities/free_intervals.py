@@ -25,6 +25,7 @@ from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeErro
 from robomech_ros.kinematics.joint_values import as_joint_values, check_chain, raise_not_finite
 from robomech_ros.kinetostatics.singularities.distance import singular_posture_from
 from robomech_ros.kinetostatics.singularities.minors import Minors, minors_of
+from robomech_ros.numerics.nonlinear import bisected
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.typing import Array
@@ -226,14 +227,8 @@ class _Search:
         self.signs.setdefault(value > 0.0, q)
         if len(self.signs) < 2:
             return None
-        positive, negative = self.signs[True], self.signs[False]
-        for _ in range(_HALVINGS):
-            between = 0.5 * (positive + negative)
-            if self.minors.at(between)[0] > 0.0:
-                positive = between
-            else:
-                negative = between
-        return negative
+        ends = self.signs[True], self.signs[False]
+        return bisected(*ends, lambda q: self.minors.at(q)[0] > 0.0, _HALVINGS)[1]
 
     def _searched(self, q: Array) -> Array | None:
         """Look for the nearest singular posture, and take it if it is within the intervals."""

@@ -3,6 +3,7 @@
 import numpy as np
 
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
+from robomech_ros.numerics.nonlinear import bisected
 from robomech_ros.typing import Array, BoolArray
 
 # Values of a joint between which it is looked for a change of sign.
@@ -68,14 +69,12 @@ def _singular_values(section: WorkspaceSection, joint: int) -> list[float]:
     change = np.flatnonzero(((f[:-1] > 0.0) != (f[1:] > 0.0)).all(axis=1))
     found = []
     for k in change:
-        low, high = values[k], values[k + 1]
         positive = f[k, 0] > 0.0
-        for _ in range(_BISECTIONS):
-            middle = 0.5 * (low + high)
-            if (products(np.array([middle]))[0, 0] > 0.0) == positive:
-                low = middle
-            else:
-                high = middle
+
+        def before(x: float, positive: bool = positive) -> bool:
+            return bool((products(np.array([x]))[0, 0] > 0.0) == positive)
+
+        low, _ = bisected(values[k], values[k + 1], before, _BISECTIONS)
         if (np.abs(products(np.array([low]))[0]) <= 1e-13 * scale).all():
             found.append(float(low))
     return [] if section.round[joint] and len(found) % 2 else found

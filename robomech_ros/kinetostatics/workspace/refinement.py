@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
+from robomech_ros.numerics.nonlinear import bisected as halved
 from robomech_ros.typing import Array, BoolArray
 
 _PROJECTIONS = 12
@@ -39,11 +40,7 @@ def bisected(
 ) -> tuple[Array, Array]:
     """Halve segments, from low to high (k, 2), of which a function is positive at one end only."""
     start = positive(low)
-    for _ in range(steps):
-        middle = 0.5 * (low + high)
-        before = (positive(middle) == start)[:, None]
-        low, high = np.where(before, middle, low), np.where(before, high, middle)
-    return low, high
+    return halved(low, high, lambda rows: (positive(rows) == start)[:, None], steps)
 
 
 def refined(

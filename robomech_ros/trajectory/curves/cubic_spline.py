@@ -12,7 +12,6 @@ from typing import Literal
 import numpy as np
 
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.curves.quintic_spline import solve_cyclic_block_tridiagonal
 from robomech_ros.typing import Array
 
 CubicEnds = Literal["natural", "clamped", "parabolic", "rest", "periodic"]
@@ -65,7 +64,9 @@ def cubic_spline(
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 6.6.
     """
     if ends == "periodic":
-        return _periodic(x, s)
+        from scipy.interpolate import CubicSpline  # a second and 40 MB that few need
+
+        return PiecewisePolynomial(x, CubicSpline(x, s, bc_type="periodic").c[::-1].copy())
     if ends == "rest" and len(x) == 2:
         # One segment has no room for two ends at rest: through the middle, at half of the time.
         x, s = np.insert(x, 1, x.mean()), np.insert(s, 1, s.mean(axis=0), axis=0)
@@ -83,17 +84,6 @@ def cubic_spline(
         turned = _with_knot_from_rest(-x[::-1], s[::-1], second[::-1])
         x, s, second = -turned[0][::-1], turned[1][::-1], turned[2][::-1]
     return _pieces(x, s, second)
-
-
-def _periodic(x: Array, s: Array) -> PiecewisePolynomial:
-    spans = np.diff(x)
-    slope = np.diff(s, axis=0) / spans[:, None]
-    before = np.roll(spans, 1)
-    diagonal = 2.0 * (before + spans)
-    right = 6.0 * (slope - np.roll(slope, 1, axis=0))
-    lower, middle, upper = (row[:, None, None] for row in (before, diagonal, spans))
-    second = solve_cyclic_block_tridiagonal(lower, middle, upper, right[:, None])[:, 0]
-    return _pieces(x, s, np.concatenate([second, second[:1]]))
 
 
 def _interior(x: Array, s: Array) -> tuple[Array, ...]:

@@ -7,9 +7,10 @@ import numpy as np
 from robomech_ros._kernels.inverse.decoupled import layout as at
 from robomech_ros._kernels.tolerances import IDEALISED_SLACK
 from robomech_ros.kinematics.axis_points import common_point
+from robomech_ros.kinematics.mobility import scaled_jacobians
 from robomech_ros.kinematics.tolerances import ARM_RANK, CONCURRENT, CONCURRENT_EXACT, NEARLY_NAMED
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, joint_transform, unpack_chain
+from robomech_ros.robots.chain_layout import REVOLUTE, pack_chain, shift, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 from robomech_ros.typing import Array, IntArray
 
@@ -129,25 +130,10 @@ def _zxz(R: Array) -> tuple[float, float, float]:
 
 def _largest_determinant(types: IntArray, links: Array, data: Array) -> float:
     """Largest determinant of the wrist centre's Jacobian among some postures."""
-    w = data[at.WRIST : at.WRIST + 3]
+    to_centre = shift(data[at.WRIST : at.WRIST + 3])
+    packed = pack_chain(np.stack([np.eye(4), *links[:2], to_centre]), types)
     postures = np.random.default_rng(0).uniform(-np.pi, np.pi, (32, 3))
-    return max(abs(float(np.linalg.det(_jacobian(types, links, w, q)))) for q in postures)
-
-
-def _jacobian(types: IntArray, links: Array, w: Array, q: Array) -> Array:
-    pose = np.eye(4)
-    frames = []
-    for i in range(3):
-        frames.append(pose)
-        pose = pose @ joint_transform(types[i] == PRISMATIC, q[i])
-        if i < 2:
-            pose = pose @ links[i]
-    c = pose[:3, :3] @ w + pose[:3, 3]
-    columns = [
-        frame[:3, 2] if kind == PRISMATIC else np.cross(frame[:3, 2], c - frame[:3, 3])
-        for kind, frame in zip(types, frames, strict=True)
-    ]
-    return np.column_stack(columns)
+    return float(np.abs(np.linalg.det(scaled_jacobians(packed, postures, 1.0)[:, 3:])).max())
 
 
 def _enter_arm(data: Array, types: IntArray, links: Array) -> bool:

@@ -23,11 +23,12 @@ from robomech_ros.kinematics.inverse.families.six_joints import (
     match_six,
     reversed_transforms,
 )
+from robomech_ros.kinematics.mobility import scaled_jacobians
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import (
     PRISMATIC,
     REVOLUTE,
-    joint_transform,
+    pack_chain,
     shift,
     turn_about_z,
     unpack_chain,
@@ -95,21 +96,9 @@ def _regularity(completed: Completed, size: float) -> float:
     """
     links, kinds, places = completed
     own = np.array(places) != _IMAGINED
-    largest = 0.0
-    for q in np.random.default_rng(0).uniform(-np.pi, np.pi, (8, len(kinds))) * own:
-        pose, frames = links[0], []
-        for kind, value, link in zip(kinds, q, links[1:], strict=True):
-            frames.append(pose)
-            pose = pose @ joint_transform(kind == PRISMATIC, value) @ link
-        J = np.zeros((6, len(kinds)))
-        for column, kind, frame in zip(J.T, kinds, frames, strict=True):
-            axis, arm = frame[:3, 2], (pose[:3, 3] - frame[:3, 3]) / size
-            if kind == PRISMATIC:
-                column[3:] = axis
-            else:
-                column[:3], column[3:] = axis, np.cross(axis, arm)
-        largest = max(largest, abs(float(np.linalg.det(J))))
-    return largest
+    q = np.random.default_rng(0).uniform(-np.pi, np.pi, (8, len(kinds))) * own
+    J = scaled_jacobians(pack_chain(np.array(links), np.array(kinds)), q, size)
+    return float(np.abs(np.linalg.det(J)).max())
 
 
 def _without_closed_form(chain: SerialChain, size: float) -> tuple[SixJointArm, Completed] | None:
