@@ -59,14 +59,10 @@ def rotations_exclude_inverse(fit: Fit, consistent: Array) -> bool:
 def check_convention(fit: Fit, other: Fit, mount: str, robust: bool) -> None:
     """Refuse samples that fit better with the other mount, or with one list of poses inverted.
 
-    Inverting both lists exchanges sensor and target, and fits equally well.  The residuals
-    therefore show that mount, robot poses or sensor poses are wrong, and not which of them.
-
-    Parameters
-    ----------
-    fit, other : Fit
-        Refined with the poses as they are; the initial guess with the robot's poses inverted,
-        which is refined here if it may fit better.
+    Inverting both lists exchanges sensor and target, and fits equally well. The residuals therefore
+    show that mount, robot poses or sensor poses are wrong, and not which of them. ``fit`` is
+    refined with the poses as they are; ``other``, with the robot's poses inverted, if it may fit
+    better.
     """
     distance = rms_distance(fit.S)
     guessed = mean_log_residual(other.guess.residuals, distance)

@@ -26,15 +26,9 @@ _ROUNDING = 1e-14
 class FreeDirections:
     """Directions along which positions are not determined: none, one, or all three.
 
-    These are unit vectors; the free directions of a servo are names of coordinates.
-
-    Attributes
-    ----------
-    directions : ndarray, shape (k, 3)
-        Unit vectors in X's parent, k = 0, 1 or 3.
-    constraint : ndarray, shape (7,)
-        The one direction in X's parent and in Z's, and the weight that keeps positions along it
-        constant; zeros for k = 0 or 3.
+    These are unit vectors (k, 3) in X's parent; the free directions of a servo are names of
+    coordinates. The constraint (7,) is the one direction in X's parent and in Z's, and the weight
+    that keeps positions along it constant; zeros for k = 0 or 3.
     """
 
     directions: Array

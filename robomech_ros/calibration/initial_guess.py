@@ -33,19 +33,10 @@ TRANSPOSED = [0, 3, 6, 1, 4, 7, 2, 5, 8]
 
 @dataclass(eq=False)
 class InitialGuess:
-    """Unknowns to refine, with their residuals.
+    """Unknowns X and Z (24,) to refine, and other solutions (24,), which fit nearly as well.
 
-    Attributes
-    ----------
-    at : ndarray, shape (24,)
-        X and Z.
-    others : list of ndarray, shape (24,)
-        Other solutions, which fit nearly as well.
-    residuals : ndarray, shape (2, n)
-        Squared, of rotation (rad^2) and position (m^2).
-    variances : tuple of float
-        Of each coordinate of rotation and position, by medians.
-    free : FreeDirections
+    The residuals (2, n) are squared, of rotation (rad^2) and position (m^2), the variances those of
+    each coordinate of both, by medians.
     """
 
     at: Array

@@ -43,25 +43,13 @@ FEW, _USUAL_POSITION_NOISE = 7, 0.1
 
 @dataclass(eq=False)
 class Fit:
-    """Unknown poses and noise for samples in one convention, refined in place.
+    """Unknown poses X and Z (24,) and noise for samples in one convention, refined in place.
 
-    Attributes
-    ----------
-    A, S : ndarray, shape (n, 12)
-        Poses of A X S = Z, as :func:`pack_poses` returns them.
-    side : int
-        0 for a sensor in the hand, 1 for one next to the robot.
-    known : bool
-        Whether the caller specified the noise.
-    guess : InitialGuess
-    at : ndarray, shape (24,)
-        X and Z.
-    noise : ndarray, shape (3,)
-        Variance of rotations (rad^2) and positions (m^2); the robot's fraction of the former.
-    use : ndarray, shape (n,)
-        1 for inliers, 0 for outliers.
-    information : ndarray, shape (12, 12)
-    free : FreeDirections
+    A and S (n, 12) are the poses of A X S = Z, as :func:`pack_poses` returns them; the side is 0
+    for a sensor in the hand, 1 for one next to the robot. The noise (3,), which is known if the
+    caller specified it, has the variance of rotations (rad^2) and positions (m^2), and the robot's
+    fraction of the former. ``use`` (n,) is 1 for inliers, 0 for outliers; the information is (12,
+    12).
     """
 
     A: Array

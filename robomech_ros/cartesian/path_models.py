@@ -48,13 +48,7 @@ class PathModel(Protocol):
 
 
 class ChainPathModel:
-    """A serial chain as what follows paths.
-
-    Parameters
-    ----------
-    task_mask : sequence of six bool, optional
-        As for `follow_path`.
-    """
+    """A serial chain as what follows paths, with the task mask of `follow_path`."""
 
     def __init__(self, chain: SerialChain, task_mask: Sequence[bool] | None = None) -> None:
         self.chain, self._mask = chain, task_mask

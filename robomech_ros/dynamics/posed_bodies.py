@@ -14,21 +14,9 @@ from robomech_ros.typing import Array, BoolArray
 class PosedBodies:
     """Axes and bodies of m joints at given joint values, all in the axes of the base.
 
-    Parameters
-    ----------
-    revolute : ndarray of bool, shape (m,)
-    axes : ndarray, shape (..., m, 3)
-        Unit vectors e_i.
-    origins : ndarray, shape (..., m, 3)
-        Points o_i of the axes, fixed to link i (m).
-    centres : ndarray, shape (..., m, 3)
-        Mass centres c_i (m).
-    masses : ndarray, shape (m,)
-        kg.
-    inertias : ndarray, shape (..., m, 3, 3)
-        About the mass centres (kg m^2).
-    tip : ndarray, shape (..., 3)
-        Origin of the tip (m).
+    The axes (..., m, 3) are unit vectors, through origins (..., m, 3) fixed to link i (m). The
+    bodies have masses (m,), mass centres (..., m, 3) in m, and inertias (..., m, 3, 3) about them
+    (kg m^2). The tip (..., 3) is its origin (m).
     """
 
     revolute: BoolArray

@@ -21,13 +21,7 @@ USUAL_SPEED = 1.0
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Positions and rates of n joints.
-
-    Attributes
-    ----------
-    position, velocity, acceleration : ndarray, shape (n,)
-        rad or m, and per s and s^2.
-    """
+    """Positions (n,), rad or m, of n joints, and their rates (n,) per s and s^2."""
 
     position: Array
     velocity: Array
@@ -68,12 +62,8 @@ def at_rest(position: Array) -> State:
 class JointKinds:
     """Kinds of n joints, as far as a client knows them.
 
-    Attributes
-    ----------
-    continuous : ndarray of bool, shape (n,)
-        Which joints turn without limits, so that a whole turn makes no difference.
-    units : sequence of str
-        ``"rad"`` or ``"m"``, for messages; empty where that is not known.
+    Continuous ones (n,) turn without limits, so that a whole turn makes no difference. The units
+    are ``"rad"`` or ``"m"``, for messages; empty where that is not known.
     """
 
     continuous: BoolArray
@@ -82,14 +72,9 @@ class JointKinds:
 
 @dataclass(frozen=True, eq=False)
 class Joints:
-    """Joint properties that the execution needs.
+    """Limits that the execution needs, infinite where there is none, and continuous joints (n,).
 
-    Attributes
-    ----------
-    limits : Limits
-        Position, velocity and acceleration limits, infinite where there is none.
-    continuous : ndarray of bool, shape (n,)
-        Which joints turn without limits, so that a whole turn makes no difference.
+    Those turn without limits, so that a whole turn makes no difference.
     """
 
     limits: Limits

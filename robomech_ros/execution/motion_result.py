@@ -4,14 +4,10 @@ from typing import NamedTuple
 
 
 class MotionResult(NamedTuple):
-    """Result of a finished motion, to be reported.
+    """Result of a finished motion: one of `Code`, and the reason with joint and amount.
 
-    Attributes
-    ----------
-    code : int
-        One of `Code`; 0 if the robot is where the trajectory ends.
-    text : str
-        The reason, with joint and amount; empty if there is nothing to say.
+    The code is 0 if the robot is where the trajectory ends, the text empty if there is nothing to
+    say.
     """
 
     code: int

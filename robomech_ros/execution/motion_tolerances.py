@@ -14,21 +14,12 @@ NONE = -1.0
 
 @dataclass(frozen=True, eq=False)
 class Tolerances:
-    """Tolerances of a motion; infinite for no limit.
+    """Tolerances of a motion, (n,) each; infinite, or None for the last three, for no limit.
 
-    Attributes
-    ----------
-    path, goal : ndarray, shape (n,)
-        Largest distance from the path while moving and from the last point at the end, rad or m.
-    velocity : ndarray, shape (n,)
-        Largest speed at the end, rad/s or m/s.
-    goal_time : float
-        How long after the end the goal may still be reached, s; infinite = any time.
-    path_velocity, path_acceleration : ndarray, shape (n,), or None
-        Largest deviation from the velocity and acceleration of the path while moving, rad or m
-        per s and s^2; None = any.
-    goal_acceleration : ndarray, shape (n,), or None
-        Largest acceleration at the end, rad/s^2 or m/s^2; None = any.
+    They are the largest distance from the path while moving and from the last point at the end (rad
+    or m), the largest speed at the end (rad/s or m/s), and how long after the end the goal may
+    still be reached (s); then the largest deviation from the velocity and acceleration of the path
+    while moving, and the largest acceleration at the end.
     """
 
     path: Array
@@ -43,24 +34,11 @@ class Tolerances:
 def override_tolerances(
     default: Array, asked: Sequence[float], order: Sequence[int], names: Sequence[str], what: str
 ) -> Array:
-    """Replace defaults by the tolerances that a goal brings along.
+    """Replace defaults, in the order of the robot's joints, by tolerances of a goal.
 
-    Parameters
-    ----------
-    default : ndarray, shape (n,)
-        In the order of the robot's joints.
-    asked : sequence of float
-        Empty, or one for each joint in the order of the trajectory: 0 = default, -1 = none.
-    order : sequence of int
-        Where each joint of the robot is in the trajectory; -1 = nowhere, it keeps its default.
-    names : sequence of str
-        Joints in the order of the trajectory.
-    what : str
-        Which tolerance, for messages.
-
-    Returns
-    -------
-    ndarray, shape (n,)
+    What is asked is empty, or one for each of the names in the order of the trajectory: 0 =
+    default, -1 = none. The order is where each joint of the robot is in the trajectory; -1 =
+    nowhere, it keeps its default. ``what`` names the tolerance in messages.
     """
     if not len(asked):
         return default

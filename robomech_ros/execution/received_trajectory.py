@@ -24,15 +24,9 @@ LARGEST = 1e6
 class ReceivedTrajectory:
     """A trajectory as received; nothing about it has been checked.
 
-    Attributes
-    ----------
-    joint_names : sequence of str
-        The joints, in the order of the numbers of every point.
-    times : sequence of float
-        Time from start of every point, s.
-    points : sequence of object
-        Such as trajectory_msgs/JointTrajectoryPoint: positions in rad or m, velocities and
-        accelerations per s and s^2 or empty, effort.
+    The joints are in the order of the numbers of every point, the times since the start (s). Points
+    are such as trajectory_msgs/JointTrajectoryPoint: positions in rad or m, velocities and
+    accelerations per s and s^2 or empty, effort.
     """
 
     joint_names: Sequence[str]
@@ -51,31 +45,11 @@ def read_waypoints(
 ) -> Waypoints:
     """Check a trajectory by the rules of joint_trajectory_controller, and put its joints in order.
 
-    Parameters
-    ----------
-    trajectory : ReceivedTrajectory
-        From outside.
-    joint_names : sequence of str
-        The n joints of the robot; the trajectory must name each of them once, in any order.
-    max_points : int
-        The most points there may be.
-    max_duration : float
-        The longest time from start, s.
-    partial : bool
-        Whether joints may be missing, as long as there is one.
-    to_rest : bool
-        Whether the last velocity, where there is one, must be 0.
-
-    Returns
-    -------
-    Waypoints
-        Arrays of shape (m,) and (m, n), joints in the order of `joint_names`; a point without
-        velocities or accelerations has a row of NaN, a joint that is missing a column.
-
-    Raises
-    ------
-    UnknownJointError, TrajectoryRefusedError
-        With the point, the joint and the number at fault.
+    It must name each of the n joints of the robot once, in any order; if it may be ``partial``,
+    some of them. There may be ``max_points``, up to ``max_duration`` (s) from start. The last
+    velocity, where there is one, must be 0 if the motion is ``to_rest``. In the waypoints a point
+    without velocities or accelerations has a row of NaN, a joint that is missing a column. Raises
+    UnknownJointError or TrajectoryRefusedError with the point, the joint and the number at fault.
     """
     order = joint_order(trajectory.joint_names, joint_names, partial=partial)
     if not trajectory.points:
@@ -100,21 +74,10 @@ def read_waypoints(
 def joint_order(
     received: Sequence[str], joint_names: Sequence[str], *, partial: bool = False
 ) -> list[int]:
-    """Find where each joint of the robot is among those of a trajectory.
+    """Find where each joint of the robot is among those of a trajectory, -1 if it is missing.
 
-    Parameters
-    ----------
-    received, joint_names : sequence of str
-        The joints of the trajectory and of the robot.
-    partial : bool
-        Whether joints of the robot may be missing, which have the place -1 then.
-
-    Raises
-    ------
-    UnknownJointError
-        A name that the robot does not have.
-    JointMismatchError
-        A name that comes twice, or a joint of the robot that is missing.
+    Joints may be missing if it may be ``partial``. Raises UnknownJointError for a name that the
+    robot does not have, JointMismatchError for one that comes twice or is missing.
     """
     known = set(joint_names)
     for name in received:

@@ -10,16 +10,8 @@ def start_mismatch(
 ) -> str:
     """Say how far a joint is from where a trajectory starts, and how far it may be (rad or m).
 
-    Parameters
-    ----------
-    joint : str
-    start, present : float
-        Where the trajectory starts, and where the joint is.
-    apart, tolerance : float
-        Their distance, without whole turns of a continuous joint, and the largest one allowed.
-    unit : str
-        ``"rad"`` or ``"m"``; empty where it is not known. With ``"rad"``, a distance of whole turns
-        is called so.
+    The distance is without whole turns of a continuous joint. The unit is empty where it is not
+    known; with ``"rad"``, a distance of whole turns is called so.
     """
     of = f" {unit}" if unit else ""
     text = (
@@ -37,15 +29,7 @@ class TrajectoryRefusedError(RobomechError):
 
 
 class TrajectoryOverError(TrajectoryRefusedError):
-    """The trajectory should have ended by now.
-
-    Parameters
-    ----------
-    late : float
-        How long ago it should have begun, s.
-    lasts : float
-        How long it lasts, s.
-    """
+    """The trajectory should have ended by now: it began ``late`` ago and ``lasts`` so long (s)."""
 
     def __init__(self, late: float, lasts: float) -> None:
         self.late, self.lasts = float(late), float(lasts)
@@ -60,19 +44,9 @@ class JointMismatchError(WrongSizeError):
 
 
 class StartMismatchError(TrajectoryRefusedError):
-    """The first point, at time 0, is far from where the robot is.
+    """The first point, at time 0, is far from where the robot is (rad or m), by this joint most.
 
-    Parameters
-    ----------
-    joint : str
-        The joint that is farthest off.
-    start, present : float
-        Where the trajectory begins and where the joint is, rad or m.
-    tolerance : float
-        How far they may be apart, rad or m.
-    unit : str, optional
-        ``"rad"`` or ``"m"``; empty where it is not known.  Where a joint turns, a whole turn may be
-        meant.
+    The unit is empty where it is not known. Where a joint turns, a whole turn may be meant.
     """
 
     def __init__(
@@ -85,19 +59,10 @@ class StartMismatchError(TrajectoryRefusedError):
 
 
 class AccelerationRefusedError(LimitExceededError):
-    """The curve through the points accelerates a joint by many times its limit.
+    """The curve through the points accelerates a joint by many times its limit (rad/s^2 or m/s^2).
 
-    Parameters
-    ----------
-    said : str
-        What is wrong, with joint, time, value and limit.
-    joint : str
-    value, limit : float
-        The acceleration and its limit, rad/s^2 or m/s^2.
-    allowed : float
-        How many times the limit is allowed.
-    unit : str, optional
-        That of the acceleration; empty where it is not known.
+    ``said`` is what is wrong, with joint, time, value and limit; so many times the limit are
+    allowed. The unit is empty where it is not known.
     """
 
     def __init__(

@@ -22,15 +22,10 @@ _MAX_STEPS = 8000
 
 @dataclass(frozen=True, eq=False)
 class TimeScaling:
-    """Curve time over execution time: a change of speed scale, then a constant scale.
+    """Curve time over execution time from ``begin`` (s) on: a change, then a constant pace.
 
-    Attributes
-    ----------
-    begin : float
-        The time from which on it holds, s, on any clock.
-    times, places, paces, rates : ndarray, shape (m,)
-        Time since `begin` (s), place on the curve (s), pace, and how fast the pace changes (1/s),
-        at m >= 1 instants; after the last one the pace stays.
+    At m >= 1 instants (m,) it has the time since then (s), the place on the curve (s), the pace,
+    and how fast the pace changes (1/s); after the last one the pace stays.
     """
 
     begin: float
@@ -75,20 +70,10 @@ def constant_pace(begin: float, place: float, pace: float) -> TimeScaling:
 def pace_change(
     curve: PiecewisePolynomial, begin: float, place: float, pace: float, target: float, limit: Array
 ) -> TimeScaling:
-    """Change the pace as fast as the acceleration limits allow.
+    """Change the pace to a target, 0 to 1, 0 = stop on the path, as fast as accelerations allow.
 
-    Parameters
-    ----------
-    curve : PiecewisePolynomial
-        What is executed.
-    begin : float
-        When the change begins, s.
-    place, pace : float
-        Where on the curve that is (s), and the pace there.
-    target : float
-        The pace wanted, 0 to 1; 0 = stop on the path.
-    limit : ndarray, shape (n,)
-        Acceleration limits, rad/s^2 or m/s^2.
+    The change begins at a time, at a place on the curve with a pace (s); the limits are (n,),
+    rad/s^2 or m/s^2.
     """
     rows = [(0.0, place, pace, 0.0)]
     time, end = 0.0, float(curve.breaks[-1])
@@ -108,20 +93,10 @@ def pace_change(
 def paced_step(
     curve: PiecewisePolynomial, place: float, pace: float, target: float, span: float, limit: Array
 ) -> tuple[float, float, float]:
-    """Let time pass while the pace goes to its target as fast as it may.
+    """Let a time (s) pass while the pace goes to its target as fast as it may.
 
-    Parameters
-    ----------
-    curve, place, pace, target, limit
-        As of `pace_change`.
-    span : float
-        How much time, s.
-
-    Returns
-    -------
-    place, pace, rate : float
-        Where on the curve it is then (s), the pace, and how fast that changes (1/s).  Beyond the
-        end of the curve time passes as it is.
+    Returns where on the curve it is then (s), the pace, and how fast that changes (1/s). Beyond the
+    end of the curve time passes as it is.
     """
     left, end = span, float(curve.breaks[-1])
     changes = pace != target and place < end

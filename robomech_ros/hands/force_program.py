@@ -31,26 +31,12 @@ _MOST_KEPT = 128
 class ForceProgram:
     """Shared parts of conic programs of grasps: min q x, A x + s = b, s in cones.
 
-    Parameters
-    ----------
-    library : module
-        The solver.
-    rows, starts : ndarray
-        Row of each entry of A, column by column, and where each column begins.
-    entries : ndarray
-        Those entries of A that are the same for all; others are 0.
-    balance, friction : ndarray of int
-        Places in ``entries`` of the wrenches and of the negative coefficients of friction.
-    sliding : ndarray of int
-        Places of these coefficients in the flat (k, 3) ``reach`` of :meth:`solve`.
-    objective : ndarray
-        q
-    no_squares : csc_matrix
-        The quadratic part of the objective, which has none.
-    kinds : list
-        The cones, as the solver takes them.
-    size : int
-        Of b.
+    Of A there are the row of each entry, column by column, where each column begins, and those
+    entries that are the same for all; others are 0. ``balance`` and ``friction`` are the places in
+    these of the wrenches and of the negative coefficients of friction, ``sliding`` those of the
+    coefficients in the flat (k, 3) ``reach`` of :meth:`solve`. The objective is q, ``no_squares``
+    its quadratic part, which is empty. The cones are kept as the solver takes them, and the size is
+    that of b.
     """
 
     library: ModuleType

@@ -45,16 +45,9 @@ def search(
 ) -> tuple[Array, ForceStatus, Array | None]:
     """Search for the smallest forces that exert a wrench (d,) of length 1.
 
-    Rows (k, 15) are those of :func:`rows_of`, cones those of :func:`cones_of`.
-
-    Returns
-    -------
-    y : ndarray, shape (k, 4)
-        Normal forces and components that these bound; NaN unless held.
-    status : ForceStatus
-    direction : ndarray, shape (d,), or None
-        Where it is not held: a unit vector with which no wrench has a positive product, but that
-        which is needed.
+    Rows (k, 15) are those of :func:`rows_of`, cones those of :func:`cones_of`. Returns normal
+    forces and components that these bound (k, 4), NaN unless held; the status; and, where it is not
+    held, a unit vector (d,) with which no wrench has a positive product, but that which is needed.
     """
     used = np.ones((len(rows), 4), np.bool_)
     used[:, 1:] = rows[:, 12:] > 0.0
@@ -123,12 +116,8 @@ def _moved_inside(
 ) -> tuple[Array, float]:
     """Project forces on those that balance, and if need be on those inside the cones, in turn.
 
-    Returns
-    -------
-    ndarray, shape (m,)
-        Forces that balance.
-    float
-        How far they are outside the cones, as a share of the greatest of them if that is above 1.
+    Returns forces (m,) that balance, and how far they are outside the cones, as a share of the
+    greatest of them if that is above 1.
     """
     for _ in range(_MOST_ROUNDS):
         balanced = x - inverse @ (W @ x - needed)

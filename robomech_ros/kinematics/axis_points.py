@@ -9,12 +9,8 @@ from robomech_ros.typing import Array
 def common_point(link: Array, following: Array) -> tuple[float, float, float] | None:
     """Find the common point of three axes: its height on the first and the last, the misfit (m).
 
-    None where neighbouring axes are parallel.
-
-    Parameters
-    ----------
-    link, following : ndarray, shape (4, 4)
-        Constant transforms between the first two and the last two of the axes (m).
+    None where neighbouring axes are parallel. The constant transforms (4, 4) are those between the
+    first two and the last two of the axes (m).
     """
     first = nearest_points(link)
     last = nearest_points(following)

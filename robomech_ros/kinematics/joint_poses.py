@@ -14,13 +14,8 @@ class JointPoses:
     r"""Poses of the child links of k joints in their parents, all of them at once.
 
     By Rodrigues' formula the place is :math:`p_0 + p_1 \cos\theta + p_2 \sin\theta + p_3 d` for a
-    joint turned by :math:`\theta` or moved by d, and the quaternion
-    :math:`q_0 \cos(\theta/2) + q_1 \sin(\theta/2)`; what is constant is made once.
-
-    Parameters
-    ----------
-    joints : sequence of Joint
-        Fixed ones and those of one degree of freedom.
+    joint turned by :math:`\theta` or moved by d, and the quaternion :math:`q_0 \cos(\theta/2) + q_1
+    \sin(\theta/2)`; what is constant is made once. Joints are fixed or of one degree of freedom.
 
     References
     ----------

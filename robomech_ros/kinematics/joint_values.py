@@ -17,17 +17,7 @@ _ARRAY, _FLOAT = np.ndarray, np.dtype(np.float64)
 
 
 def as_joint_values(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
-    """Return q as contiguous float64 of shape (..., n), without a look at whether it is finite.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    q : array_like, shape (n,) or (..., n)
-        Joint values (rad or m).
-    what : str
-        Name of the quantity in messages.
-    """
+    """Return q (n,) or (..., n), rad or m, as contiguous float64, finite or not; errors name it."""
     check_chain(chain)
     if type(q) is not _ARRAY or q.dtype is not _FLOAT or not q.flags.c_contiguous:
         # Not ascontiguousarray: it makes a scalar one-dimensional, which would hide a wrong shape.
@@ -48,13 +38,7 @@ def as_finite_values(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array
 
 
 def as_posture(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
-    """Return one posture as contiguous float64 of shape (n,), for searches that begin there.
-
-    Parameters
-    ----------
-    chain, q, what
-        As for :func:`as_joint_values`.
-    """
+    """Return one posture as contiguous float64 of shape (n,), for searches that begin there."""
     q = as_joint_values(chain, q, what)
     if q.ndim != 1:
         raise WrongSizeError(what, q.shape, f"({chain.n},)")
@@ -70,14 +54,7 @@ def as_posture(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
 def as_states(chain: SerialChain, names: Sequence[str], *values: Any) -> tuple[Array, ...]:
     """Return joint values, and what else belongs to them, as contiguous arrays of one shape.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    names : sequence of str
-        Of the quantities in messages.
-    *values : array_like, shape (n,) or (..., n)
-        Joint values, rates, accelerations or torques.
+    They are (n,) or (..., n): joint values, rates, accelerations or torques, named in messages.
     """
     if isinstance(chain, SerialChain):
         vector = chain.types.shape

@@ -23,20 +23,10 @@ def arm_size(chain: SerialChain) -> float:
 
 
 def mobility(chain: SerialChain, size: float) -> float:
-    """Measure how far an arm is from having lost a degree of freedom.
+    """Measure how far an arm of one to six joints is from having lost a degree of freedom.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of one to six joints.
-    size : float
-        Of the arm (m).
-
-    Returns
-    -------
-    float
-        The least singular value of the Jacobian over the largest, lengths over the size, at the
-        best of some postures.
+    That is the least singular value of the Jacobian over the largest, lengths over the size (m), at
+    the best of some postures.
     """
     values = np.linalg.svd(sampled_jacobians(chain, size), compute_uv=False)
     return float(np.max(values[:, -1] / values[:, 0]))

@@ -8,18 +8,10 @@ from robomech_ros.typing import Array, IntArray
 
 
 def low_discrepancy_strides(n: int) -> Array:
-    """Return the strides of an n-dimensional sequence that fills the unit cube evenly.
+    """Return the strides (n,) in (0, 1) of a sequence that fills the unit cube evenly.
 
-    They are the powers of the inverse of the root of x^(n + 1) = x + 1.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Each in (0, 1).
-
-    References
-    ----------
-    M. Roberts, The unreasonable effectiveness of quasirandom sequences, 2018.
+    They are the powers of the inverse of the root of x^(n + 1) = x + 1 (M. Roberts, The
+    unreasonable effectiveness of quasirandom sequences, 2018).
     """
     root = 1.5
     for _ in range(64):
@@ -28,38 +20,16 @@ def low_discrepancy_strides(n: int) -> Array:
 
 
 def sample_postures(chain: SerialChain, count: int) -> Array:
-    """Spread postures evenly over what the joints can take: :func:`spread_values`.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-
-    Returns
-    -------
-    ndarray, shape (count, n)
-        Joint values (rad or m).
-    """
+    """Spread postures (count, n), rad or m, evenly over what the joints can take."""
     return spread_values(chain.types, chain.lower, chain.upper, count)
 
 
 def spread_values(types: IntArray, lower: Array, upper: Array, count: int) -> Array:
-    """Spread values evenly over what joints can take, the one in the middle first.
+    """Spread values (count, n) evenly over what joints can take, the one in the middle first.
 
     Joints that can turn around are spread over a whole turn, slides with an open end over 2 m at
-    least.
-
-    Parameters
-    ----------
-    types : ndarray of int, shape (n,)
-        PRISMATIC, or another type.
-    lower, upper : ndarray, shape (n,)
-        Limits (rad or m), infinite where there is none.
-
-    Returns
-    -------
-    ndarray, shape (count, n)
-        Joint values (rad or m).
+    least. The types (n,) are PRISMATIC, or another; the limits (n,) infinite where there is none
+    (rad or m).
     """
     whole = (types != PRISMATIC) & ~(upper - lower < 2.0 * np.pi)
     open_below = np.minimum(-1.0, upper - 2.0)

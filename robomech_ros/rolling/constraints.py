@@ -107,12 +107,9 @@ def wheel_names(wheels: Sequence[Wheel]) -> tuple[str, ...]:
 def checked_mobility(wheels: Sequence[Wheel]) -> Mobility:
     """Find the mobility that wheels leave, and check that they determine the base's twist.
 
-    Raises
-    ------
-    InconsistentDataError
-        Fixed wheels on different axles: the base could go round one point at most.
-    UnderdeterminedError
-        Driven wheels that leave a twist free, or steering that does not suffice.
+    Raises InconsistentDataError for fixed wheels on different axles, whose base could go round one
+    point at most, and UnderdeterminedError for driven wheels that leave a twist free, or steering
+    that does not suffice.
     """
     size = max(float(np.abs(_positions(wheels)).max()), _RANK)
     scale = np.array([1.0 / size, 1.0, 1.0])

@@ -19,33 +19,13 @@ _LONGEST_TURN, _MOST_CUT = 0.3, 100
 
 
 class SimulatedBase:
-    """Simulated state of a base and its wheels.
+    """Simulated state of a base and its wheels, moved by torques of its motors if it is dynamic.
 
-    Parameters
-    ----------
-    dynamic : bool
-        Whether torques of its motors move it.
-    wheel_position : float
-        At which its wheels begin (rad).
-
-    Attributes
-    ----------
-    pose : ndarray, shape (3,)
-        x, y (m) and heading (rad), from where it began.
-    twist : ndarray, shape (3,)
-        ``[omega, v_x, v_y]`` (rad/s, m/s).
-    positions, rates : ndarray, shape (n,)
-        Of all wheels (rad, rad/s).
-    steering : ndarray, shape (s,)
-        Of the steered wheels (rad).
-    brackets, bracket_rates : ndarray, shape (c,)
-        Of the casters' brackets (rad, rad/s).
-    driven : ndarray, shape (n,)
-        Which wheels are driven.
-    torques : ndarray, shape (k,), or None
-        Of the driven wheels (N m); None where it is not dynamic.
-    saturated : tuple of str
-        Wheels whose motors are at their limits.
+    It has the pose (3,), x, y (m) and heading (rad), from where it began, and the twist (3,),
+    ``[omega, v_x, v_y]``; positions and rates of all wheels (n,), of which some are driven; the
+    angles of steered wheels (s,), and those of the casters' brackets (c,) with their rates; the
+    torques of driven wheels (k,), N m, None where it is not dynamic; and the wheels whose motors
+    are saturated.
     """
 
     def __init__(self, robot: RollingRobot, dynamic: bool, wheel_position: float) -> None:

@@ -23,12 +23,8 @@ def steering_for(wheels: Sequence[Wheel], twists: Array, near: Array) -> Array:
     """Find the steering angles (..., s) at which s steered wheels roll with twists (..., 3).
 
     A wheel can roll both ways, so that angles differ by half turns: the nearest is taken that is
-    within limits.  Where a wheel does not move it keeps `near` (..., s).
-
-    Raises
-    ------
-    LimitExceededError
-        No angle within its limits lets a wheel roll.
+    within limits. Where a wheel does not move it keeps `near` (..., s). Raises LimitExceededError
+    where no angle within its limits lets a wheel roll.
     """
     positions = np.array([wheel.position for wheel in wheels]).reshape(-1, 2)
     lower = np.array([wheel.steering_limits[0] for wheel in wheels])

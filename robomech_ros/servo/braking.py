@@ -19,19 +19,8 @@ _PERIODS = 1e-9
 class StopPlan:
     """How n joints would stop from the latest knot, and which other velocities leave such a plan.
 
-    Parameters
-    ----------
-    limits : ServoLimits
-        Of the joints.
-    period : float
-        Time between knots (s).
-
-    Attributes
-    ----------
-    periods : int
-        How many the joints need to stop.
-    steps : list of float
-        By how much velocities can change in one (rad/s or m/s).
+    They need so many ``periods`` to stop, in each of which velocities can change by the ``steps``
+    (rad/s or m/s).
     """
 
     def __init__(self, limits: ServoLimits, period: float) -> None:
@@ -87,23 +76,9 @@ class StopPlan:
     ) -> tuple[float, int, list[int]]:
         """Find the largest part of `more` that can be added to a velocity before braking.
 
-        Parameters
-        ----------
-        position, velocity : list of float
-            Of the latest knot (rad or m, and per s).
-        least : list of float
-            The velocity after one period of the plan.
-        more : list of float
-            What is to be added to it.
-
-        Returns
-        -------
-        part : float
-            From 0 to 1.
-        periods : int
-            That braking takes from there.
-        joints : list of int
-            Those that bound it.
+        Position and velocity are those of the latest knot (rad or m, and per s), ``least`` is the
+        velocity after one period of the plan. Returns the part, from 0 to 1, the periods that
+        braking takes from there, and the joints that bound it.
         """
         half = self._half
         start = [q + half * v for q, v in zip(position, velocity, strict=True)]

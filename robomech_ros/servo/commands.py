@@ -8,17 +8,10 @@ from robomech_ros.typing import Array
 
 @dataclass(frozen=True, eq=False)
 class TwistCommand:
-    """Move the tip.
+    """Move the tip with a twist (6,), angular first (rad/s and m/s), until it is stale (s).
 
-    Attributes
-    ----------
-    twist : ndarray, shape (6,)
-        Angular velocity, then velocity of the tip's origin (rad/s and m/s).
-    axes : callable
-        Gives for q the rotation ``R_base_axes`` of the axes in which the twist is expressed, or
-        None for the base.
-    until : float
-        When it is stale (s).
+    ``axes`` gives for q the rotation ``R_base_axes`` of the axes in which the twist is expressed,
+    or None for the base.
     """
 
     twist: Array
@@ -28,15 +21,7 @@ class TwistCommand:
 
 @dataclass(frozen=True, eq=False)
 class JointCommand:
-    """Move the joints.
-
-    Attributes
-    ----------
-    rates : ndarray, shape (n,)
-        rad/s or m/s.
-    until : float
-        When it is stale (s).
-    """
+    """Move the joints at rates (n,), rad/s or m/s, until the command is stale (s)."""
 
     rates: Array
     until: float
@@ -44,16 +29,10 @@ class JointCommand:
 
 @dataclass(frozen=True, eq=False)
 class PoseCommand:
-    """Move the tip to a pose, on a straight line, and stand there.
+    """Move the tip to a pose ``T_base_tip`` (m), on a straight line, and stand there.
 
-    Attributes
-    ----------
-    target : ndarray, shape (4, 4)
-        ``T_base_tip`` (m).
-    linear_speed, angular_speed : float
-        At most so fast, m/s and rad/s, above 0; both motions end together.
-    until : float
-        When it is stale (s).
+    It goes at most at these speeds, m/s and rad/s, above 0, until it is stale (s); both motions end
+    together.
     """
 
     target: Array

@@ -17,43 +17,21 @@ _ROUNDING = 1e-12
 
 
 def end_of_cubic(width: float, q: Array, v: Array) -> Array:
-    """Return the acceleration and the jerk (2, n) at the end of the cubic between two knots.
-
-    Parameters
-    ----------
-    width : float
-        Time between them (s).
-    q, v : ndarray, shape (2, n)
-        Positions and velocities (rad or m, and per s).
-    """
+    """Return acceleration and jerk (2, n) at the end of a cubic of q (2, n), v (2, n)."""
     middle = 3.0 * (q[1] - q[0]) / width - v[0] - v[1]
     start, end = 2.0 * (middle - v[0]) / width, 2.0 * (v[1] - middle) / width
     return np.array((end, (end - start) / width))
 
 
 class CubicResult(NamedTuple):
-    """Result of checking cubics.
-
-    Attributes
-    ----------
-    inside : bool
-        Whether they keep all limits.
-    bound : sequence of int
-        The joints that exceed their ranges.
-    """
+    """Whether cubics keep all limits, and the joints that exceed their ranges."""
 
     inside: bool
     bound: Sequence[int]
 
 
 class CubicCheck:
-    """Checks knots against limits of n joints.
-
-    Parameters
-    ----------
-    limits : ServoLimits
-        Of the joints.  One that begins outside its range may go on inwards.
-    """
+    """Checks knots against limits of n joints; one that begins outside its range may go inwards."""
 
     def __init__(self, limits: ServoLimits) -> None:
         inside = 1.0 - RATE_ROUNDING
@@ -65,12 +43,8 @@ class CubicCheck:
     def of(self, widths: Array, q: Array, v: Array, reached: Array) -> CubicResult:
         """Check knots (k, n) of positions and velocities (rad or m, and per s).
 
-        Parameters
-        ----------
-        widths : ndarray, shape (k - 1,)
-            Time between each two (s).
-        reached : ndarray, shape (2, n)
-            Acceleration and jerk with which the first was reached (per s^2 and s^3).
+        The widths (k - 1,) are the times between them (s); the first was reached with acceleration
+        and jerk (2, n), per s^2 and s^3.
         """
         self._limits[0], self._limits[1] = self._lower, self._upper
         low, high = q[0] < self._lower, q[0] > self._upper

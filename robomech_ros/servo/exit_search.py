@@ -18,13 +18,7 @@ _ALIKE = 0.9
 
 
 class SingularityExit:
-    """Looks for the way of a twist out of a posture beyond the hard stop.
-
-    Parameters
-    ----------
-    resolver : TwistResolver
-        Of the chain.
-    """
+    """Looks for the way of a twist out of a posture beyond the hard stop."""
 
     def __init__(self, resolver: TwistResolver) -> None:
         self._resolver = resolver
@@ -45,16 +39,9 @@ class SingularityExit:
     def way(self, q: Array, twist: Array, lay: Callable[[Start], LinePath]) -> LinePath | None:
         """Return the way out; None if there is none, or it was not yet found.
 
-        One that passes limits of joints is given only where there is no other.
-
-        Parameters
-        ----------
-        q : ndarray, shape (n,)
-            Where the joints rest (rad or m).
-        twist : ndarray, shape (6,)
-            Of the tip in base axes, angular first (rad/s and m/s), not zero.
-        lay : callable
-            Gives the way for it from a start.
+        One that passes limits of joints is given only where there is no other. The joints rest at q
+        (n,), the twist (6,) of the tip in base axes, angular first, is not zero; ``lay`` gives the
+        way for it from a start.
         """
         sought = self._resolver.scaled(twist)
         sought /= np.linalg.norm(sought)

@@ -12,24 +12,11 @@ _GROWN = 1.0
 
 
 class AdaptiveLead:
-    """Follows the lateness of points.
+    """Follows the lateness of points, a period (s) apart, by a lead between bounds in periods.
 
     A point is late without disturbing the motion as long as the one before it is not over, which is
-    one period less than the lead.
-
-    Parameters
-    ----------
-    period : float
-        Time between points (s).
-    least, most : int
-        Bounds of the lead, in periods.
-
-    Attributes
-    ----------
-    periods : int
-        The present lead.
-    latest : float
-        The largest lateness so far (s).
+    one period less than the lead. ``periods`` is the present lead, ``latest`` the largest lateness
+    so far (s).
     """
 
     def __init__(self, period: float, least: int, most: int) -> None:

@@ -22,10 +22,7 @@ class ServoLimits(Limits):
     def of(cls, limits: JointLimits | Any) -> "ServoLimits":
         """Read them of a chain; a missing acceleration limit is guessed as the controller does.
 
-        Raises
-        ------
-        MissingLimitsError
-            A joint has no velocity limit.
+        Raises MissingLimitsError for a joint without a velocity limit.
         """
         missing = np.isnan(np.asarray(limits.velocity, dtype=np.float64))
         if missing.any():

@@ -18,10 +18,7 @@ _AGAIN, _AGAIN_HOPELESS, _SLOWER = 2, 20, 0.85
 class LineEntry:
     """Looks for a motion of the joints onto the way for a twist that is held.
 
-    Attributes
-    ----------
-    slower : float
-        Part of its speed with which the twist is followed meanwhile.
+    Meanwhile the twist is followed at the part ``slower`` of its speed.
     """
 
     def __init__(self) -> None:
@@ -37,14 +34,8 @@ class LineEntry:
     def attempt(self, stream: Stream, share: float, lay: Callable[[], LinePath]) -> Advance | None:
         """Go on by a period onto the way, if there is a motion onto it.
 
-        Parameters
-        ----------
-        stream : Stream
-            In motion, along no way.
-        share : float
-            Of the twist that is wanted.
-        lay : callable
-            Gives the way from the latest knot.
+        The stream is in motion, along no way; a share of the twist is wanted, and ``lay`` gives the
+        way from the latest knot.
         """
         self._held += 1
         if self._held < _HELD:

@@ -59,29 +59,12 @@ _Found = Generator[None, None, "tuple[Node, Array] | None"]
 
 
 class LineLaying:
-    """The nodes of the way of n joints for a twist that is held.
+    """The nodes of the way of n joints from a start, for a twist that is held.
 
-    Parameters
-    ----------
-    resolver : TwistResolver
-        Of the chain.
-    weights : ndarray, shape (n,)
-        By which joints count for the length of the way (s^2/rad or s^2/m).
-    start : Start
-        Where it begins.
-    twist : callable
-        Gives the twist for q in base axes, angular first (rad/s and m/s).
-
-    Attributes
-    ----------
-    nodes : list of Node
-        Laid so far, one at least.
-    ended : bool
-        Whether it leads no farther than it has been laid.
-    singular : bool
-        Whether it ends before a singularity, or leads nowhere from one.
-    leaving : bool
-        Whether its last node is beyond the hard stop, and it began there.
+    By the weights (n,) joints count for the length of the way (s^2/rad or s^2/m). ``twist`` gives
+    the twist for q in base axes, angular first (rad/s and m/s). It has ``ended`` if it leads no
+    farther than it has been laid, and is ``singular`` if it ends before a singularity, or leads
+    nowhere from one.
     """
 
     def __init__(

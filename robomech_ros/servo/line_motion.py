@@ -36,15 +36,8 @@ _THIN = (4, 2)
 class Deviation:
     """How joints that come from elsewhere get onto the way: what they are off, and how that ends.
 
-    Parameters
-    ----------
-    off : tuple of ndarray, shape (n,)
-        What they have more than the motion along the way: positions, velocities and accelerations
-        (rad or m, and per s and s^2).
-    period : float
-        Time between knots (s).
-    count : int
-        Of periods after which they are on the way.
+    They have more than the motion along the way by three arrays (n,): positions, velocities and
+    accelerations (rad or m, and per s and s^2). After a count of periods (s) they are on it.
     """
 
     def __init__(self, off: tuple[Array, Array, Array], period: float, count: int) -> None:
@@ -69,12 +62,8 @@ class Deviation:
 class _Plan(NamedTuple):
     """A motion from the latest knot to rest.
 
-    Attributes
-    ----------
-    rates : ndarray, shape (k,)
-        Of the next knot and those after it, before the mean (1/s).
-    q, v : ndarray, shape (m, n)
-        Of the joints at all knots, that of now included (rad or m, and per s).
+    The rates (k,) are those of the next knot and those after it, before the mean (1/s); q and v (m,
+    n) those of the joints at all knots, that of now included (rad or m, and per s).
     """
 
     rates: Array
@@ -83,22 +72,11 @@ class _Plan(NamedTuple):
 
 
 class LineMotion:
-    """Commanded joint motion along a path, one knot after the other.
+    """Commanded joint motion along a path, one knot after the other, a period (s) apart.
 
-    Parameters
-    ----------
-    path : LinePath
-        The way.
-    limits : ServoLimits
-        Of the n joints.
-    period : float
-        Time between knots (s).
-    place, rate : float
-        Where on the way it begins, and how fast that changes (1/s).
-    deviation : Deviation, optional
-        By which the joints are not yet on the way.
-    reached : ndarray, shape (2, n), optional
-        Acceleration and jerk with which they come (per s^2 and s^3); default at rest.
+    It begins at a place, which changes at a rate (1/s), while the joints are not yet on the way by
+    a deviation. They come with the acceleration and jerk (2, n) ``reached``, per s^2 and s^3;
+    default at rest.
     """
 
     def __init__(

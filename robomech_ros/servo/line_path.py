@@ -25,17 +25,9 @@ _NEWTON = 3
 
 
 class LinePath:
-    """The way of n joints for a twist that is held.
+    """The way of n joints for a twist that is held, of which no more than the first node is laid.
 
-    Parameters
-    ----------
-    way : LineLaying
-        Its nodes; no more than the first of them so far.
-
-    Attributes
-    ----------
-    twist : callable
-        Gives the twist for q in base axes, angular first (rad/s and m/s).
+    ``twist`` gives the twist for q in base axes, angular first (rad/s and m/s).
     """
 
     def __init__(self, way: LineLaying) -> None:

@@ -30,14 +30,9 @@ _SAME = 1e-9
 class Advance(NamedTuple):
     """How far a wanted change of velocity was taken.
 
-    Attributes
-    ----------
-    followed : float
-        Part of the change that the limits of acceleration allow in one period.
-    allowed : float
-        Part of that, 0 to 1, that the limits of positions allow.
-    bound : tuple of str
-        The joints near whose limits it is less than 1.
+    The limits of acceleration allow the part ``followed`` of it in one period, and those of
+    positions the part ``allowed`` of that, 0 to 1; where it is less, ``bound`` are the joints near
+    their limits.
     """
 
     followed: float
@@ -46,14 +41,9 @@ class Advance(NamedTuple):
 
 
 class Samples(NamedTuple):
-    """A stream from a knot to rest.
+    """A stream from a knot to rest, at times (m,) since the knot (s).
 
-    Attributes
-    ----------
-    times : ndarray, shape (m,)
-        Since the knot (s).
-    positions, velocities : ndarray, shape (m, n)
-        rad or m, and per s; a cubic between each two is exact.
+    Positions and velocities are (m, n), rad or m, and per s; a cubic between each two is exact.
     """
 
     times: Array

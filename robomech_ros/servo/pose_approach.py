@@ -24,12 +24,7 @@ class PoseApproach:
     """Turns a target pose into twists, one for each period.
 
     Position and orientation arrive together: the tip's origin on a straight line, while the tip
-    turns about a fixed axis.
-
-    Parameters
-    ----------
-    resolver : TwistResolver
-        Of the robot's chain; what it leaves free of the pose is not waited for.
+    turns about a fixed axis. What the resolver leaves free of the pose is not waited for.
     """
 
     def __init__(self, resolver: TwistResolver) -> None:
@@ -42,14 +37,8 @@ class PoseApproach:
     def twist(self, command: PoseCommand, now: Array, then: Array, stop: Array) -> TwistCommand:
         """Return the twist of this period.
 
-        Parameters
-        ----------
-        command : PoseCommand
-            Where to go.
-        now, then : ndarray, shape (n,)
-            Joints at the latest knot, and one second later at their present speed (rad or m).
-        stop : ndarray, shape (n,)
-            Joints where the plan to stop ends (rad or m).
+        The joints are at the latest knot ``now`` (n,), one second later at their present speed
+        ``then`` (n,), and at ``stop`` (n,) where the plan to stop ends (rad or m).
         """
         left = self._left(command.target, now)
         left_at_stop = self._left(command.target, stop)

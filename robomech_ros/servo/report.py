@@ -32,20 +32,11 @@ class ServoCondition(Enum):
 
 @dataclass(frozen=True, eq=False)
 class ServoReport:
-    """Execution of the command in one period.
+    """Execution of the command in one period: what limits the motion, which joints, and in words.
 
-    Attributes
-    ----------
-    condition : ServoCondition
-        What limits the motion.
-    scale : float
-        Part of the commanded speed at which the motion is carried out, 0 to 1; 1 without command.
-    condition_number : float
-        Of the Jacobian over the characteristic length.
-    joints : tuple of str
-        The joints that limit the motion.
-    text : str
-        The same in words; empty where nothing limits it.
+    The motion is carried out at a scale of the commanded speed, 0 to 1; 1 without command. The
+    condition number is that of the Jacobian over the characteristic length. The text is empty where
+    nothing limits the motion.
     """
 
     condition: ServoCondition
@@ -64,18 +55,9 @@ def motion_report(
 ) -> ServoReport:
     """Say what limits a motion most.
 
-    Parameters
-    ----------
-    limits : ServoLimits
-        Of n joints.
-    found : Resolution
-        The resulting rates.
-    share : tuple of float and int
-        How much of them the velocity limits allow, and which joint needs that most.
-    advance : Advance
-        What became of them in the period.
-    velocity : ndarray, shape (n,)
-        At its end (rad/s or m/s).
+    ``found`` are the resulting rates, ``share`` how much of them the velocity limits allow, and
+    which joint needs that most; ``advance`` is what became of them in the period, and ``velocity``
+    (n,) that at its end (rad/s or m/s).
     """
     number, (speed, fastest) = found.condition_number, share
     carried = _carried(found.rates, velocity)

@@ -22,19 +22,12 @@ from robomech_ros.typing import Array
 
 @dataclass(frozen=True)
 class ServoSettings:
-    """How a servo behaves.
+    """How a servo behaves, with a period (s) between the knots of the stream.
 
-    Attributes
-    ----------
-    period : float
-        Time between knots of the stream (s).
-    slow_from, stop_at : float
-        Condition numbers, over the characteristic length, from which on motions into a
-        singularity are slowed down, and at which they stand.
-    length : float or None
-        By which linear motions are divided (m); None for the characteristic length.
-    lead : int
-        How many knots before the latest the samples show, so that who gets them late goes on.
+    From the condition number ``slow_from`` on, over the characteristic length, motions into a
+    singularity are slowed down, and at ``stop_at`` they stand. Linear motions are divided by a
+    length (m), None for the characteristic one. The samples show ``lead`` knots before the latest,
+    so that who gets them late goes on.
     """
 
     period: float = 0.01
@@ -45,28 +38,11 @@ class ServoSettings:
 
 
 class Servo:
-    """Turns commands into a stream of joint positions for one chain.
+    """Turns commands into a stream of joint positions for a chain of joints with velocity limits.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints with velocity limits.
-    settings : ServoSettings
-        How it behaves.
-
-    Raises
-    ------
-    MissingLimitsError
-        A joint has no velocity limit.
-    BadValueError
-        The chain has no joint.
-
-    Attributes
-    ----------
-    command : Command or None
-        The last one, unless it was forgotten.
-    paused : bool
-        Whether it brakes and holds, whatever is commanded.
+    The last command is kept unless it was forgotten; while ``paused`` it brakes and holds, whatever
+    is commanded. Raises MissingLimitsError for a joint without a velocity limit, BadValueError for
+    a chain without joints.
     """
 
     def __init__(self, chain: SerialChain, settings: ServoSettings) -> None:
@@ -86,16 +62,9 @@ class Servo:
     def hold(self, task_mask: Sequence[bool]) -> None:
         """Follow twists and poses with some components of the tip's pose only, from now on.
 
-        Parameters
-        ----------
-        task_mask : sequence of six bool
-            Which of x, y, z, rx, ry, rz are held, along and about the axes of the tip, of poses
-            those of the target; all False for the full pose.
-
-        Raises
-        ------
-        BadValueError
-            It is no mask.
+        The mask says which of x, y, z, rx, ry, rz are held, along and about the axes of the tip, of
+        poses those of the target; all False for the full pose. Raises BadValueError if it is no
+        mask.
         """
         if tuple(task_mask) != self._mask:
             self._resolver.hold(task_mask)
@@ -120,10 +89,8 @@ class Servo:
     def take(self, command: Command) -> None:
         """Follow a command from now on.
 
-        Raises
-        ------
-        BadValueError, WrongSizeError
-            It is not as described; the command before is followed on.
+        Raises BadValueError or WrongSizeError, following the command before on, if it is not as
+        described.
         """
         if isinstance(command, JointCommand):
             self._finite("rates", command.rates)

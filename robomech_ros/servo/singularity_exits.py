@@ -31,15 +31,10 @@ _STEPS, _FOUND = 8, 1e-6
 
 
 class Start(NamedTuple):
-    """A posture from where a way for a twist begins.
+    """A posture (n,), rad or m, from where a way for a twist begins.
 
-    Attributes
-    ----------
-    q : ndarray, shape (n,)
-        The joints (rad or m).
-    outwards : bool
-        Whether a way from beyond the hard stop counts only if it leads away from the singularity
-        at once.
+    One that is ``outwards`` counts, from beyond the hard stop, only if it leads away from the
+    singularity at once.
     """
 
     q: Array
@@ -49,14 +44,8 @@ class Start(NamedTuple):
 def departures(resolver: TwistResolver, q: Array, twist: Array) -> list[Start]:
     """Return the postures from which a twist may lead out of a singularity, the best first.
 
-    Parameters
-    ----------
-    resolver : TwistResolver
-        Of the chain.
-    q : ndarray, shape (n,)
-        Where the joints are (rad or m), beyond the hard stop.
-    twist : ndarray, shape (6,)
-        Of the tip in base axes, angular first (rad/s and m/s).
+    The joints are at q (n,), rad or m, beyond the hard stop; the twist (6,) of the tip is in base
+    axes, angular first (rad/s and m/s).
     """
     rank = resolver.rank
     left, values, right = np.linalg.svd(resolver.jacobian(q))

@@ -24,23 +24,11 @@ _BEND = 1e-3
 
 
 class Stream:
-    """Commanded joint motion, along a path or free.
+    """Commanded joint motion, along a path or free, in knots a period (s) apart.
 
-    Parameters
-    ----------
-    limits : ServoLimits
-        Of the n joints.
-    period : float
-        Time between knots (s).
-    position, velocity : ndarray, shape (n,)
-        At first (rad or m, and per s).  A joint outside its limits can only move inwards.
-    lead : int
-        How many knots before the latest are shown.
-
-    Attributes
-    ----------
-    line : LineMotion or None
-        The motion along the way for a twist, while there is one.
+    Positions and velocities (n,) are those at first (rad or m, and per s); a joint outside its
+    limits can only move inwards. So many knots before the latest are shown as ``lead`` says.
+    ``line`` is the motion along the way for a twist, while there is one.
     """
 
     def __init__(
@@ -128,19 +116,8 @@ class Stream:
     def join(self, path: LinePath, share: float, time: float) -> Advance | None:
         """Go on by a period onto a way that begins near the latest knot, in motion.
 
-        Parameters
-        ----------
-        path : LinePath
-            The way.
-        share : float
-            Of the twist that is wanted.
-        time : float
-            In which the joints get onto the way (s), if the mean needs no more.
-
-        Returns
-        -------
-        Advance or None
-            None where the limits do not allow to get there; nothing has changed then.
+        A share of the twist is wanted; the joints get onto the way in a time (s), if the mean needs
+        no more. None, with nothing changed, where the limits do not allow to get there.
         """
         q, v = self._knots[-1]
         if not path.reach(max(path.nearest(q), 0.0) + _BEND):

@@ -30,17 +30,7 @@ class TrackedJoints(Protocol):
 
 
 class Deviation(NamedTuple):
-    """A joint that does not follow.
-
-    Attributes
-    ----------
-    joint : str
-        Its name.
-    amount, tolerance : float
-        How far it is off, and may be (rad or m).
-    unit : str
-        Of both.
-    """
+    """A joint that does not follow: how far it is off, and may be (rad or m)."""
 
     joint: str
     amount: float
@@ -57,16 +47,9 @@ class Deviation(NamedTuple):
 class Tracking:
     """Compares measured positions with those of a stream in the last while.
 
-    Joints follow with a delay: each may be anywhere between its commands of then and now.
-
-    Parameters
-    ----------
-    joints : TrackedJoints
-        The n joints; those that turn without limits may be off by whole turns.
-    tolerance : float
-        How far a joint may be off (rad or m).
-    delay : float
-        The longest with which joints follow (s).
+    Joints follow with a delay, at most this one (s): each may be anywhere between its commands of
+    then and now, and off by a tolerance (rad or m). Those that turn without limits may be off by
+    whole turns.
     """
 
     def __init__(self, joints: TrackedJoints, tolerance: float, delay: float) -> None:
@@ -100,15 +83,7 @@ class Tracking:
         return float(now - np.interp(place, way, times))
 
     def deviation(self, now: float, position: Array) -> Deviation | None:
-        """Find the joint that is farthest from its commands, if that is too far.
-
-        Parameters
-        ----------
-        now : float
-            The time (s).
-        position : ndarray, shape (n,)
-            Where the joints are (rad or m).
-        """
+        """Find the joint that is farthest from its commands now (s), if that is too far."""
         while len(self._told) > 1 and self._told[1][0] < now - self._delay:
             self._told.popleft()
         if not self._told:

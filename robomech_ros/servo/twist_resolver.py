@@ -52,23 +52,13 @@ _SOMETHING = 1e-6
 
 
 class Resolution(NamedTuple):
-    """Joint rates for a twist.
+    """Joint rates (n,) for a whole twist, before scaling (rad/s or m/s).
 
-    Attributes
-    ----------
-    rates : ndarray, shape (n,)
-        For the whole twist, before scaling (rad/s or m/s).
-    scale : float
-        Part of it, 0 to 1, with which a singularity is approached at most.
-    leaving : bool
-        Whether the posture is near a singularity that the motion leaves.
-    condition_number : float
-        Of the Jacobian over the characteristic length.
-    possible : bool
-        Whether the arm can carry out any part of the twist.
-    lost : ndarray, shape (6,)
-        The twist that the posture allows least, angular first (rad/s and m/s), or the part of the
-        given one that it does not allow.
+    A singularity is approached with the part ``scale`` of it, 0 to 1, at most; the posture is
+    ``leaving`` if it is near one that the motion leaves. The condition number is that of the
+    Jacobian over the characteristic length. The arm can carry out some part of a twist that is
+    ``possible``. ``lost`` (6,) is the twist that the posture allows least, angular first (rad/s and
+    m/s), or the part of the given one that it does not allow.
     """
 
     rates: Array
@@ -80,22 +70,13 @@ class Resolution(NamedTuple):
 
 
 class Heading(NamedTuple):
-    """Joint rates of a twist at a posture.
+    """Joint rates (n,) of a twist at a posture (rad/s or m/s).
 
-    Attributes
-    ----------
-    rates : ndarray, shape (n,)
-        Of the joints (rad/s or m/s).
-    gain : ndarray, shape (n, 6)
-        Joint rates for any twist, angular first, less than it needs beyond the hard stop.
-    condition : float
-        Condition number over the characteristic length.
-    possible : bool
-        Whether the arm can carry out the whole twist.
-    pose : ndarray, shape (4, 4)
-        Of the tip in the base (m).
-    null : ndarray, shape (k, n)
-        Unit motions of the joints that the tip does not feel, those of a regular posture.
+    The gain (n, 6) gives joint rates for any twist, angular first, less than it needs beyond the
+    hard stop. The condition number is over the characteristic length. The arm can carry out the
+    whole of a twist that is ``possible``. The pose (4, 4) is that of the tip in the base (m), and
+    ``null`` (k, n) are unit motions of the joints that the tip does not feel, those of a regular
+    posture.
     """
 
     rates: Array
@@ -120,29 +101,12 @@ class _Posture:
 
 
 class TwistResolver:
-    """Finds joint rates for twists of one chain.
+    """Finds joint rates for twists of one chain, of one joint at least; others are a BadValueError.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints, one at least.
-    slow_from, stop_at : float
-        Condition numbers from which on motions into a singularity are slowed down, and at which
-        they stand.
-    approach : float
-        How fast a singular value may fall, in parts of its distance from where it must stop (1/s).
-    length : float, optional
-        By which linear motions are divided (m); default the characteristic length.
-
-    Attributes
-    ----------
-    rank : int
-        Of the Jacobian in a regular posture.
-
-    Raises
-    ------
-    BadValueError
-        The chain has no joint.
+    From the condition number ``slow_from`` on motions into a singularity are slowed down, and at
+    ``stop_at`` they stand. A singular value may fall at ``approach`` times its distance from where
+    it must stop (1/s). Linear motions are divided by a length (m), by default the characteristic
+    one. ``rank`` is that of the Jacobian in a regular posture.
     """
 
     def __init__(
@@ -207,14 +171,9 @@ class TwistResolver:
         return _condition(np.linalg.svd(self.jacobian(q), compute_uv=False), self.rank)
 
     def resolve(self, q: Array, twist: Array, velocity: Array) -> Resolution:
-        """Find the rates for a twist.
+        """Find the rates for a twist (6,) of the tip in base axes, angular first (rad/s and m/s).
 
-        Parameters
-        ----------
-        q, velocity : ndarray, shape (n,)
-            Where the joints are, and how they move (rad or m, and per s).
-        twist : ndarray, shape (6,)
-            Of the tip in base axes, angular first (rad/s and m/s).
+        The joints are at q (n,), and move with a velocity (n,), rad or m, and per s.
         """
         rank, posture = self.rank, self._posture(q)
         condition, right = posture.condition, posture.right
@@ -251,16 +210,7 @@ class TwistResolver:
         """Find the joint rates of a twist that is carried out in full, except for its lost part.
 
         Unlike the rates of :meth:`resolve`, these are smooth where singular values change their
-        sign.
-
-        Parameters
-        ----------
-        q : ndarray, shape (n,)
-            Where the joints are (rad or m).
-        twist : ndarray, shape (6,)
-            Of the tip in base axes, angular first (rad/s and m/s).
-        wholly : bool
-            Whether something is lost in singular postures only, not beyond the hard stop.
+        sign. With ``wholly`` something is lost in singular postures only, not beyond the hard stop.
         """
         rank, posture = self.rank, self._posture(q)
         left, values, right = posture.left, posture.values, posture.right

@@ -59,19 +59,11 @@ class TrunkPoseCheck:
 
 @dataclass(frozen=True, eq=False)
 class Stride:
-    """A robot with a gait.
+    """A robot with a gait, and the margin (m) that is kept, its bound.
 
-    Attributes
-    ----------
-    gait : Gait
-    bound : float
-        The margin (m) that is kept.
-    spare : float
-        How far the mass centre may move to the side (m) by poses of the trunk.
-    lean : float
-        How far the zero-moment point may move from there (m) on the way to them.
-    geometry, settings, level : ndarray
-        As the kernel of walking reads them.
+    The mass centre may move to the side by ``spare`` (m) by poses of the trunk, and the zero-moment
+    point from there by ``lean`` (m) on the way to them. Geometry, settings and level are as the
+    kernel of walking reads them.
     """
 
     gait: Gait

@@ -27,19 +27,11 @@ class _Change(NamedTuple):
 
 
 class TrunkPath(NamedTuple):
-    """A trunk on its way to an offset.
+    """A trunk on its way to an offset (6,) beside the level pose.
 
-    A new goal is added to the way there has been: what is left of that goes on beside it, so that
-    position, rate and acceleration stay continuous.
-
-    Attributes
-    ----------
-    end : ndarray, shape (6,)
-        x, y, z (m) and roll, pitch, yaw (rad) beside the level pose.
-    changes : tuple
-        Under way.
-    waiting : tuple of TrunkPath
-        The last goal, with its duration, where too many are under way; else empty.
+    Offsets are x, y, z (m), roll, pitch, yaw (rad). A new goal is added to the way there has been:
+    what is left of that goes on beside it, so that position, rate and acceleration stay continuous.
+    Where too many changes are under way, the last goal waits with its duration.
     """
 
     end: Array

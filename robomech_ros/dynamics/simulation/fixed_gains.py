@@ -28,27 +28,16 @@ _LARGEST_TURN = 2.0
 def effective_inertias(system: DynamicSystem, turn: float, damping: float) -> tuple[Array, Array]:
     """Return the inertias (m,) with which drives of fixed gains are to be stiff, and to be damped.
 
+    They are in kg m^2 or kg, for a turn that is the bandwidth times the period (rad), and a damping
+    ratio.
+
     Joints that are nearly parallel feel much less inertia with the others free than with them at
-    rest: stiff for the one and damped for the other, they neither chatter nor swing.  Where an arm
+    rest: stiff for the one and damped for the other, they neither chatter nor swing. Where an arm
     folds up they feel so little that they would chatter all the same: errors of each joint decay
-    with a share of the bandwidth, such that no motion is quicker than the controller.  Damping D
-    and stiffness K in periods T are stable where T D + T^2 K / 2 is less than twice the inertia in
-    every direction (Jury's criterion for ``v M v (z - 1)^2 + T v D v (z - 1) + T^2 v K v
-    z``, with rates at the end of a period that act in it).
-
-    Parameters
-    ----------
-    system : DynamicSystem
-        With m drives.
-    turn : float
-        Bandwidth times period (rad).
-    damping : float
-        Damping ratio.
-
-    Returns
-    -------
-    stiff, damped : ndarray, shape (m,)
-        In kg m^2 or kg.
+    with a share of the bandwidth, such that no motion is quicker than the controller. Damping D and
+    stiffness K in periods T are stable where T D + T^2 K / 2 is less than twice the inertia in
+    every direction (Jury's criterion for ``v M v (z - 1)^2 + T v D v (z - 1) + T^2 v K v z``, with
+    rates at the end of a period that act in it).
     """
     m = len(system.drive_names)
     count = min(_POSTURES, _MOST_ENTRIES // m**2)

@@ -42,25 +42,11 @@ class SymbolicLink:
 class SymbolicParameters:
     """Everything of a chain that expressions are made of.
 
-    Parameters
-    ----------
-    ring : TermRing
-    links : tuple of SymbolicLink
-    variables, rates, accelerations : tuple of sympy.Symbol
-        theta_i or b_i and their derivatives.
-    revolute : tuple of bool
-    offsets : ndarray, shape (n,)
-        ``variables = q + offsets`` for the chain's own joint values q (rad or m).
-    values : dict
-        What the symbols stand for, besides the variables (SI units).
-    gravity : tuple of polynomials
-        In frame 1 (m/s^2).
-    rotors : tuple of sympy.Expr
-        What the drives add to the diagonal of the mass matrix (kg m^2 or kg).
-    friction : tuple of sympy.Expr
-        Torque that the friction of each joint takes (N m or N).
-    base, tool : sympy.Matrix, shape (4, 4)
-        First frame in the base, tip in the last frame.
+    The variables are theta_i or b_i, with ``variables = q + offsets`` for the chain's own joint
+    values q (n,), rad or m. ``values`` are what the other symbols stand for (SI units). Gravity is
+    in frame 1 (m/s^2). The rotors are what the drives add to the diagonal of the mass matrix (kg
+    m^2 or kg), the friction the torques that each joint takes (N m or N). ``base`` and ``tool`` are
+    the first frame in the base and the tip in the last frame.
     """
 
     ring: TermRing

@@ -15,27 +15,10 @@ _STOP_OVERDUE = 0.1
 
 
 class ActiveExecution:
-    """A delivery that is being executed.
+    """A delivery that is being executed, by a gateway to the controller and settings of an owner.
 
-    Parameters
-    ----------
-    delivery : ExecutionRequest
-        What is to be sent.
-    gateway : ControllerInterface
-        The way to the controller.
-    settings : DispatchSettings
-        How long things may take.
-    positions : ndarray, shape (n,)
-        Where the robot is, rad or m.
-    pace : float
-        At which it is to be executed, above 0 up to 1.
-    now : float
-        The time, s.
-
-    Attributes
-    ----------
-    cancelled : str
-        Why it was cancelled; empty if it was not.
+    It was sent at ``now`` (s) where the robot was at ``positions`` (n,), rad or m, and is executed
+    at a pace above 0 up to 1. ``cancelled`` says why it was cancelled; it is empty if it was not.
     """
 
     def __init__(
@@ -63,10 +46,7 @@ class ActiveExecution:
     def set_pace(self, pace: float, now: float) -> None:
         """Make the rest of it go at another pace, 0 to 1; 0 = stop on the path.
 
-        Raises
-        ------
-        TrajectoryRefusedError
-            It waits for its stamp, or its rest would last too long.
+        Raises TrajectoryRefusedError where it waits for its stamp, or its rest would last too long.
         """
         limit = self._gateway.acceleration(self.delivery.names)
         if self._pace.change(now, pace, limit):
@@ -74,13 +54,7 @@ class ActiveExecution:
             self._gateway.send(self.delivery)
 
     def cancel(self, text: str, now: float) -> MotionResult | None:
-        """Stop on the path and give up, for a reason; what has not begun is over at once.
-
-        Returns
-        -------
-        MotionResult or None
-            None while the robot stops.
-        """
+        """Stop on the path and give up, for a reason; None while the robot stops."""
         self.cancelled = text
         if self.delivery.transport.answers and not self._pace.stops:
             self._gateway.cancel(self.delivery)

@@ -7,23 +7,12 @@ import numpy as np
 
 @dataclass(frozen=True)
 class DispatchSettings:
-    """How many deliveries may wait, and when one has arrived or is given up.
+    """How many deliveries may wait, and when one has arrived or is given up (rad or m, and s).
 
-    Attributes
-    ----------
-    capacity : int
-        How many trajectories may wait.
-    start_tolerance, goal_tolerance : float
-        How far the joints may be from start and goal, rad or m.
-    controller_timeout : float
-        How long the controller may be away before waiting clients hear of it, s.
-    arrival_timeout : float
-        How long after its end a motion may take to arrive, s.
-    standstill_timeout : float
-        How long the robot may stand away from the goal while a trajectory sent by topic should
-        move it, s; then it was stopped.
-    max_duration : float
-        How long a trajectory may last at the speed at which it is executed, s.
+    The joints may be off start and goal by the tolerances. Waiting clients hear of it when the
+    controller is away for ``controller_timeout``. A motion may arrive ``arrival_timeout`` after its
+    end. A robot that stands off its goal for ``standstill_timeout``, while a trajectory sent by
+    topic should move it, was stopped. ``max_duration`` is that at the speed of the execution.
     """
 
     capacity: int = 50

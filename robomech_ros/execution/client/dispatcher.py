@@ -32,28 +32,10 @@ class Tally:
 class Dispatcher:
     """A queue of deliveries of which one at a time is being executed.
 
-    Parameters
-    ----------
-    gateway : ControllerInterface
-        The way to the controller.
-    settings : DispatchSettings
-        What the owner decides.
-    on_end : callable
-        Called with every delivery that has ended, for the log.
-    on_stall : callable
-        Called once with what is missing while deliveries wait for it.
-
-    Attributes
-    ----------
-    queue : ExecutionQueue
-        Those that wait.
-    tally : Tally
-        What has happened so far.
-    speed : float
-        Part of the planned speed at which deliveries are executed, above 0 up to 1; `set_speed`
-        changes it.
-    paused : bool
-        Whether nothing is sent and nothing moves until `resume`.
+    ``on_end`` is called with every delivery that has ended, ``on_stall`` once with what is missing
+    while deliveries wait for it. ``tally`` counts what has happened so far. ``speed`` is the part
+    of the planned speed at which deliveries are executed, above 0 up to 1; while ``paused`` nothing
+    is sent and nothing moves.
     """
 
     def __init__(
@@ -86,10 +68,8 @@ class Dispatcher:
     def set_speed(self, speed: float, now: float) -> None:
         """Execute at another part of the planned speed, also what is under way.
 
-        Raises
-        ------
-        TrajectoryRefusedError
-            What is under way waits for its stamp, or would last too long; nothing has changed.
+        Raises TrajectoryRefusedError, with nothing changed, where what is under way waits for its
+        stamp or would last too long.
         """
         self._change(now, speed, self.paused)
 
@@ -103,13 +83,7 @@ class Dispatcher:
         self.step(now)
 
     def cancel(self, text: str, now: float) -> int:
-        """Stop what is under way on its path and give it up, and all that waits, for a reason.
-
-        Returns
-        -------
-        int
-            How many deliveries that are.
-        """
+        """Give up what is under way and all that waits, for a reason; return how many those are."""
         self._now = now
         count = len(self.queue) + (self._active is not None)
         while self.queue:
@@ -127,10 +101,7 @@ class Dispatcher:
     def offer(self, delivery: ExecutionRequest, now: float) -> None:
         """Queue a delivery, and send it if nothing is before it.
 
-        Raises
-        ------
-        QueueFullError
-            It is not accepted.
+        Raises QueueFullError where it is not accepted.
         """
         self.queue.add(delivery, now)
         self.step(now)

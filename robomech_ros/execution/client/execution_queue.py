@@ -28,19 +28,8 @@ Taken = tuple[ExecutionRequest, Array | MotionResult]
 class ExecutionQueue:
     """Deliveries in the order in which they came.
 
-    Parameters
-    ----------
-    gateway : ControllerInterface
-        The way to the controller.
-    settings : DispatchSettings
-        How many may wait, and how long.
-    on_stall : callable
-        Called once with what is missing while deliveries wait for it.
-
-    Attributes
-    ----------
-    stalled : str
-        What deliveries have waited for too long; empty if there is nothing.
+    ``on_stall`` is called once with what is missing while deliveries wait for it; ``stalled`` says
+    what they have waited for too long, and is empty if there is nothing.
     """
 
     def __init__(
@@ -62,13 +51,7 @@ class ExecutionQueue:
         return delivery in self._waiting
 
     def add(self, delivery: ExecutionRequest, now: float) -> None:
-        """Put a delivery behind the others, at a time (s).
-
-        Raises
-        ------
-        QueueFullError
-            It is not accepted.
-        """
+        """Put a delivery behind the others, at a time (s), or raise QueueFullError."""
         if len(self._waiting) >= self._settings.capacity:
             raise QueueFullError(self._settings.capacity)
         delivery.due = now + delivery.delay if delivery.delay else None
@@ -86,11 +69,8 @@ class ExecutionQueue:
     def take(self, now: float) -> list[Taken]:
         """Take out what need not wait any longer at a time (s).
 
-        Returns
-        -------
-        list of tuple
-            The first delivery and where the robot is (n,), rad or m, where it can be sent now; or
-            those that have waited too long, each with its result.
+        That is the first delivery and where the robot is (n,), rad or m, where it can be sent now;
+        or those that have waited too long, each with its result.
         """
         delivery = self._waiting[0]
         missing = self._gateway.missing(delivery.transport)

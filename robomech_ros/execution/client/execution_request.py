@@ -24,16 +24,10 @@ class Transport(Enum):
 
 @dataclass(frozen=True)
 class ExecutionReport:
-    """How a delivery ended.
+    """How a delivery ended: one of `Code`, the reason with joint and amount, and the time it took.
 
-    Attributes
-    ----------
-    code : int
-        One of `Code`; 0 if the robot is where the trajectory ends.
-    text : str
-        The reason, with joint and amount.
-    duration : float
-        From sending to the end, s; 0 if it was never sent.
+    The code is 0 if the robot is where the trajectory ends. The duration is from sending to the end
+    (s), 0 if it was never sent.
     """
 
     code: int
@@ -43,28 +37,13 @@ class ExecutionReport:
 
 @dataclass(eq=False)
 class ExecutionRequest:
-    """A trajectory that is to be executed.
+    """A trajectory that is to be executed: what is sent, its n joints, and its waypoints.
 
-    Attributes
-    ----------
-    trajectory : object
-        What is sent.
-    names : sequence of str
-        Its n joints.
-    waypoints : Waypoints
-        Its numbers, joints in the order of `names`.
-    transport : Transport
-        How it is sent.
-    delay : float
-        When it is to begin after it was sent or, before, after it was made, s; 0 = at once.
-    due : float or None
-        When its stamp lets it begin, s, once it is queued; None without a stamp.
-    paced : bool
-        Whether it is sent at another pace than planned, by its waypoints instead of `trajectory`.
-    paced_on_way : bool
-        Whether its pace was changed after it had begun.
-    begun_at : float or None
-        When it was sent first, s; None before; `sent_at` is when its pace was changed last.
+    It begins ``delay`` (s) after it was sent or, before, after it was made; 0 = at once. Once it is
+    queued, ``due`` is when its stamp lets it begin (s), None without one. It is ``paced`` if it is
+    sent at another pace than planned, by its waypoints instead of ``trajectory``, and
+    ``paced_on_way`` if that changed after it had begun. It was sent first at ``begun_at`` (s), None
+    before, and its pace was changed last at ``sent_at``.
     """
 
     trajectory: Any

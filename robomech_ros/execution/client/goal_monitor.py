@@ -29,25 +29,10 @@ _SEEN = 0.5
 
 
 class GoalMonitor:
-    """Watches the robot during one delivery.
+    """Watches the robot during one delivery, sent where it was at ``positions`` (n,), rad or m.
 
-    Parameters
-    ----------
-    delivery : ExecutionRequest
-        What was sent.
-    gateway : ControllerInterface
-        Knows the joint states, and whether the controller is there.
-    settings : DispatchSettings
-        How long things may take.
-    positions : ndarray, shape (n,)
-        Where the robot was when it was sent, rad or m.
-
-    Attributes
-    ----------
-    elapsed, late : float
-        At the last look, the time since it was sent and since it should be over, s.
-    off : str
-        How the robot was off its goal then; empty if it was there.
+    ``elapsed`` and ``late`` are, at the last look, the time since it was sent and since it should
+    be over (s); ``off`` says how the robot was off its goal then, and is empty if it was there.
     """
 
     def __init__(
@@ -166,19 +151,7 @@ class GoalMonitor:
 
 
 class Excursion:
-    """Watches how far a robot goes away from where it began.
-
-    Parameters
-    ----------
-    delivery : ExecutionRequest
-        What was sent.
-    curve : PiecewisePolynomial
-        What the robot should follow, from where it is.
-    position : ndarray, shape (n,)
-        Where the robot was then, rad or m.
-    kinds : JointKinds
-        Of its joints.
-    """
+    """Watches how far a robot goes away from a position (n,) from which it follows a curve."""
 
     def __init__(
         self,
@@ -199,13 +172,7 @@ class Excursion:
         self._seen = np.maximum(self._seen, away)
 
     def missing(self, tolerance: float) -> str:
-        """Say what a robot that stands at the end of a loop has left out; empty for nothing.
-
-        Parameters
-        ----------
-        tolerance : float
-            How near to the start the end of a loop is, rad or m.
-        """
+        """Say what a robot at the end of a loop, to a tolerance (rad or m), has left out."""
         joint = int(np.argmax(self._planned))
         planned, seen = float(self._planned[joint]), float(self._seen[joint])
         if planned <= _NOTICEABLE or seen >= _SEEN * planned or np.max(self._back) > tolerance:

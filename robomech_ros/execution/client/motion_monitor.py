@@ -14,27 +14,11 @@ NOTICEABLE = 10.0 * STILL
 
 
 class MotionMonitor:
-    """Watches a robot that was sent a trajectory.
+    """Watches a robot that was sent a trajectory from a position (n,), rad or m.
 
-    Parameters
-    ----------
-    delivery : ExecutionRequest
-        What was sent.
-    position : ndarray, shape (n,)
-        Where the robot was then, rad or m.
-    update_count : int
-        How often its joints had been heard of.
-
-    Attributes
-    ----------
-    moved : bool
-        Whether the robot has moved at all.
-    curve : PiecewisePolynomial
-        What the robot should follow, from where it was.
-    compared : bool
-        Whether two joint states came since the trajectory should have ended.
-    stands : bool
-        Whether it was at the same place then.
+    Its joints had been heard of ``update_count`` times. It should follow ``curve`` from where it
+    was. It has ``moved`` at all; two joint states that came since the trajectory should have ended
+    are ``compared``, and it ``stands`` if it was at the same place then.
     """
 
     def __init__(self, delivery: ExecutionRequest, position: Array, update_count: int) -> None:
@@ -58,17 +42,7 @@ class MotionMonitor:
         return 0.0 if self._overdue_since is None else self._heard_at - self._overdue_since
 
     def look(self, now: float, position: Array | None, update_count: int) -> None:
-        """Note the present positions.
-
-        Parameters
-        ----------
-        now : float
-            The time, s.
-        position : ndarray, shape (n,), or None
-            Where the joints are, rad or m, where that is known.
-        update_count : int
-            How often all of them were heard of.
-        """
+        """Note the present positions (n,), None if unknown, and how often all were heard of."""
         self._now = now
         if position is None or update_count == self._heard:
             return

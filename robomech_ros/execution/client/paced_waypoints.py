@@ -28,25 +28,12 @@ def slowed_waypoints(waypoints: Waypoints, pace: float) -> Waypoints:
 def paced_waypoints(
     curve: PiecewisePolynomial, waypoints: Waypoints, scaling: TimeScaling, lead: float
 ) -> Waypoints:
-    """Return waypoints of what is left of a curve, by a scaling.
+    """Return waypoints of what is left of a curve, which these waypoints made, by a scaling.
 
-    Parameters
-    ----------
-    curve : PiecewisePolynomial
-        What is executed, from t = 0 on.
-    waypoints : Waypoints
-        Those that it was made of.
-    scaling : TimeScaling
-        Where on the curve its execution is.
-    lead : float
-        Time of the first point, which is at the begin of the scaling, s.
-
-    Returns
-    -------
-    Waypoints
-        With velocities while the pace changes, since the accelerations of cubics follow where its
-        rate steps; then with what `waypoints` has.  The last one is at rest, on the path where
-        the scaling stops, else at its end.
+    The first point is at the begin of the scaling, after a lead (s). They have velocities while the
+    pace changes, since the accelerations of cubics follow where its rate steps; then what
+    ``waypoints`` has. The last one is at rest, on the path where the scaling stops, else at its
+    end.
     """
     over = float(scaling.times[-1])
     times = [*np.arange(0.0, over - _NEAREST, _PERIOD), over]

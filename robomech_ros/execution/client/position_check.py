@@ -12,20 +12,7 @@ STILL = 1e-3
 
 
 def joint_distance(first: Array, second: Array, continuous: BoolArray) -> Array:
-    """Return the distance of joint positions, without whole turns of continuous joints.
-
-    Parameters
-    ----------
-    first, second : ndarray, shape (..., n)
-        rad or m.
-    continuous : ndarray of bool, shape (n,)
-        Which joints turn without limits.
-
-    Returns
-    -------
-    ndarray, shape (..., n)
-        Not negative.
-    """
+    """Return distances (..., n) of joint positions, without whole turns of continuous joints."""
     difference = np.asarray(first - second)
     turned = difference - np.round(difference / (2.0 * np.pi)) * (2.0 * np.pi)
     distance: Array = np.abs(np.where(continuous, turned, difference))
@@ -42,24 +29,7 @@ def _worst(wanted: Array, positions: Array, kinds: JointKinds) -> tuple[int, flo
 def off_start(
     delivery: ExecutionRequest, positions: Array, kinds: JointKinds, tolerance: float
 ) -> str:
-    """Say how a robot is off the start of a delivery.
-
-    Parameters
-    ----------
-    delivery : ExecutionRequest
-        What is to be executed.
-    positions : ndarray, shape (n,)
-        Where the robot is, rad or m.
-    kinds : JointKinds
-        Of the joints.
-    tolerance : float
-        What is allowed, rad or m.
-
-    Returns
-    -------
-    str
-        Joint and amount; empty if the robot is there, or need not be.
-    """
+    """Say how a robot is off the start of a delivery; empty if it is there, or need not be."""
     if delivery.start is None:
         return ""
     worst, apart = _worst(delivery.start, positions, kinds)
@@ -77,19 +47,9 @@ def off_goal(
     tolerance: float,
     moved: bool = False,
 ) -> str:
-    """Say how a robot is off the goal of a delivery.
+    """Say by how much which joint is off the goal of a delivery; empty if the robot is there.
 
-    Parameters
-    ----------
-    delivery, positions, kinds, tolerance
-        As of `off_start`.
-    moved : bool, optional
-        Whether the robot was seen elsewhere since the delivery was sent.
-
-    Returns
-    -------
-    str
-        Joint and amount; empty if the robot is there.
+    It has ``moved`` if it was seen elsewhere since the delivery was sent.
     """
     worst, apart = _worst(delivery.goal, positions, kinds)
     if apart <= tolerance:

@@ -33,18 +33,9 @@ def too_slow(delivery: ExecutionRequest, pace: float, longest: float) -> str:
 
 
 class SpeedScaler:
-    """Keeps a delivery at a pace.
+    """Keeps a delivery at a pace above 0 up to 1, from a position (n,), rad or m.
 
-    Parameters
-    ----------
-    delivery : ExecutionRequest
-        What is sent now, with the time at which it is; slowed down if that is wanted.
-    position : ndarray, shape (n,)
-        Where the robot is, rad or m.
-    pace : float
-        At which it is executed, above 0 up to 1.
-    longest : float, optional
-        How long a trajectory may last at its pace, s.
+    The delivery is sent now, slowed down if that is wanted, and may last at most ``longest`` (s).
     """
 
     def __init__(
@@ -74,24 +65,10 @@ class SpeedScaler:
     def change(self, now: float, target: float, limit: Array | None) -> bool:
         """Make the rest of the delivery go at another pace, by other waypoints to be sent now.
 
-        Parameters
-        ----------
-        now : float
-            The time, s.
-        target : float
-            The pace wanted, 0 to 1; 0 = stop on the path.
-        limit : ndarray, shape (n,), or None
-            Acceleration limits, rad/s^2 or m/s^2, where they are known.
-
-        Returns
-        -------
-        bool
-            Whether there was anything to change.
-
-        Raises
-        ------
-        TrajectoryRefusedError
-            The delivery waits for its stamp, or its rest would last too long.
+        The pace wanted is 0 to 1, 0 = stop on the path, the limits (n,) are those of acceleration
+        where they are known (rad/s^2 or m/s^2). Returns whether there was anything to change;
+        raises TrajectoryRefusedError where the delivery waits for its stamp, or its rest would last
+        too long.
         """
         delivery = self._delivery
         self._before = self._scaling, delivery.waypoints, delivery.sent_at, delivery.delay

@@ -20,18 +20,9 @@ _NOTICED = 0.01
 
 @dataclass(frozen=True)
 class AccelerationRatio:
-    """The largest acceleration of a curve, as a multiple of its limit.
+    """The largest acceleration of a curve, as a multiple of its limit (rad/s^2 or m/s^2).
 
-    Attributes
-    ----------
-    joint : str
-        The joint.
-    time : float
-        When, s from the start of the trajectory.
-    value, limit : float
-        Its acceleration and the limit of that, rad/s^2 or m/s^2.
-    unit : str
-        Theirs; empty where it is not known.
+    The time is since the start of the trajectory (s); the unit is empty where it is not known.
     """
 
     joint: str
@@ -70,25 +61,10 @@ def acceleration_ratio_of(
 ) -> AccelerationRatio | None:
     """Find the largest acceleration of the interpolated curve, compared with its limit.
 
-    Linear pieces, between points without velocities, do not count: their corners have no finite
-    acceleration, and ros2_control follows them, too.  The way to a first point later than now
-    counts where the robot stands and the trajectory is in time.
-
-    Parameters
-    ----------
-    waypoints : Waypoints
-        m points of n joints; a column of NaN is a joint that stays where it is.
-    present : State
-        Where the robot is when the trajectory begins.
-    joints : Joints
-        Limits of acceleration; a joint without one does not count.
-    late : float
-        How long ago the trajectory should have begun, s.
-
-    Returns
-    -------
-    AccelerationRatio or None
-        None where nothing accelerates, or no joint has a limit.
+    None where nothing accelerates, or no joint has a limit. Linear pieces, between points without
+    velocities, do not count: their corners have no finite acceleration, and ros2_control follows
+    them, too. The way to a first point later than now counts where the robot stands and the
+    trajectory is in time, not late by some time (s).
     """
     velocities = waypoints.velocities
     if velocities is None or np.isnan(velocities).all():

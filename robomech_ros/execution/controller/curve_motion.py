@@ -12,23 +12,11 @@ from robomech_ros.typing import Array
 
 
 class CurveMotion:
-    """Desired and actual joint positions.
+    """Desired and actual positions of n joints, which stand, with limits of acceleration (n,).
 
-    Parameters
-    ----------
-    simulated_joints : SimulatedJoints
-        The n joints, which stand.
-    acceleration : ndarray, shape (n,)
-        Their acceleration limits, rad/s^2 or m/s^2.
-
-    Attributes
-    ----------
-    desired, actual : State
-        Where the curve is and where the sensors show the joints.
-    pace : float
-        How fast the curve is followed: 1, or less while slowing down or scaled.
-    scale : float
-        The pace to be reached, 0 to 1; it may be set at any time.
+    The desired state is where the curve is, the actual one where the sensors show the joints. The
+    pace is how fast the curve is followed: 1, or less while slowing down or scaled. The scale is
+    the pace to be reached, 0 to 1; it may be set at any time.
     """
 
     def __init__(self, simulated_joints: SimulatedJoints, acceleration: Array) -> None:

@@ -172,12 +172,7 @@ def jerks_over(curve: PiecewisePolynomial, span: float) -> Array:
 def highest_accelerations(curve: PiecewisePolynomial) -> tuple[Array, Array]:
     """Find when on each piece of a curve, a quintic at the most, each joint first accelerates most.
 
-    Returns
-    -------
-    values : ndarray, shape (s, n)
-        The accelerations there, with their signs, rad/s^2 or m/s^2.
-    times : ndarray, shape (s, n)
-        When that is, s.
+    Returns the accelerations there with their signs, (s, n), and the times (s), (s, n).
     """
     values, times = _extremes(curve, 2)
     high = np.abs(values) >= np.abs(values).max(axis=0) * (1.0 - _ROUNDING)

@@ -18,25 +18,11 @@ def past_the_end(follower: TrajectoryFollower, ahead: float) -> float:
 
 
 def desired_state(follower: TrajectoryFollower, ahead: float) -> State:
-    """Return the state that is planned for some time from now, if nothing comes between.
+    """Return the state that is planned for some time (s) from now, if nothing comes between.
 
-    Parameters
-    ----------
-    follower : TrajectoryFollower
-        What follows trajectories; it has been advanced to the present time.
-    ahead : float
-        How far from now, s; negative for the past of the trajectory under way.
-
-    Returns
-    -------
-    State
-        After the end of a trajectory, at rest at its last point.
-
-    Raises
-    ------
-    TrajectoryRefusedError
-        It is before the trajectory under way, or before the robot came to stand: what was planned
-        then is not kept.
+    After the end of a trajectory that is at rest at its last point. Negative times are the past of
+    the trajectory under way; TrajectoryRefusedError before that, or before the robot came to stand,
+    since what was planned then is not kept.
     """
     waiting = follower.waiting
     if waiting is not None and follower.now + ahead >= waiting.begin:

@@ -22,16 +22,10 @@ from robomech_ros.trajectory.waypoints import Waypoints
 
 
 class EntryPath(NamedTuple):
-    """How a trajectory is followed.
+    """How a trajectory is followed: the curve from now on, to the end, and its schedule.
 
-    Attributes
-    ----------
-    curve : PiecewisePolynomial
-        From now on, to the end.
-    schedule : ScheduleShift or None
-        Of the trajectory that the robot catches up with or lets pass; None if it is in time.
-    blocked : bool
-        Whether the limits allow no entry yet, so that the present motion goes on.
+    The schedule is that of the trajectory that the robot catches up with or lets pass, None if it
+    is in time. It is blocked while the limits allow no entry, so that the present motion goes on.
     """
 
     curve: PiecewisePolynomial
@@ -50,24 +44,10 @@ def entry_path(
 ) -> EntryPath:
     """Join a trajectory, or catch up with a late one that the limits do not let it join.
 
-    Soon after a jump of the clock a message of a stream in time counts as late, since its sender
-    and the robot left out different times.
-
-    Parameters
-    ----------
-    waypoints, present, joints, late
-        As of `join`.
-    settings : FollowerSettings
-        How it is joined.
-    before : ScheduleShift or None
-        What the robot follows, in time, on a clock that is 0 now; None where it stands.
-    unsettled : bool
-        Whether it is of a stream, and the clock has jumped lately.
-
-    Raises
-    ------
-    RobomechError
-        It is refused, as by `join`.
+    Soon after a jump of the clock, while a stream is ``unsettled``, a message of it in time counts
+    as late, since its sender and the robot left out different times. ``before`` is what the robot
+    follows, in time, on a clock that is 0 now; None where it stands. The others are those of
+    `join`, and so are the errors.
     """
     joined = join if settings.interpolate else join_in_steps
     known = completed(waypoints, present)

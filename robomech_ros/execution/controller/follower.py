@@ -43,29 +43,12 @@ class Phase(Enum):
 
 
 class TrajectoryFollower:
-    """Moves simulated joints along trajectories.
+    """Moves simulated joints, which stand, along trajectories.
 
-    Parameters
-    ----------
-    joints : Joints
-        Names and limits of n joints.
-    simulated_joints : SimulatedJoints
-        The joints themselves, which stand.
-    settings : FollowerSettings
-        What the owner decides.
-    now : float
-        The time, s, on any clock.
-
-    Attributes
-    ----------
-    motion : CurveMotion
-        Where the joints should be and are, and how fast they follow a curve.
-    phase : Phase
-        What the robot is doing.
-    active, waiting : TrajectoryGoal or None
-        The trajectory that is being followed, and the one whose time has not come.
-    now, held_since : float
-        The time up to which it has moved, and since when it has held if it does, s.
+    ``motion`` has where the joints should be and are, and how fast they follow a curve. ``active``
+    is the trajectory that is being followed, ``waiting`` the one whose time has not come. ``now``
+    is the time up to which it has moved, on any clock, and ``held_since`` since when it has held if
+    it does (s).
     """
 
     def __init__(
@@ -107,28 +90,12 @@ class TrajectoryFollower:
     ) -> TrajectoryGoal:
         """Accept a trajectory, which then replaces whatever is being done, or refuse it.
 
-        Parameters
-        ----------
-        waypoints : Waypoints
-            Checked, joints in the order of the robot.
-        tolerances : Tolerances
-            What the motion is held to.
-        now : float
-            The time, s.
-        delay : float
-            When to begin, from now, s; negative if it should have begun already.  Until then the
-            present motion goes on, if the settings want that.
-        on_end : callable
-            Called once, with the result.
-        by : str
-            Who sends it, for the text of the trajectory that it replaces.
-        streamed : bool
-            Whether it may be one of a stream, whose accelerations are not judged if it is short.
-
-        Raises
-        ------
-        RobomechError
-            It is refused; nothing has changed.
+        The waypoints are checked, joints in the order of the robot. It begins ``delay`` (s) from
+        now, negative if it should have begun already; until then the present motion goes on, if the
+        settings want that. ``on_end`` is called once, with the result. ``by`` says who sends it,
+        for the text of the trajectory that it replaces. Accelerations of one that may be
+        ``streamed`` are not judged if it is short. Raises RobomechError, with nothing changed,
+        where it is refused.
         """
         if delay > self.settings.longest_wait:
             allowed = f"at most {self.settings.longest_wait:g} s from now"
@@ -197,19 +164,10 @@ class TrajectoryFollower:
             self.waiting.begin -= by
 
     def stop(self, end: End, code: int, text: str, goal: TrajectoryGoal | None = None) -> bool:
-        """Slow down on the path, hold, and end the motion with this result.
+        """Slow down on the path, hold, and end the motion with this result once the robot stands.
 
-        Parameters
-        ----------
-        end, code, text
-            The result, reported when the robot stands.
-        goal : TrajectoryGoal, optional
-            Only if it is this one that moves or waits.
-
-        Returns
-        -------
-        bool
-            Whether there was anything to stop.
+        With a goal only if it is this one that moves or waits. Returns whether there was anything
+        to stop.
         """
         waited = self.waiting is not None and goal in (None, self.waiting)
         if waited:

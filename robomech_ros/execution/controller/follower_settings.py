@@ -5,24 +5,15 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class FollowerSettings:
-    """Which trajectories are accepted, and how they are followed.
+    """Which trajectories are accepted, and how they are followed (rad or m, and s).
 
-    Attributes
-    ----------
-    start_tolerance : float
-        How far the first point may be from the present position, rad or m.
-    longest_wait : float
-        How far in the future a trajectory may begin, s.
-    command_timeout : float
-        How long after its end a trajectory may be under way, s; 0 = any time.
-    interpolate : bool
-        Whether the joints move from point to point; else each point is commanded at its time.
-    max_acceleration_ratio : float
-        How many times its acceleration limit a joint may accelerate on the curve through points
-        with velocities; 0 = any.
-    wait_for_stamp : bool
-        Whether the present motion goes on until a later one begins; else that one replaces it when
-        it comes, and its first point is reached at the time that its stamp gives.
+    The first point may be ``start_tolerance`` from the present position. A trajectory may begin
+    ``longest_wait`` in the future, and be under way ``command_timeout`` after its end; 0 = any
+    time. Joints move from point to point if they ``interpolate``; else each point is commanded at
+    its time. On the curve through points with velocities a joint may accelerate
+    ``max_acceleration_ratio`` times its limit; 0 = any. With ``wait_for_stamp`` the present motion
+    goes on until a later one begins; else that one replaces it when it comes, and its first point
+    is reached at the time of its stamp.
     """
 
     start_tolerance: float = 0.01

@@ -49,34 +49,21 @@ def join(
 ) -> PiecewisePolynomial:
     """Make the curve that leads from the present state along a trajectory to its end.
 
-    A first point at time 0 must be where the robot is, within tolerance.  A quintic smooths out
-    the rest of the step and, if the robot moves, the differences in velocity and acceleration; it
-    takes as long as the limits of acceleration and jerk require.  All three are then continuous,
-    except the acceleration if the limits of position and velocity leave no room.  A trajectory
-    that begins at rest and needs the acceleration for itself begins later by that time.
+    A first point at time 0 must be where the robot is, within tolerance; a moving joint may be off
+    by another 0.1 s of way. A quintic smooths out the rest of the step and, if the robot moves, the
+    differences in velocity and acceleration; it takes as long as the limits of acceleration and
+    jerk require. All three are then continuous, except the acceleration if the limits of position
+    and velocity leave no room. A trajectory that begins at rest and needs the acceleration for
+    itself begins later by that time.
 
     A first point later than 0 is reached from the present state as any point from the one before:
     linearly, or by a cubic or quintic if it has velocities and accelerations.
 
-    Parameters
-    ----------
-    waypoints : Waypoints
-        m points of n joints.  A joint whose column is NaN stays where it is.
-    present : State
-        Where the robot is when the trajectory begins.
-    joints : Joints
-        Limits; whole turns to the first point are removed for continuous joints.
-    start_tolerance : float
-        Largest step at the start, rad or m; a moving joint may be off by another 0.1 s of way.
-    late : float
-        How long ago the trajectory should have begun, s; points before that are dropped, and of
-        the next 0.1 s those that cannot be reached in time, if there is one after them that can.
-
-    Returns
-    -------
-    PiecewisePolynomial
-        From t = 0, now, to the end and, where the robot moves there, on until it has braked;
-        within the limits of position and velocity.
+    A joint whose column is NaN stays where it is; whole turns to the first point are removed for
+    continuous joints. Of a late trajectory (s) points before now are dropped, and of the next 0.1 s
+    those that cannot be reached in time, if there is one after them that can. The curve begins at t
+    = 0, now, and goes on at the end until the robot has braked; it is within the limits of position
+    and velocity.
 
     Raises
     ------

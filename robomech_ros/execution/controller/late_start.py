@@ -73,19 +73,11 @@ _FADING = np.array(
 
 @dataclass(frozen=True, eq=False)
 class ScheduleShift:
-    """A trajectory as it is followed by a robot that is on it.
+    """A trajectory as it is followed by a robot that is on it, ``lag`` (s) behind its stamps.
 
-    Attributes
-    ----------
-    curve : PiecewisePolynomial
-        On the clock of the goal, some time before its begin included.
-    lag : float
-        How far it is behind its stamps, s.
-    merged : float
-        From when on, on that clock, the robot is on it, s.
-    ahead : ndarray, shape (6,)
-        Until then the place of the robot on the curve is the time plus this polynomial of the time
-        on that clock, lowest power first, s.
+    The curve is on the clock of the goal, some time before its begin included. The robot is on it
+    from ``merged`` (s) on that clock. Until then its place on the curve is the time plus the
+    polynomial ``ahead`` (6,) of the time on that clock, lowest power first (s).
     """
 
     curve: PiecewisePolynomial
@@ -155,26 +147,12 @@ def _gentle(curve: PiecewisePolynomial, present: State, joints: Joints) -> bool:
 def late_start(
     waypoints: Waypoints, present: State, joints: Joints, late: float, before: ScheduleShift | None
 ) -> tuple[PiecewisePolynomial, ScheduleShift] | None:
-    """Find the way onto a late trajectory.
+    """Find the way onto a late trajectory, all of whose points have velocities.
 
-    Parameters
-    ----------
-    waypoints : Waypoints
-        m points of n joints, all with velocities, none of them missing.
-    present : State
-        Where the robot is.
-    joints : Joints
-        Limits.
-    late : float
-        How long ago the trajectory should have begun, s.
-    before : ScheduleShift or None
-        What the robot follows, on a clock that is 0 now.
-
-    Returns
-    -------
-    tuple or None
-        What is to be followed from 0, now, on, to rest and within the limits (of acceleration and
-        jerk unless the trajectory itself exceeds them); and its schedule.  None without a path.
+    It should have begun ``late`` (s) ago; ``before`` is what the robot follows, on a clock that is
+    0 now. Returns what is to be followed from 0, now, on, to rest and within the limits (of
+    acceleration and jerk unless the trajectory itself exceeds them); and its schedule. None without
+    a path.
     """
     velocities = waypoints.velocities
     assert velocities is not None

@@ -23,22 +23,11 @@ _SAME = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Faults:
-    """Faults of the joints.
+    """Faults of n joints: which are stuck, and what the sensors show too much (n,), rad or m.
 
-    Attributes
-    ----------
-    stuck : ndarray of bool, shape (n,)
-        Which joints do not move.
-    delay : float
-        How long commands take to reach the joints, s.
-    dropped : float
-        Part of the commands, 0 to 1, that get lost; a joint then keeps the one before.
-    offset : ndarray, shape (n,)
-        What the sensors show too much, rad or m.
-    noise : float
-        Standard deviation of the positions that the sensors show, rad or m.
-    seed : int
-        Of the noise, and of which commands get lost.
+    Commands reach the joints after a delay (s). A part of them, 0 to 1, is dropped; a joint then
+    keeps the one before. The noise is the standard deviation of the positions that the sensors show
+    (rad or m); the seed is that of the noise, and of which commands get lost.
     """
 
     stuck: BoolArray
@@ -57,16 +46,9 @@ class Faults:
 
 @dataclass(frozen=True, eq=False)
 class DrivenMotion:
-    """Motion of joints under applied forces.
+    """Motion of joints under applied forces, with the efforts of their drives (N m or N).
 
-    Attributes
-    ----------
-    state : State
-        Where they are then.
-    effort : ndarray, shape (n,)
-        What their drives exert then, N m or N.
-    at_limit : ndarray, shape (n,)
-        How much of the time each drive was at its limit, s.
+    ``at_limit`` (n,) is how much of the time each drive was at its limit (s).
     """
 
     state: State
@@ -80,21 +62,10 @@ class Plant(Protocol):
     def drive(
         self, before: State, command: State, span: float, held: BoolArray | None
     ) -> DrivenMotion:
-        """Let time pass in which the command goes over from one to another.
+        """Let a time (s) above 0 pass in which the command goes over from one to another.
 
-        Parameters
-        ----------
-        before, command : State
-            The commands at the beginning and at the end.
-        span : float
-            How long, s, above 0.
-        held : ndarray of bool, shape (n,), or None
-            Joints that something holds where they are.
-
-        Raises
-        ------
-        RobomechError
-            The motion diverged; the joints stand at the last finite state.
+        Something holds the joints ``held`` (n,) where they are. Raises RobomechError where the
+        motion diverged; the joints stand at the last finite state.
         """
 
     def put(self, position: Array) -> DrivenMotion:
@@ -104,28 +75,12 @@ class Plant(Protocol):
 class SimulatedJoints:
     """Moves n joints to where they should be.
 
-    Joints that are late, after a fault or a step of the command, catch up within their limits of
-    velocity.  Sensors with faults show a motion within these limits, and within those of position.
-
-    Parameters
-    ----------
-    position : ndarray, shape (n,)
-        Where they are at first, rad or m.
-    lag : float
-        Time constant with which they follow, s; 0 = exactly.
-    plant : Plant, optional
-        Moves them by forces; otherwise they follow their commands exactly.
-    limits : Limits, optional
-        Of the joints; none by default.
-
-    Attributes
-    ----------
-    position : ndarray, shape (n,)
-        Where the joints really are, rad or m.
-    effort : ndarray, shape (n,), or None
-        What the drives exert, N m or N; None where no forces are simulated.
-    at_limit : ndarray, shape (n,)
-        How long each drive has been at its limit since `count_anew`, s.
+    They follow with a time constant ``lag`` (s), 0 = exactly, or are moved by the forces of a
+    plant. Joints that are late, after a fault or a step of the command, catch up within their
+    limits of velocity. Sensors with faults show a motion within these limits, and within those of
+    position. ``effort`` (n,) is what the drives exert (N m or N), None where no forces are
+    simulated, and ``at_limit`` (n,) how long each drive has been at its limit since `count_anew`
+    (s).
     """
 
     def __init__(
@@ -158,20 +113,7 @@ class SimulatedJoints:
         self._random = np.random.default_rng(faults.seed)
 
     def follow(self, desired: State, span: float) -> State:
-        """Let time pass.
-
-        Parameters
-        ----------
-        desired : State
-            The command at the end of that time.
-        span : float
-            How long, s.
-
-        Returns
-        -------
-        State
-            What the sensors show then.
-        """
+        """Let a time (s) pass, at whose end a state is commanded; return what the sensors show."""
         wrong = self._faults is not None or self._astray or self._late
         if self._plant is None and not (self._lag or wrong):
             self._state = self._command = desired

@@ -18,17 +18,10 @@ _ROUNDING, _SHORTEST = 1e-9, 1e-9
 class StateCheck:
     """Compares each position of n joints with their limits, and with the position before.
 
-    Joints that were put beyond a limit may stay as far beyond it.
-
-    Parameters
-    ----------
-    limits : Limits
-        Of the joints.
-    margin : callable, optional
-        Returns how far joints are inside their limits (n,) at a position (n,), rad or m; by
-        default the distance to the nearer one of two.
-    beyond, faster : float, optional
-        How far joints may overshoot their limits (rad or m), and those of velocity (as a part).
+    Joints that were put beyond a limit may stay as far beyond it. ``margin`` returns how far joints
+    are inside their limits (n,) at a position (n,), rad or m; by default the distance to the nearer
+    one of two. Joints may overshoot their limits by ``beyond`` (rad or m), and those of velocity by
+    a part ``faster``.
     """
 
     def __init__(

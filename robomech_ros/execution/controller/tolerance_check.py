@@ -16,24 +16,9 @@ def verdict(
 ) -> MotionResult | None:
     """Decide whether a motion has reached its goal, or must be given up.
 
-    Parameters
-    ----------
-    goal : TrajectoryGoal
-        What is being followed; that it has arrived is noted in it.
-    desired : State
-        Where its curve is now.
-    actual : State
-        Where the joints are.
-    joints : Joints
-        Their names.
-    timeout : float
-        How long after its end a trajectory may be under way, s; 0 = any time.
-
-    Returns
-    -------
-    MotionResult or None
-        None while there is nothing to decide; code 0 at the goal; else the code, and a text that
-        names the joint, how far it is off, and the tolerance.
+    None while there is nothing to decide; code 0 at the goal; else the code, and a text that names
+    the joint, how far it is off, and the tolerance. That the goal has arrived is noted in it. It
+    may be under way for a timeout (s) after its end; 0 = any time.
     """
     found = _held_to_tolerances(goal, desired, actual, joints)
     over = goal.time - goal.arrival

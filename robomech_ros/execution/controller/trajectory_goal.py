@@ -23,18 +23,11 @@ class End(IntEnum):
 
 @dataclass(frozen=True, eq=False)
 class GoalResult:
-    """The end of a motion.
+    """The end of a motion: what became of it, one of `Code`, the reason, and the error (n,).
 
-    Attributes
-    ----------
-    end : End
-        What became of it.
-    code : int
-        One of `Code`; 0 if the goal was reached.
-    text : str
-        The reason with joint and amount; empty if there is nothing to say.
-    error : ndarray, shape (n,)
-        Last point of the trajectory less actual position at that moment, rad or m.
+    The code is 0 if the goal was reached; the reason names joint and amount, and is empty if there
+    is nothing to say. The error is the last point of the trajectory less the actual position (rad
+    or m).
     """
 
     end: End
@@ -45,36 +38,16 @@ class GoalResult:
 
 @dataclass(eq=False)
 class TrajectoryGoal:
-    """A trajectory that was accepted.
+    """A trajectory that was accepted, its waypoints as they came, joints in the order of the robot.
 
-    Attributes
-    ----------
-    waypoints : Waypoints
-        As they came, joints in the order of the robot.
-    tolerances : Tolerances
-        What the motion is held to.
-    begin : float
-        When it begins or began, on the clock of the follower (s).
-    curve : PiecewisePolynomial
-        From the state expected at `begin`, replaced by the one from the state found then.
-    on_end : callable
-        Called once with the result.
-    result : GoalResult or None
-        None until it has ended.
-    time : float
-        How far it has come on its curve, s.
-    braking : float
-        How long before the end of the curve the trajectory is over and the robot brakes, s.
-    arrived : bool
-        Whether it was where it should be when the trajectory was over.
-    remark : str
-        What else the result is to say.
-    strain : str
-        By how much it is over the limits of acceleration; empty if it is not.
-    schedule : ScheduleShift or None
-        Where the trajectory is, if it came late and the robot catches up with it.
-    streamed : bool
-        Whether it came by a topic, and may be one of a stream.
+    It begins or began at ``begin`` on the clock of the follower (s). The curve is that from the
+    state expected then, replaced by the one from the state found; ``time`` is how far it has come
+    on it, and ``braking`` how long before the end of the curve the trajectory is over and the robot
+    brakes (s). It has ``arrived`` if the robot was where it should be then. ``on_end`` is called
+    once with the result, which is None until it has ended; ``remark`` is what else it is to say.
+    ``strain`` says by how much it is over the limits of acceleration. ``schedule`` is where a late
+    trajectory is with which the robot catches up. It is ``streamed`` if it came by a topic, and may
+    be one of a stream.
     """
 
     waypoints: Waypoints

@@ -31,16 +31,10 @@ class FingerEnd(Enum):
 
 @dataclass(frozen=True, eq=False)
 class FingerCommand:
-    """Target of the fingers.
+    """Target positions (n,) of the fingers, rad or m; NaN for a joint that is to stay where it is.
 
-    Attributes
-    ----------
-    position : ndarray, shape (n,)
-        Of the n joints, rad or m; NaN for a joint that is to stay where it is.
-    velocity : ndarray, shape (n,)
-        Largest speeds, rad/s or m/s.
-    effort : ndarray, shape (n,)
-        The most that the drives may exert, N m or N; NaN where that is not known.
+    The velocities (n,) are the largest speeds (rad/s or m/s), the efforts (n,) the most that the
+    drives may exert (N m or N); NaN where that is not known.
     """
 
     position: Array
@@ -55,21 +49,11 @@ class FingerCommand:
 
 @dataclass(eq=False)
 class FingerMotion:
-    """A command that was accepted.
+    """A command that was accepted, and the goal whose curve moves the fingers.
 
-    Attributes
-    ----------
-    command : FingerCommand
-    last_moved : float
-        When a joint that it is about moved last, s on the clock of the follower.
-    on_end : callable
-        Called once with what has become of it, and a text that says why.
-    goal : TrajectoryGoal or None
-        The curve by which the fingers move.
-    arrived : bool
-        Whether that is over.
-    end : FingerEnd or None
-        None until it has ended.
+    A joint that it is about moved last at ``last_moved`` (s on the clock of the follower). It has
+    ``arrived`` when the curve is over; ``end`` is None until it has ended. ``on_end`` is called
+    once with what has become of it, and a text that says why.
     """
 
     command: FingerCommand
@@ -102,18 +86,8 @@ def complete_limits(limits: Limits) -> Limits:
 def waypoints_to(command: FingerCommand, present: State, limits: Limits) -> Waypoints:
     """Plan the way from the present state to where a command wants the fingers, at rest there.
 
-    Parameters
-    ----------
-    command : FingerCommand
-    present : State
-        Where the joints should be now.
-    limits : Limits
-        Of all kinds for every joint; a joint that is faster already may stay so fast.
-
-    Raises
-    ------
-    RobomechError
-        The goal is outside the limits.
+    The limits are of all kinds for every joint; a joint that is faster already may stay so fast.
+    Raises RobomechError for a goal outside the limits.
     """
     goal = np.where(command.moved, command.position, present.position)
     speed = np.maximum(np.minimum(command.velocity, limits.velocity), np.abs(present.velocity))

@@ -30,28 +30,13 @@ class Contact:
 
 
 class FingerPlant:
-    """Joints of fingers, as a `Plant`.
+    """Joints of fingers, as a `Plant`, at first at a position (n,), rad or m.
 
     Joints that something has stopped, and that are free again, catch up within their limits of
-    velocity and acceleration.
-
-    Parameters
-    ----------
-    position : ndarray, shape (n,)
-        Where they are at first, rad or m.
-    limits : Limits
-        Their velocities and accelerations, all of them finite.
-    effort : ndarray, shape (n,)
-        The most that their drives exert, N m or N; NaN where that is not known.
-
-    Attributes
-    ----------
-    contact : Contact or None
-        What is between the fingers; None for nothing.  It stops fingers that come from outside.
-    effort : ndarray, shape (n,)
-        The most that the drives may exert from now on.
-    pressing : ndarray of bool, shape (n,)
-        Which joints would be elsewhere if nothing stopped them.
+    velocity and acceleration, all of them finite. ``contact`` is what is between the fingers, None
+    for nothing; it stops fingers that come from outside. The drives exert at most ``effort`` (n,),
+    N m or N, NaN where that is not known. Joints that would be elsewhere if nothing stopped them
+    are ``pressing``.
     """
 
     def __init__(self, position: Array, limits: Limits, effort: Array) -> None:

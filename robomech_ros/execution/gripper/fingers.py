@@ -25,14 +25,9 @@ from robomech_ros.trajectory.limits import Limits
 class GripSettings:
     """When a command to fingers is over.
 
-    Attributes
-    ----------
-    goal_tolerance : float
-        How far from its goal a joint may be that has reached it, rad or m.
-    stall_velocity : float
-        Up to which speed a joint stands, rad/s or m/s.
-    stall_timeout : float
-        How long fingers stand before they are stalled, s.
+    A joint that is off its goal by ``goal_tolerance`` (rad or m) has reached it; up to
+    ``stall_velocity`` (rad/s or m/s) a joint stands. Fingers stand for ``stall_timeout`` (s) before
+    they are stalled.
     """
 
     goal_tolerance: float = 0.01
@@ -41,23 +36,10 @@ class GripSettings:
 
 
 class Fingers:
-    """Moves the joints of fingers where commands want them.
+    """Moves the joints of fingers, the plant of a follower, where commands want them.
 
-    Parameters
-    ----------
-    follower : TrajectoryFollower
-        What moves the n joints.
-    plant : FingerPlant
-        The joints themselves.
-    limits : Limits
-        Of all kinds, for every joint, for the motions of commands.
-    settings : GripSettings
-        When a command is over; they may be replaced at any time.
-
-    Attributes
-    ----------
-    motion : FingerMotion or None
-        The command under way.
+    The limits are of all kinds, for every joint. The settings may be replaced at any time;
+    ``motion`` is the command under way.
     """
 
     def __init__(
@@ -79,18 +61,8 @@ class Fingers:
     ) -> FingerMotion:
         """Move to where a command wants the joints, instead of whatever they are doing.
 
-        Parameters
-        ----------
-        command : FingerCommand
-        now : float
-            The time, s.
-        on_end : callable
-            Called once, with what has become of it and why.
-
-        Raises
-        ------
-        RobomechError
-            It is refused; nothing has changed.
+        ``on_end`` is called once, with what has become of it and why. Raises RobomechError, with
+        nothing changed, where it is refused.
         """
         self._follower.advance(now)
         motion = FingerMotion(command, now, on_end)
@@ -109,12 +81,8 @@ class Fingers:
     def follow(self, start: Callable[[], TrajectoryGoal], by: str) -> TrajectoryGoal:
         """Have the follower follow a trajectory, instead of whatever they are doing.
 
-        Parameters
-        ----------
-        start : callable
-            Starts it; may raise RobomechError, then nothing has changed.
-        by : str
-            Who sends it, for the text of the command that it replaces.
+        ``start`` starts it; it may raise RobomechError, then nothing has changed. ``by`` says who
+        sends it, for the text of the command that it replaces.
         """
         with self._from_where_they_are():
             goal = start()

@@ -22,18 +22,11 @@ from robomech_ros.typing import Array
 class CommandReader:
     """Knows which commands the fingers of a gripper can follow.
 
-    Attributes
-    ----------
-    limits : Limits
-        Names and positions of the n joints.
-    commanded : sequence of str
-        Those that a command moves which names none; empty where it has to name one.
-    fastest, strongest : ndarray, shape (n,)
-        The most that they may do, rad/s or m/s and N m or N; infinite and NaN where that is not
-        known.
-    posture : callable
-        Gives a posture by its name: positions (rad or m) by joint, none where no posture has a
-        name; raises RobomechError for another name, and where the fingers cannot go there.
+    A command that names no joint moves those ``commanded``; where these are none it has to name
+    one. The joints do at most ``fastest`` and ``strongest`` (n,), rad/s or m/s and N m or N;
+    infinite and NaN where that is not known. ``posture`` gives a posture by its name: positions
+    (rad or m) by joint, none where no posture has a name; it raises RobomechError for another name,
+    and where the fingers cannot go there.
     """
 
     limits: Limits
@@ -49,25 +42,13 @@ class CommandReader:
         speeds: Sequence[float] = (),
         efforts: Sequence[float] = (),
     ) -> FingerCommand:
-        """Check a command.
+        """Check a command: a position (rad or m) for each name, or the name of a posture alone.
 
-        Parameters
-        ----------
-        names : sequence of str
-            Joints; where there are none, one position is for all those that `commanded` names.
-            Or the name of a posture alone, without positions.
-        positions : sequence of float
-            One for each, rad or m.
-        speeds, efforts : sequence of float, optional
-            Where given the most for each, rad/s or m/s and N m or N; 0 or less stands for as much
-            as the joint can, and so does what is more than that.
-
-        Raises
-        ------
-        UnknownJointError, LimitExceededError
-            With the joint, the number and what is allowed.
-        RobotDescriptionError
-            The fingers cannot go to the posture.
+        Where there are no names, one position is for all those that ``commanded`` names. Speeds and
+        efforts are the most for each, rad/s or m/s and N m or N; 0 or less stands for as much as
+        the joint can, and so does what is more than that. Raises UnknownJointError or
+        LimitExceededError with the joint, the number and what is allowed, RobotDescriptionError
+        where the fingers cannot go to a posture.
         """
         alone = len(names) == 1 and not len(positions)
         if alone and names[0] not in self.limits.joint_names and (to := self.posture(names[0])):

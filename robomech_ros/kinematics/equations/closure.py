@@ -193,15 +193,7 @@ def closure_equations(chain: SerialChain, T: ArrayLike, *, first: int = 1) -> Cl
 
 
 def as_angles(what: str, value: ArrayLike) -> Numbers:
-    """Return angles (rad), real or complex, as an array of any shape.
-
-    Parameters
-    ----------
-    what : str
-        Name of the angles in messages.
-    value : array_like
-        From a caller.
-    """
+    """Return angles (rad), real or complex, as an array of any shape; messages name them."""
     try:
         angles = np.asarray(value)
     except (TypeError, ValueError):

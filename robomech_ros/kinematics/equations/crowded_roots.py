@@ -27,23 +27,11 @@ _THREE = np.linalg.qr(np.random.default_rng(0).normal(size=(6, 3)))[0].T
 
 
 def angles_beside(equations: ClosureEquations, place: int, angle: complex) -> list[ComplexArray]:
-    """Find all values of joints 3, 4 and 5 where one of them is known.
+    """Find all values of joints 3, 4 and 5 where one of them, number 0, 1 or 2, is known (rad).
 
     With it the equations are six in two unknowns, ``M(x) (y^2, y, 1)^T = 0``, M (6, 3) quadratic in
-    x.  Three combinations of them have a null vector at six values of x, and all six there, too,
-    where x belongs to a posture.
-
-    Parameters
-    ----------
-    place : int
-        Which is known: 0 joint 3, 1 joint 4, 2 joint 5.
-    angle : complex
-        Its value (rad).
-
-    Returns
-    -------
-    list of ndarray, shape (3,)
-        Joints 3, 4 and 5 (rad), perhaps with some that are no posture.
+    x. Three combinations of them have a null vector at six values of x, and all six there, too,
+    where x belongs to a posture. Returns rows (3,), perhaps with some that are no posture.
     """
     two = np.einsum("eijk,i->ejk", np.moveaxis(equations.free, place + 1, 1), circle(angle))
     six = np.einsum("yj,zk,ejk->yez", HALF, HALF, two)

@@ -21,17 +21,10 @@ HALF = np.array([[-1.0, 0.0, 1.0], [0.0, 2.0, 0.0], [1.0, 0.0, 1.0]])
 
 
 def sampled_determinants(matrix: Array, count: int) -> tuple[Array, Array]:
-    """Evaluate the determinant at evenly spaced angles.
+    """Evaluate the determinant of a matrix (3, n, n) at evenly spaced angles.
 
-    Parameters
-    ----------
-    matrix : ndarray, shape (3, n, n)
-        A, B and C: coefficients of x^2, x and 1.
-
-    Returns
-    -------
-    angles, determinants : ndarray, shape (count,)
-        rad; with A s^2 + B s c + C c^2 for s and c of the half angle.
+    The matrix is A, B and C: coefficients of x^2, x and 1. Returns angles (count,), rad, and
+    determinants (count,), with A s^2 + B s c + C c^2 for s and c of the half angle.
     """
     angles = 2.0 * np.pi * np.arange(count) / count
     s, c = np.sin(0.5 * angles), np.cos(0.5 * angles)
@@ -66,26 +59,12 @@ def half_angle_polynomial(waves: ComplexArray) -> Array:
 
 
 def null_vectors(matrix: Array, front: float) -> tuple[ComplexArray, ComplexArray]:
-    """Find all angles at which a matrix has a null vector, from 2 n eigenvalues.
+    """Find all angles at which a matrix (3, n, n) has a null vector, from 2 n eigenvalues.
 
-    Parameters
-    ----------
-    matrix : ndarray, shape (3, n, n)
-        Coefficients of x^2, x and 1.
-    front : float
-        An angle (rad) at which it is regular.  Angles are measured from opposite to it, so that no
-        tangent of a half angle is infinite.
-
-    Returns
-    -------
-    angles : ndarray, shape (2 n,)
-        rad, complex; of an infinite imaginary part where x is plus or minus i.
-    vectors : ndarray, shape (2 n, n)
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        It is singular there.
+    At the angle ``front`` (rad) it is regular; where it is not, numpy.linalg.LinAlgError is raised.
+    Angles are measured from opposite to it, so that no tangent of a half angle is infinite. Returns
+    angles (2 n,), rad, complex, of an infinite imaginary part where x is plus or minus i, and
+    vectors (2 n, n).
     """
     A, B, C = matrix
     shift = front - np.pi
@@ -105,17 +84,10 @@ def null_vectors(matrix: Array, front: float) -> tuple[ComplexArray, ComplexArra
 
 
 def angles_of_tangents(above: ComplexArray, below: ComplexArray) -> ComplexArray:
-    """Return the angles whose half has the tangent above / below.
+    """Return the angles (rad) whose half has the tangent above / below, shapes (...).
 
-    Parameters
-    ----------
-    above, below : ndarray, shape (...)
-        Either may be zero: a half turn has below = 0.
-
-    Returns
-    -------
-    ndarray, shape (...)
-        rad; infinite where the tangent is plus or minus i.
+    Either may be zero: a half turn has below = 0. They are infinite where the tangent is plus or
+    minus i.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         angle: ComplexArray = -1j * np.log((below + 1j * above) / (below - 1j * above))
@@ -135,18 +107,11 @@ def angle_of(c: complex, s: complex) -> complex:
 
 
 def angles_of_roots(waves: ComplexArray) -> ComplexArray:
-    """Find all angles at which a polynomial in cosine and sine vanishes.
+    """Find all angles at which a polynomial in cosine and sine vanishes, shape (2 m,).
 
-    Parameters
-    ----------
-    waves : ndarray, shape (2 m + 1,)
-        As from `waves_of_samples`; not all zero.
-
-    Returns
-    -------
-    ndarray, shape (2 m,)
-        rad, real parts within a turn, real or complex; infinite where the half angle's tangent is
-        plus or minus i.
+    The waves (2 m + 1,) are as from `waves_of_samples`, not all zero. The angles (rad) have real
+    parts within a turn, and are real or complex; infinite where the half angle's tangent is plus or
+    minus i.
     """
     m = len(waves) // 2
     k = np.arange(-m, m + 1)
@@ -160,12 +125,9 @@ def angles_of_roots(waves: ComplexArray) -> ComplexArray:
 
 
 def angles_of_line(C: complex, D: complex, E: complex) -> ComplexArray:
-    """Find both angles with C cos + D sin + E = 0.
+    """Find both angles (rad), real or complex, with C cos + D sin + E = 0.
 
-    Returns
-    -------
-    ndarray, shape (2,)
-        rad, real or complex; infinite where C and D vanish against E.
+    They are infinite where C and D vanish against E.
     """
     # (C - i D) z^2 + 2 E z + (C + i D) = 0 for z = exp(i angle)
     roots = np.zeros(2, complex)

@@ -22,18 +22,7 @@ _SINGULAR = (
 
 @lru_cache(maxsize=1024)
 def branch_name(branch: int) -> str:
-    """Name a posture, such as ``"shoulder-left elbow-up wrist-flip"``.
-
-    Parameters
-    ----------
-    branch : int
-        Bits of ``_kernels.inverse.branch_bits``.
-
-    Returns
-    -------
-    str
-        Empty for a posture that has no name.
-    """
+    """Name a posture by its bits, as ``"shoulder-left elbow-up wrist-flip"``; "" without a name."""
     if branch & bit.UNNAMED:
         return ""
     number = ((branch & bit.ARM_MASK) >> bit.ARM_SHIFT) + 1

@@ -38,14 +38,10 @@ _empty = np.empty  # to look it up takes longer than an argument is checked
 def solve_closed_form(
     chain: SerialChain, T: Array, request: Request, family: Family
 ) -> InverseKinematicsResult:
-    """Find all solutions of a pose, ranked, or explain why there is none.
+    """Find all solutions of a pose T (4, 4), ranked, or explain why there is none.
 
-    Parameters
-    ----------
-    T : ndarray, shape (4, 4)
-        Pose (m) as :func:`as_target` gives it; its entries are checked here.
-    family : Family
-        One that lists all solutions.
+    The pose (m) is as :func:`as_target` gives it; its entries are checked here. The family is one
+    that lists all solutions.
     """
     space = _empty(_shape(chain.n))
     fault, bare, missing, count, singular, unproven = solve_one_pose(
@@ -123,13 +119,9 @@ def rank_solutions(
 ) -> tuple[Array, IntArray, Array]:
     """Order solutions q (k, n) inside the limits, the nearest to the seed first.
 
-    With ``windings`` each is listed in every winding, else in the nearest one.  Returns joint
-    values, branches and distances.
-
-    Raises
-    ------
-    BadValueError
-        The limits allow more than MOST_WINDINGS.
+    With ``windings`` each is listed in every winding, else in the nearest one. Returns joint
+    values, branches and distances; raises BadValueError where the limits allow more than
+    MOST_WINDINGS.
     """
     limits = turns, chain.lower, chain.upper
     room = winding_count(*limits, q) if windings else min(len(q), MAX_SOLUTIONS)

@@ -51,18 +51,8 @@ def solve_coupled_joints(
 ) -> tuple[IterativeSearch, bool] | None:
     """Find all solutions of a pose, limits aside, if the arm without followers has a closed form.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        With joints that follow others.
-    T : ndarray, shape (4, 4)
-        Wanted pose (m).
-
-    Returns
-    -------
-    IterativeSearch and bool, or None
-        Solutions as a search gives them, perhaps none, and whether they are provably all; None
-        where there is no closed form.
+    Returns solutions as a search gives them, perhaps none, and whether they are provably all; None
+    where there is no closed form.
     """
     if request.task != FULL_TASK:
         return None

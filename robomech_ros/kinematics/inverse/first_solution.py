@@ -26,32 +26,13 @@ _TASK = ("task_mask", "position_tolerance", "orientation_tolerance", "timeout")
 def first_solution(
     chain: SerialChain, T: ArrayLike, *, seed: ArrayLike | None = None, **options: Any
 ) -> InverseKinematicsResult:
-    """Follow one Newton search from the seed, whatever the geometry of the arm.
+    """Follow one Newton search from the seed, default mid-range, whatever the geometry of the arm.
 
     It stays on the branch of a near seed, and may end at a solution that is not the nearest one.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    T : array_like, shape (4, 4)
-        Pose of the tip in the base (m).
-    seed : array_like, shape (n,), optional
-        Joint values (rad or m) to start from; default mid-range.
-    **options
-        Those of `inverse_kinematics`; windings are not listed and the cap is 1, and the single
-        attempt, of some 0.1 ms, takes no notice of a timeout.
-
-    Returns
-    -------
-    InverseKinematicsResult
-        One solution, or none with the status ``NOT_CONVERGED``, which proves nothing; never
-        complete.
-
-    Raises
-    ------
-    RobomechError
-        As `inverse_kinematics` does.
+    The options are those of `inverse_kinematics`; windings are not listed and the cap is 1, and the
+    single attempt, of some 0.1 ms, takes no notice of a timeout. The result is never complete: one
+    solution, or none with the status ``NOT_CONVERGED``, which proves nothing. Errors are those of
+    `inverse_kinematics`.
     """
     for name in options:
         if name not in _RANKING + _TASK:

@@ -27,20 +27,11 @@ _CHUNK_OF_MANY = 5000
 
 @dataclass(frozen=True, eq=False)
 class IterativeSearch:
-    """Result of an iterative search.
+    """Result of an iterative search: distinct solutions (k, n) in the order of their discovery.
 
-    Parameters
-    ----------
-    q : ndarray, shape (k, n)
-        Distinct solutions in the order of their discovery: that from the seed first.
-    best : ndarray, shape (n,)
-        The attempt with the least error, a solution or not.
-    position_error, orientation_error : float
-        Its errors (m, rad) in the components of the task.
-    attempts : int
-        Starts tried.
-    timed_out : bool
-        Whether the time ran out before the search was over.
+    That from the seed is the first. ``best`` (n,) is the attempt with the least error, a solution
+    or not, followed by its errors (m, rad) in the components of the task. So many starts were
+    tried, and the time ran out before the search was over if it is ``timed_out``.
     """
 
     q: Array
@@ -54,23 +45,11 @@ class IterativeSearch:
 def iterative_search(
     data: Array, T: Array, seed: Array, *, timeout: float | None = None
 ) -> IterativeSearch:
-    """Search from the seed and from evenly spread starts, as long as the time allows.
+    """Search from the seed (n,) and from evenly spread starts, as long as the time (s) allows.
 
-    Parameters
-    ----------
-    data : ndarray
-        From :func:`iterative_data`.
-    T : ndarray, shape (4, 4)
-        Pose of the tip in the base (m).
-    seed : ndarray, shape (n,)
-        First start (rad or m).
-    timeout : float, optional
-        Time (s) after which to stop between attempts; at least a first few are made.
-
-    Returns
-    -------
-    IterativeSearch
-        The same for the same arguments, unless the time ran out.
+    The data is that of :func:`iterative_data`, T (4, 4) the pose of the tip in the base (m).
+    Between attempts the search stops once the time is over; at least a first few are made. The
+    result is the same for the same arguments, unless the time ran out.
     """
     n = int(data[at.JOINTS])
     restarts = int(data[at.RESTARTS])
@@ -106,23 +85,11 @@ def iterative_search(
 def least_orientation_error(
     data: Array, T: Array, start: Array, deadline: float = math.inf
 ) -> float:
-    """Minimise the orientation error over the postures that put the tip at T's position.
+    """Minimise the orientation error (rad) over the postures that put the tip at T's position.
 
-    Parameters
-    ----------
-    data : ndarray
-        From :func:`task_data`, for one solution and without limits.
-    T : ndarray, shape (4, 4)
-        The target from there (m); its position must be in reach.
-    start : ndarray, shape (n,)
-        A posture that reaches the position.
-    deadline : float
-        When to give up, by ``time.monotonic`` (s).
-
-    Returns
-    -------
-    float
-        The angle (rad), of the components that the task counts; NaN where the time ran out.
+    Data and T are those of :func:`task_data`, for one solution and without limits; the posture
+    ``start`` (n,) reaches the position. The angle is that of the components that the task counts;
+    NaN after the deadline, by ``time.monotonic`` (s).
     """
     data = data.copy()
     data[at.UNIT] *= REACH_POSITION_WEIGHT

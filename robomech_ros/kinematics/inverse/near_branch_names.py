@@ -54,19 +54,9 @@ class _Namesake(NamedTuple):
 
 
 def named_branches(chain: SerialChain, q: Array, branch: IntArray) -> IntArray:
-    """Give numbered postures of an arm of six joints the names that they nearly have.
+    """Give numbered postures q (k, 6) of an arm of six joints the names that they nearly have.
 
-    Parameters
-    ----------
-    q : ndarray, shape (k, 6)
-        The postures (rad).
-    branch : ndarray of int, shape (k,)
-        Their bits.
-
-    Returns
-    -------
-    ndarray of int, shape (k,)
-        Bits with names in place of numbers, where the arm nearly has them.
+    Returns their bits (k,) with names in place of numbers, where the arm nearly has them.
     """
     arm = _namesake(chain)
     if arm is None:

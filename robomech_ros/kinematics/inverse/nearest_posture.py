@@ -34,15 +34,9 @@ def add_nearest(
     """Add the posture nearest to the pose to a result without solutions.
 
     Of the local minima of angle^2 + (distance / half of the arm's length)^2 inside the limits, it
-    is the one whose larger part is least.  Only arms with fewer joints than conditions get one, for
-    which a pose that cannot be taken is the rule, and only while the time asked for lasts.
-
-    Parameters
-    ----------
-    T : ndarray, shape (4, 4)
-        Target (m).
-    started : float
-        When the request came, by ``time.monotonic`` (s).
+    is the one whose larger part is least. Only arms with fewer joints than conditions get one, for
+    which a pose that cannot be taken is the rule, and only while the time asked for lasts, since
+    the request came by ``time.monotonic`` (s).
     """
     if len(result) or chain.n >= sum(request.task) or result.status not in _HOPELESS:
         return result
@@ -79,17 +73,6 @@ def least_squares_posture(
 
     The sum of angle^2 + (distance / half of the arm's length)^2 is made small from the seed and
     from evenly spread starts; ``best`` is the minimum whose larger part is least.
-
-    Parameters
-    ----------
-    T : ndarray, shape (4, 4)
-        ``T_base_tip`` wanted (m).
-    request : Request
-        Whose seed, limits and task count.
-    starts : int
-        How many starts, the seed first.
-    timeout : float, optional
-        Time (s) after which to end; default none.
     """
     goal = SearchGoal(request.respect_limits, request.task, wanted=1)
     data, target = task_data(chain, T, goal)

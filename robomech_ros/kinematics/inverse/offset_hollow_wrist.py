@@ -44,26 +44,15 @@ _SLACK = 1e-2
 class OffsetHollowWrist:
     """An arm of three joints with such a wrist, in the frame of its first joint.
 
-    Parameters
-    ----------
-    front : SerialChain
-        The first three joints, up to the frame of the first of the wrist.
-    base : ndarray, shape (4, 4)
-        Pose of the frame: z along the first axis, y along the second one while that is at zero (m).
-    shoulder, upper : complex
-        The second axis in the plane x + i z across it, and the third one from there (m).
-    fore, fore_axis : complex
-        From the third axis to the foot of the wrist's first axis, and along that axis (m, 1).
-    side : tuple of float
-        Offset of the foot along y (m), and the part of the axis along y.
-    tip : tuple of ndarray
-        Foot (m) and direction of the wrist's last axis in the frame of the tip.
-    turns : ndarray, shape (4, 3, 3)
-        Rotations between the axes of the wrist, and from the last to the tip.
-    shift, cosine : ndarray, shape (k,)
-        Coefficients of s (m) and of cos psi, Chebyshev polynomials of cos q.
-    exact : bool
-        Whether nothing is idealised.
+    ``front`` are the first three joints, up to the frame of the first of the wrist, and ``base``
+    (4, 4) is the pose of the frame: z along the first axis, y along the second one while that is at
+    zero (m). In the plane x + i z there are the second axis and the third one from there (m), then
+    the foot of the wrist's first axis from the third axis, and the part along that axis (m, 1);
+    ``side`` is the offset of the foot along y (m), and the part of the axis along y. ``tip`` is
+    foot (m) and direction of the wrist's last axis in the frame of the tip. The turns (4, 3, 3) are
+    the rotations between the axes of the wrist, and from the last to the tip. Shift and cosine (k,)
+    are the coefficients of s (m) and of cos psi, Chebyshev polynomials of cos q. It is exact if
+    nothing is idealised.
     """
 
     front: SerialChain

@@ -23,14 +23,10 @@ REACH_ITERATIONS = 60
 class ReachGap(NamedTuple):
     """By how much a pose is missed, position limits of the joints ignored.
 
-    Parameters
-    ----------
-    distance : float
-        Least distance (m) of the tip from the target position in any orientation, 0 where the
-        position is reached or the task asks for none, NaN where the time ran out.
-    orientation_error : float
-        Least angle (rad) to the target orientation among the postures that reach the position;
-        NaN where none does or the time ran out, 0 where the task asks for no orientation.
+    The distance is the least one (m) of the tip from the target position in any orientation, 0
+    where the position is reached or the task asks for none, NaN where the time ran out. The
+    orientation error is the least angle (rad) to the target among the postures that reach the
+    position; NaN where none does or the time ran out, 0 where the task asks for no orientation.
     """
 
     distance: float
@@ -50,22 +46,10 @@ def reach_gap(
 ) -> ReachGap:
     """Find how far the target position is out of reach, else the least orientation error there.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Its position limits are ignored, those of prismatic joints, too.
-    T : ndarray, shape (4, 4)
-        Target pose of the tip in the base (m).
-    task : tuple of six bool
-        Which of x, y, z, rx, ry, rz, along and about the axes of the target, count.
-    deadline : float
-        When to give up, by ``time.monotonic`` (s).
-
-    Returns
-    -------
-    ReachGap
-        The distance to about 1e-7 m; the orientation error is the least of many local minima,
-        attained at the position to about 1e-6 of the arm's length.
+    Position limits are ignored, those of prismatic joints, too. The task says which of x, y, z, rx,
+    ry, rz, along and about the axes of the target, count; the deadline is by ``time.monotonic``
+    (s). The distance is known to about 1e-7 m; the orientation error is the least of many local
+    minima, attained at the position to about 1e-6 of the arm's length.
     """
     data, target = task_data(chain, T, SearchGoal(False, task, wanted=1))
     distance, best = _nearest_posture(packed_chain(data), chain.n, target, task, deadline)
@@ -80,19 +64,10 @@ def reach_gap(
 def distance_inside_limits(
     chain: SerialChain, T: Array, task: Task, least: float, deadline: float = math.inf
 ) -> float:
-    """Find the least distance of the tip from the target position inside the position limits.
+    """Find the least distance (m) of the tip from the target position inside the position limits.
 
-    Parameters
-    ----------
-    chain, T, task, deadline
-        As for :func:`reach_gap`.
-    least : float
-        That with the limits ignored (m): the search ends where it is attained.
-
-    Returns
-    -------
-    float
-        m; NaN where the time ran out.
+    The search ends where the ``least`` one with the limits ignored (m) is attained; NaN where the
+    time ran out. The others are as for :func:`reach_gap`.
     """
     bounds = np.stack((chain.lower, chain.upper))
     if not np.isfinite(bounds).any():

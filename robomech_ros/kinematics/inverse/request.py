@@ -57,13 +57,7 @@ class Request(NamedTuple):
 
 @lru_cache(maxsize=256)
 def default_tolerances(chain: SerialChain, task: Task) -> tuple[float, float]:
-    """Return the errors (m, rad) that a task allows: larger where the arm cannot take every pose.
-
-    Parameters
-    ----------
-    task : tuple of six bool
-        Which components of the pose count.
-    """
+    """Return the errors (m, rad) that a task allows: larger if the arm cannot take all poses."""
     whole = task == FULL_TASK and not moves_in_all_directions(chain, arm_size(chain))
     if chain.n < sum(task) or whole:
         return short_layout.POSITION_TOLERANCE, short_layout.ORIENTATION_TOLERANCE
@@ -143,13 +137,7 @@ def _usual(
 
 
 def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) -> Array:
-    """Check a seed, shape (n,); None is mid-range.
-
-    Raises
-    ------
-    SeedOutsideLimitsError
-        A joint is outside its limits, and limits are respected.
-    """
+    """Check a seed (n,), None for mid-range; SeedOutsideLimitsError where limits are respected."""
     if seed is None and isinstance(chain, SerialChain):
         return chain.midrange()
     q = as_joint_values(chain, seed, "seed")

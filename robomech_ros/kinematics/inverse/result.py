@@ -36,25 +36,13 @@ _NUMBERED = bit.ARM_NUMBERED | bit.POSTURE_NUMBERED
 class Findings:
     """Facts about a list of solutions, which may be empty.
 
-    Parameters
-    ----------
-    family : str
-        Solver family used.
-    complete : bool
-        Whether these are provably all solutions within the limits asked for, before any cap.
-    status : Status
-    reason : str
-        In words, with numbers; empty where there is nothing to say.
-    blocking_joints : tuple of str
-        Where limits exclude everything: the joints outside in the least offending solution.
-    blocking_excess : ndarray
-        By how much each of them is outside (rad or m).
-    task : tuple of six bool
-        Which of x, y, z, rx, ry, rz, along and about the axes of the target, count as errors.
-    nearest : ndarray, shape (n,), or None
-        Of an arm with fewer joints than conditions, where there is no solution: the posture inside
-        the limits that misses the pose least in the sense of least squares (rad or m); the reason
-        says by how much.
+    It is complete if these are provably all solutions within the limits asked for, before any cap.
+    The reason is in words, with numbers; empty where there is nothing to say. Where limits exclude
+    everything, the blocking joints are outside in the least offending solution, each by its excess
+    (rad or m). The task says which of x, y, z, rx, ry, rz, along and about the axes of the target,
+    count as errors. Of an arm with fewer joints than conditions, where there is no solution,
+    ``nearest`` (n,) is the posture inside the limits that misses the pose least in the sense of
+    least squares (rad or m); the reason says by how much.
     """
 
     family: str
@@ -68,17 +56,7 @@ class Findings:
 
 
 class Listing(NamedTuple):
-    """Properties listed with the solutions.
-
-    Parameters
-    ----------
-    target : ndarray, shape (4, 4)
-        ``T_base_tip`` wanted (m).
-    seed_distance : ndarray, shape (k,)
-        Distance of each solution from the seed.
-    branch_bits : ndarray of int, shape (k,)
-        Their postures as bits.
-    """
+    """``T_base_tip`` wanted (4, 4), m, and for each of k solutions seed distance and bits."""
 
     target: Array
     seed_distance: Array

@@ -19,24 +19,12 @@ _CORRECTIONS = 8
 
 
 def singular_marks(chain: SerialChain, T: Array, task: Sequence[bool], q: Array) -> IntArray:
-    """Tell of postures whether joints can move while the task stays, or two solutions meet.
+    """Tell of postures q (k, n) if joints can move while the task stays, or two solutions meet.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    T : ndarray, shape (4, 4)
-        Pose of the tip (m) that all postures reach, as far as the task counts.
-    task : sequence of six bool
-        Which of x, y, z, rx, ry, rz, along and about the axes of T, count.
-    q : ndarray, shape (k, n)
-        The postures (rad or m).
-
-    Returns
-    -------
-    ndarray of int, shape (k,)
-        Bits of ``branch_bits``: SELF_MOTION for a continuum, BOUNDARY where solutions meet, 0 for
-        a regular posture, and for all of an arm with more joints than conditions.
+    All reach the pose T (4, 4) of the tip (m), as far as the task counts: which of x, y, z, rx, ry,
+    rz, along and about the axes of T. Returns bits of ``branch_bits`` (k,): SELF_MOTION for a
+    continuum, BOUNDARY where solutions meet, 0 for a regular posture, and for all of an arm with
+    more joints than conditions.
     """
     marks = np.zeros(len(q), np.int64)
     if 0 < chain.n <= sum(task):

@@ -43,20 +43,11 @@ _ORIENTATION = turn_about_z(0.7) @ _QUARTER @ turn_about_z(1.9) @ _QUARTER @ tur
 class SphericalHollowWrist:
     """An arm of three joints with a hollow wrist.
 
-    Parameters
-    ----------
-    arm : SerialChain
-        The first three joints with an imagined wrist of three about the same point.
-    family : Family
-        That of the arm.
-    front : SerialChain
-        The first three joints, up to the frame of the first of the wrist.
-    turns : ndarray, shape (4, 3, 3)
-        Rotations between the axes of the wrist, and from the last to the tip.
-    centre : ndarray, shape (3,)
-        The point in the frame of the tip (m).
-    gains : tuple of int
-        Turns of the two joints in the middle for one of their drive.
+    The arm has the first three joints with an imagined wrist of three about the same point, and the
+    family is its own. ``front`` are the first three joints, up to the frame of the first of the
+    wrist. The turns (4, 3, 3) are the rotations between the axes of the wrist, and from the last to
+    the tip, the centre (3,) is the point in the frame of the tip (m). The gains are the turns of
+    the two joints in the middle for one of their drive.
     """
 
     arm: SerialChain
@@ -110,13 +101,7 @@ def spherical_hollow_wrist(merged: MergedArm) -> SphericalHollowWrist | None:
 
 
 def spherical_wrist_postures(wrist: SphericalHollowWrist, T: Array) -> tuple[Array, bool]:
-    """List all joint values (k, 7) that give a pose, and tell whether they are provably all.
-
-    Parameters
-    ----------
-    T : ndarray, shape (4, 4)
-        Of the tip in the base (m).
-    """
+    """List joint values (k, 7) that give a pose T (4, 4), and tell if they are provably all."""
     target = _ORIENTATION.copy()
     target[:3, 3] = T[:3, :3] @ wrist.centre + T[:3, 3]
     reached, complete = all_postures(wrist.arm, target, wrist.family)
@@ -147,14 +132,7 @@ def _wrist_angles(wrist: SphericalHollowWrist, W: Array) -> tuple[list[Array], b
 
 
 def between_axes(turns: Array, angles: Sequence[float]) -> Array:
-    """Return the rotation from the first axis of a wrist to the last, at angles of the middle ones.
-
-    Parameters
-    ----------
-    turns : ndarray, shape (4, 3, 3)
-        Rotations between the axes.
-    angles : sequence of 2 float
-    """
+    """Return the rotation from the first axis of a wrist to the last, at the middle angles."""
     first, second = (turn_about_z(angle)[:3, :3] for angle in angles)
     return turns[0] @ first @ turns[1] @ second @ turns[2]
 

@@ -21,17 +21,9 @@ _ONE, _MANY = "(4, 4); inverse_kinematics_batch takes many", "(m, 4, 4)"
 
 
 def as_target(T: ArrayLike) -> Array:
-    """Return one pose as float64 of shape (4, 4), of any memory layout, its entries not looked at.
+    """Return one pose as float64 (4, 4), of any memory layout, its entries not looked at.
 
-    Parameters
-    ----------
-    T : array_like, shape (4, 4)
-        Pose (m).
-
-    Returns
-    -------
-    ndarray, shape (4, 4)
-        The array itself where it is one of this kind.
+    It is the array itself where that is one of this kind.
     """
     if type(T) is _ARRAY and T.dtype is _FLOAT and T.shape == (4, 4):
         return T
@@ -42,21 +34,9 @@ def as_target(T: ArrayLike) -> Array:
 
 
 def as_targets(T: ArrayLike, what: str = "T", batch: bool = False) -> Array:
-    """Return poses as contiguous float64 of shape (m, 4, 4), rotations made exactly orthogonal.
+    """Return poses as contiguous float64 (m, 4, 4), a copy, rotations made exactly orthogonal.
 
-    Parameters
-    ----------
-    T : array_like, shape (4, 4), or (m, 4, 4) for a batch
-        Poses (m).
-    what : str
-        Name of the quantity in messages.
-    batch : bool
-        Whether these are many.
-
-    Returns
-    -------
-    ndarray, shape (m, 4, 4)
-        A copy.
+    One pose (4, 4) is expected, or many for a batch (m); ``what`` names them in messages.
     """
     given = T if type(T) is _ARRAY and T.dtype is _FLOAT else real_array(what, T)
     if given.ndim != (3 if batch else 2) or given.shape[-2:] != (4, 4):

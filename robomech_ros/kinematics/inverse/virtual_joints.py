@@ -37,18 +37,8 @@ def solve_with_virtual_joints(
 ) -> tuple[IterativeSearch, bool] | None:
     """Find all solutions of a task that asks for as many components as there are joints.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    T : ndarray, shape (4, 4)
-        Wanted pose (m).
-
-    Returns
-    -------
-    IterativeSearch and bool, or None
-        Solutions as a search gives them, and whether they are provably all; None where virtual
-        joints do not make it an arm of six, or no solution was found.
+    Returns solutions as a search gives them, and whether they are provably all; None where virtual
+    joints do not make it an arm of six, or no solution was found.
     """
     extended = _with_virtual_joints(chain, request.task)
     if extended is None:

@@ -124,10 +124,7 @@ def solve_bivariate(chain: SerialChain, T: ArrayLike, *, steps: int = 240) -> li
 def _first_steps(equations: ClosureEquations, starts: Array) -> Array:
     """Take the first steps of Newton-Gauss from all starts (n, 2) at once.
 
-    Returns
-    -------
-    ndarray, shape (m, 3)
-        Joints 3, 4 and 5 (rad) of those that have come near a posture, equal ones once.
+    Returns joints 3, 4 and 5 (m, 3), rad, of those that have come near a posture, equal ones once.
     """
     G = equations.three_columns(*starts.T)
     third = np.squeeze(np.linalg.pinv(G[:, :, :2]) @ -G[:, :, 2:], axis=2)

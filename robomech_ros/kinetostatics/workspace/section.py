@@ -32,26 +32,13 @@ _LOOK = 24
 class WorkspaceSection:
     """A point carried by three joints, seen in the frame in which joint 1 is the z axis.
 
-    Parameters
-    ----------
-    names : tuple of three str
-        Of the joints; that of a planar arm's slide is empty.
-    slides : tuple of three bool
-        Which of the joints are prismatic.
-    base : ndarray, shape (4, 4)
-        Frame of joint 1 in the base of the chain (m).
-    first, second : ndarray, shape (4, 4)
-        Constant transforms from joint 1 to joint 2, and from joint 2 to joint 3 (m).
-    point : ndarray, shape (3,)
-        The point in the frame that moves with joint 3 (m).
-    lower, upper : ndarray, shape (3,)
-        Ranges of the joints (rad or m); those of a turning joint span a turn at the most.
-    round : ndarray of bool, shape (3,)
-        Which of them turn all the way round, or, of the first joint, have no limit.
-    size : float
-        Of the arm, its slides at their farthest (m).
-    flat : bool
-        Whether the arm is a planar one.
+    The name of a planar arm's slide is empty. ``base`` (4, 4) is the frame of joint 1 in the base
+    of the chain, ``first`` and ``second`` (4, 4) are the constant transforms from joint 1 to joint
+    2, and from joint 2 to joint 3, and ``point`` (3,) is the point in the frame that moves with
+    joint 3 (m). Lower and upper ends (3,) are the ranges of the joints (rad or m); those of a
+    turning joint span a turn at the most. ``round`` (3,) are those that turn all the way round, or,
+    of the first joint, have no limit. The size is that of the arm, its slides at their farthest
+    (m). A planar arm is flat.
     """
 
     names: tuple[str, str, str]

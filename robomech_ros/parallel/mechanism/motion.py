@@ -14,17 +14,10 @@ from robomech_ros.typing import Array
 
 
 class LoopMotion:
-    """Positions and motion of the joints of closed loops.
+    """Positions and motion of the joints of closed loops, n joints with dof drives.
 
-    Joint values q, shape (..., n), are those of all joints (rad or m).  Methods of velocities and
+    Joint values q, shape (..., n), are those of all joints (rad or m). Methods of velocities and
     accelerations take such that close all loops, and raise what :meth:`rates` does.
-
-    Parameters
-    ----------
-    loops : Loops
-        The chains.
-    n, dof : int
-        Numbers of all joints and of drives.
     """
 
     def __init__(self, loops: Loops, n: int, dof: int) -> None:
@@ -67,17 +60,11 @@ class LoopMotion:
         return LoopClosureError(f"{what}{which}", limb + 1, distance, angle, expected)
 
     def close(self, actuated: ArrayLike, near: ArrayLike) -> LoopClosure:
-        """Find all joints for positions of the drives, in the assembly mode of a posture near by.
+        """Find all joints for positions of the drives (m,), in the assembly mode of a posture near.
 
         The drives go from where they are to the given positions on a straight way, in steps of
-        which each is proved to meet no singularity, up to rounding; in front of one they end.
-
-        Parameters
-        ----------
-        actuated : array_like, shape (m,)
-            Of the drives (rad or m).
-        near : array_like, shape (n,)
-            All joints (rad or m), loops closed or nearly.
+        which each is proved to meet no singularity, up to rounding; in front of one they end. The
+        posture ``near`` (n,) has closed loops or nearly (rad or m).
         """
         target = checked_drives("actuated", actuated, self.dof)
         return self.loops.close(target, checked_drives("near", near, self.n))
@@ -85,24 +72,10 @@ class LoopMotion:
     def rates(self, q: ArrayLike, actuated_rates: ArrayLike) -> tuple[Array, Array]:
         """Compute the rates of all joints, and the twist of the platform, for rates of the drives.
 
-        Parameters
-        ----------
-        q : array_like, shape (..., n)
-        actuated_rates : array_like, shape (..., m)
-            Of the drives (rad/s or m/s).
-
-        Returns
-        -------
-        qd : ndarray, shape (..., n)
-            Of all joints (rad/s or m/s).
-        twist : ndarray, shape (..., 6)
-            [angular velocity; velocity of the platform's origin] in the base (rad/s, m/s).
-
-        Raises
-        ------
-        BadValueError
-            Not numbers of joints and drives, or a posture in which the drives do not determine the
-            motion.
+        All joints are (..., n), rates of the drives (..., m), rad/s or m/s. Returns rates (..., n)
+        and the twist (..., 6), [angular velocity; velocity of the platform's origin] in the base
+        (rad/s, m/s). Raises BadValueError for other numbers of joints and drives, or a posture in
+        which the drives do not determine the motion.
         """
         given = as_finite("actuated_rates", actuated_rates, (self.dof,))
         qd, twist = self.loops.rates(self._all_joints("q", q), given[..., None])
@@ -127,21 +100,11 @@ class LoopMotion:
     def accelerations(
         self, q: ArrayLike, qd: ArrayLike, actuated_accelerations: ArrayLike
     ) -> tuple[Array, Array]:
-        """Compute accelerations of all joints and of the platform, for those of the drives.
+        """Compute accelerations of all joints and the platform, for those of the drives (..., m).
 
-        Parameters
-        ----------
-        q, qd : array_like, shape (..., n)
-            All joints, loops closed, and their rates from :meth:`rates` (rad or m, and per s).
-        actuated_accelerations : array_like, shape (..., m)
-            Of the drives (rad/s^2 or m/s^2).
-
-        Returns
-        -------
-        qdd : ndarray, shape (..., n)
-            Of all joints (rad/s^2 or m/s^2).
-        acceleration : ndarray, shape (..., 6)
-            [angular acceleration; acceleration of the platform's origin] in the base.
+        All joints and their rates (..., n) are those of closed loops, from :meth:`rates`. Returns
+        accelerations (..., n), rad/s^2 or m/s^2, and (..., 6), [angular acceleration; acceleration
+        of the platform's origin] in the base.
         """
         joints, speeds = self._all_joints("q", q), self._all_joints("qd", qd)
         given = as_finite("actuated_accelerations", actuated_accelerations, (self.dof,))

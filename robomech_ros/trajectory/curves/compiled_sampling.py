@@ -76,17 +76,9 @@ class PiecewiseMotion:
         return self.pieces.duration
 
     def sample(self, t: npt.ArrayLike) -> Sample:
-        """Sample positions and derivatives.
+        """Sample positions and derivatives, (n,) or (m, n), at instants (s), shape () or (m,).
 
-        Parameters
-        ----------
-        t : array_like, shape () or (m,)
-            Instants in s; before 0 the joints rest at the start, after the end at the goal.
-            Where the acceleration steps, the later one counts.
-
-        Returns
-        -------
-        Sample
-            Arrays of shape (n,) or (m, n).
+        Before 0 the joints rest at the start, after the end at the goal. Where the acceleration
+        steps, the later one counts.
         """
         return sample_many(self.pieces, t)

@@ -20,14 +20,9 @@ from robomech_ros.typing import Array
 
 @dataclass(frozen=True, eq=False)
 class MotionToRest(PiecewiseMotion):
-    """A curve that ends at rest exactly at its goal, with continuous acceleration unless told.
+    """A curve from t = 0 on that ends at rest exactly at its goal (n,), rad or m.
 
-    Attributes
-    ----------
-    goal : ndarray, shape (n,)
-        Joint values at the end, rad or m.
-    pieces : PiecewisePolynomial
-        The curve, from t = 0 on.
+    Its acceleration is continuous unless it says otherwise.
     """
 
     goal: Array
@@ -45,13 +40,7 @@ class MotionToRest(PiecewiseMotion):
 
 @dataclass(frozen=True, eq=False)
 class MotionThrough(MotionToRest):
-    """A motion to rest that passes via points.
-
-    Attributes
-    ----------
-    knots : ndarray, shape (m,)
-        When start, via points and goal are passed, in s.
-    """
+    """A motion to rest that passes start, via points and goal at its knots (m,), in s."""
 
     knots: Array
 

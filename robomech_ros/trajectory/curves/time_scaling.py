@@ -31,19 +31,9 @@ def stretch_needed(curve: PiecewisePolynomial, limits: Limits) -> tuple[float, i
 def fitted(
     curve: PiecewisePolynomial, limits: Limits, duration: float | None = None
 ) -> PiecewisePolynomial:
-    """Let a curve last as short as its limits allow, or as long as wanted.
+    """Let a curve last as short as its finite limits allow, or a wanted duration (s).
 
-    Parameters
-    ----------
-    limits : Limits
-        Of n joints; those that are finite count.
-    duration : float, optional
-        Wanted duration in s; None for the shortest.
-
-    Raises
-    ------
-    DurationTooShortError
-        If the wanted duration would break a limit.
+    Raises DurationTooShortError if the wanted duration would break a limit.
     """
     factor, joint, rate = stretch_needed(curve, limits)
     shortest = max(factor * curve.duration, SHORTEST_TRAJECTORY)

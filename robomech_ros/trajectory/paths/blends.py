@@ -29,14 +29,9 @@ class BlendedPolyline(PolynomialCurve):
     """Straight legs and blends, one after another; all of them are evaluated together.
 
     The parameter runs on from each to the next: on straight legs by their length (m), on arcs by
-    the angle (rad), on other blends by the length of their control polygon (m).
-
-    Attributes
-    ----------
-    pieces : PiecewisePolynomial
-        Of the three coordinates (m); on an arc its centre.
-    radii : ndarray, shape (2, s, 3)
-        What an arc adds times the cosine and the sine of its angle (m), 0 on other pieces.
+    the angle (rad), on other blends by the length of their control polygon (m). The pieces have the
+    three coordinates (m), on an arc its centre; the radii (2, s, 3) are what an arc adds times the
+    cosine and the sine of its angle (m), 0 on other pieces.
     """
 
     radii: Array
@@ -119,16 +114,10 @@ def blended_polyline(
 
 @dataclass(frozen=True, eq=False)
 class _Blends:
-    """Blends at c corners.
+    """Blends at c corners (c, 3), m, with the ways to them and from them, (c, 3), m.
 
-    Attributes
-    ----------
-    corners : ndarray, shape (c, 3)
-        In m.
-    before, after : ndarray, shape (c, 3)
-        The ways from the beginnings of the blends to the corners, and from there to their ends (m).
-    turns : ndarray, shape (c,)
-        Angles between them (rad).
+    The ways go from the beginnings of the blends, and to their ends. The turns (c,) are the angles
+    between them (rad).
     """
 
     corners: Array

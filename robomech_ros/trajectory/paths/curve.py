@@ -95,13 +95,7 @@ class FunctionCurve:
 
 @dataclass(frozen=True, eq=False)
 class PolynomialCurve:
-    """A curve that is a piecewise polynomial of its parameter.
-
-    Attributes
-    ----------
-    pieces : PiecewisePolynomial
-        Of the three coordinates (m) over the parameter.
-    """
+    """A curve whose three coordinates (m) are piecewise polynomials of its parameter."""
 
     pieces: PiecewisePolynomial
 
@@ -123,11 +117,7 @@ class PolynomialCurve:
 class JoinedCurve:
     """Curves one after another; the parameter runs on from each to the next.
 
-    Attributes
-    ----------
-    curves : tuple of Curve
-    starts : ndarray, shape (k + 1,)
-        Parameter where each begins, and where the last one ends.
+    The starts (k + 1,) are the parameters where each begins, and where the last one ends.
     """
 
     curves: tuple[Curve, ...]

@@ -60,14 +60,10 @@ class Orientation(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class PiecewiseRotation:
-    """Orientations whose rotation vector from the last knot is a polynomial of the parameter.
+    """Orientations ``R_base_tool`` (n, 3, 3) at knots, and what is between them.
 
-    Attributes
-    ----------
-    rotations : ndarray, shape (n, 3, 3)
-        ``R_base_tool`` at the knots.
-    vectors : PiecewisePolynomial
-        In segment k the rotation vector (rad) from ``rotations[k]``, in its own axes.
+    In segment k the rotation vector (rad) from ``rotations[k]``, in its own axes, is a polynomial
+    of the parameter.
     """
 
     rotations: Array
@@ -108,14 +104,9 @@ class ConstantOrientation:
 
 @dataclass(frozen=True, eq=False)
 class FrenetOrientation:
-    """The Frenet frame of a curve, with a constant rotation after it.
+    """The Frenet frame of a curve, over its parameter, with a constant rotation after it.
 
-    Attributes
-    ----------
-    curve : Curve
-        Its parameter is that of the orientation.
-    offset : ndarray, shape (3, 3)
-        The tool in the frame [e_t e_n e_b].
+    The offset (3, 3) is the tool in the frame [e_t e_n e_b].
     """
 
     curve: Curve

@@ -81,17 +81,7 @@ def partial_step(arm: SerialArm, q: Array, pose: Array) -> Array:
 
 
 def partial_rates(arm: SerialArm, q: Array, place: PoseSample) -> tuple[Array, Array, float]:
-    """Return the first two derivatives (n,) of joint values along a path, and the condition number.
-
-    Parameters
-    ----------
-    arm : SerialArm
-        With a task mask.
-    q : ndarray, shape (n,)
-        Joint values (rad or m) at the place.
-    place : PoseSample
-        Of one coordinate.
-    """
+    """Return the first two derivatives (n,) of joint values along a path, and the condition."""
     first = _least_rates(arm, q, place)
     h = _MOVE / max(1.0, float(np.abs(first).max()), float(np.abs(place.twist).max()))
     ahead, behind = (_least_rates(arm, q + x * first, _moved(place, x)) for x in (h, -h))

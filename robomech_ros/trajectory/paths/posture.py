@@ -31,15 +31,10 @@ _ROWS = ("q", "first", "second")
 
 @dataclass(frozen=True, eq=False)
 class Posture:
-    """Joint values at a place of a path, and their derivatives along it.
+    """Joint values (n,), rad or m, at a place of a path, and their derivatives by its coordinate.
 
-    Attributes
-    ----------
-    q, first, second : ndarray, shape (n,)
-        Joint values (rad or m) and derivatives with respect to the path coordinate.
-    condition : float
-        Condition number of the Jacobian, infinite where it is singular; of joined arms the largest
-        one.
+    The condition number is that of the Jacobian, infinite where it is singular; of joined arms the
+    largest one.
     """
 
     q: Array

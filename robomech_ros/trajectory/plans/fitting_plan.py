@@ -23,30 +23,13 @@ def fitting_plan(
     max_duration: float,
     **options: Any,
 ) -> SampledPlan:
-    """Plan through points, in no more samples and seconds than there may be.
+    """Plan through points (m, n), rad or m, in no more samples and seconds than there may be.
 
-    Parameters
-    ----------
-    limits : JointLimits
-        A chain model or `Limits` of n joints; kept `Limits` spare their making.
-    points : ndarray, shape (m, n)
-        Start, via points and goal, rad or m.
-    wanted_period : float
-        Largest time between two points (s) that was asked for; 0 = the usual one, or a longer one
-        where the points would be too many.  Between points the curve is the same.
-    usual_period : float
-        Default of the largest time between two points (s).
-    max_points : int
-        Most points.
-    max_duration : float
-        Longest trajectory (s).
-    **options
-        Of `through_points`.
-
-    Raises
-    ------
-    RobomechError
-        As `sampled_through_points` does, and BadValueError for a motion that takes too long.
+    The limits are those of a chain model or `Limits`; kept `Limits` spare their making. The wanted
+    period is the largest time between two points (s) that was asked for; 0 = the usual one, or a
+    longer one where the points would be too many. Between points the curve is the same. The options
+    are those of `through_points`; errors are those of `sampled_through_points`, and BadValueError
+    for a motion that takes too long.
     """
     return sampled_to_fit(
         lambda period: sampled_through_points(
@@ -72,12 +55,8 @@ def sampled_to_fit(
     """Sample a motion as finely as it may be.
 
     `sampled` returns the plan for a largest time between two points (s), `duration` that of the
-    motion (s); the others are as for `fitting_plan`.
-
-    Raises
-    ------
-    BadValueError
-        A motion that takes too long, or whose course changes more often than it may have points.
+    motion (s); the others are as for `fitting_plan`. Raises BadValueError for a motion that takes
+    too long, or whose course changes more often than it may have points.
     """
     usual = as_positive("sample_period", usual_period)
     try:

@@ -32,16 +32,10 @@ SMALLEST_SCALE = 1e-6
 
 
 class Profile(Protocol):
-    """A way to move from one point to another.
+    """A way to move from one point to another, which cannot be planned without some limits.
 
-    Attributes
-    ----------
-    REQUIRED : tuple of str
-        The limits without which it cannot be planned.
-    STARTS_MOVING : bool
-        Whether it can start from other than rest.
-    ACCELERATION_STEPS : bool
-        Whether accelerations step, so that samples of them do not tell the curve.
+    It can start from other than rest if it ``STARTS_MOVING``. Where ``ACCELERATION_STEPS``, samples
+    of accelerations do not tell the curve.
     """
 
     REQUIRED: ClassVar[tuple[Rate, ...]]

@@ -39,12 +39,8 @@ class Rates(NamedTuple):
 class Law:
     """How the part of the way s that is done depends on the part of the time tau that is over.
 
-    Attributes
-    ----------
-    peaks : dict
-        Largest magnitudes of the first three derivatives.
-    pieces : PiecewisePolynomial
-        s(tau) as one joint.
+    The pieces are s(tau) as one joint; the ``peaks`` are the largest magnitudes of its first three
+    derivatives.
     """
 
     peaks: dict[Rate, float]

@@ -32,19 +32,12 @@ _shortest_duration = direct(time_straight.shortest_duration)
 
 @dataclass(frozen=True, eq=False)
 class RestToRest(StraightMotion):
-    r"""From rest to rest, all joints together.
+    r"""From rest to rest from a start (n,) to a goal (n,), rad or m, all joints together, in T (s).
 
     .. math:: q(t) = q_0 + (q_1 - q_0) s(t / T)
 
     The joints keep the ratio of their displacements, so that the path is a straight line in joint
     space.
-
-    Attributes
-    ----------
-    start, goal : ndarray, shape (n,)
-        Joint values in rad or m.
-    duration : float
-        T in s.
     """
 
     start: Array

@@ -47,14 +47,9 @@ EndRates = tuple[Array, Array]
 class Phases:
     """A motion of piecewise constant jerk.
 
-    Attributes
-    ----------
-    breaks : ndarray, shape (s + 1,)
-        Where the jerk of any joint may step, from 0 to the duration, in s.
-    coefficients : ndarray, shape (4, s, n)
-        Positions in powers of the time since the beginning of the segment.
-    alone : ndarray, shape (n,)
-        How long each joint would take if it did not wait for the others, in s.
+    The jerk of any joint may step at the breaks (s + 1,), from 0 to the duration (s). The
+    coefficients (4, s, n) are positions in powers of the time since the beginning of the segment.
+    ``alone`` (n,) is how long each joint would take if it did not wait for the others (s).
     """
 
     breaks: Array
@@ -75,11 +70,7 @@ class Phases:
 class _Solver(NamedTuple):
     """Ruckig with a request from rest to rest, which takes longer to make than to use.
 
-    Attributes
-    ----------
-    ruckig, request : Ruckig, InputParameter
-    bearable : float
-        Bearable miss of the goal (rad or m) over the duration to the power of 3.
+    The goal may be missed by ``bearable`` (rad or m) times the duration to the power of 3.
     """
 
     ruckig: Any

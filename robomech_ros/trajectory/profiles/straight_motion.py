@@ -24,22 +24,10 @@ class StraightMotion(ABC):
     def plan(
         cls: type[_M], start: Array, goal: Array, limits: Limits, duration: float | None = None
     ) -> _M:
-        """Plan the fastest motion within the limits, or the one that takes a wanted time.
+        """Plan the fastest motion within the limits, or the one that takes a wanted time (s).
 
-        Parameters
-        ----------
-        start, goal : ndarray, shape (n,)
-            Joint values in rad or m.
-        limits : Limits
-            Those of ``REQUIRED`` count; except where accelerations step, jerk limits that are
-            finite do as well.
-        duration : float, optional
-            Wanted duration in s; None for the shortest.
-
-        Raises
-        ------
-        DurationTooShortError
-            If the wanted duration would break a limit.
+        The limits of ``REQUIRED`` count; except where accelerations step, jerk limits that are
+        finite do as well. Raises DurationTooShortError if the wanted duration would break a limit.
         """
         least, shape = cls._fastest(start, goal, limits)
         shortest = SHORTEST_TRAJECTORY

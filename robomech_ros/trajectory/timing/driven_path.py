@@ -41,17 +41,10 @@ class DrivenRobot(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class DrivenPath:
-    """A path of n joints, and what its m drives exert on it.
+    """A path of n joints (rad or m), and what the m drives of a robot exert on it.
 
-    Attributes
-    ----------
-    path : PiecewisePolynomial
-        Of all joints (rad or m).
-    robot : DrivenRobot or callable
-        Whose drives these are; a callable is the inverse dynamics of a robot that has a drive at
-        every joint.
-    friction : callable, optional
-        As for `torque_limited`.
+    A callable robot is the inverse dynamics of one that has a drive at every joint; the friction is
+    that of `torque_limited`.
     """
 
     path: PiecewisePolynomial

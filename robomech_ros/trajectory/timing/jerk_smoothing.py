@@ -124,14 +124,9 @@ def _jerk_bound(path: PiecewisePolynomial, jerk: Array) -> PathFunction:
 
 @dataclass(frozen=True, eq=False)
 class _Clock:
-    """The path coordinate over time, its mean over a window, and the integral that gives it.
+    """The path coordinate over time, its mean over a window (s), and the integral that gives it.
 
-    Attributes
-    ----------
-    curve : PiecewisePolynomial
-        Path coordinate over time, from rest to rest, one "joint".
-    window : float
-        In s.
+    The curve is the coordinate over time, from rest to rest, as one "joint".
     """
 
     curve: PiecewisePolynomial
@@ -217,16 +212,10 @@ def _along(path: PiecewisePolynomial, instants: Array, mean: Array) -> TimeOptim
 
 @dataclass(frozen=True, eq=False)
 class _Attempt:
-    """One time law, and by which factor it is too fast between its instants.
+    """One time law, before its mean is taken, and by which factor it is too fast.
 
-    Attributes
-    ----------
-    clock : _Clock
-        The law before its mean is taken.
-    instants : ndarray, shape (m + 1,)
-        In s.
-    factors : ndarray, shape (2, m)
-        Factors of the speed over what the limits allow, as `_factors` gives them.
+    The factors (2, m) are those of the speed over what the limits allow between its instants (m +
+    1,), in s.
     """
 
     clock: _Clock

@@ -30,13 +30,7 @@ _QUARTIC = np.linalg.inv(np.vander(np.linspace(0.0, 1.0, 5), increasing=True))
 
 @dataclass(frozen=True, eq=False)
 class PathFunction:
-    """A function of the path coordinate, linear between places.
-
-    Attributes
-    ----------
-    places, values : ndarray, shape (m,)
-        Path coordinates, not decreasing, and the values there.
-    """
+    """A function of the path coordinate, linear between places (m,) that do not decrease."""
 
     places: Array
     values: Array

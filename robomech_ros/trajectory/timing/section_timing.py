@@ -36,18 +36,9 @@ _SPEED_PLACES = 512
 
 @dataclass(frozen=True, eq=False)
 class PathSection:
-    """A part of a joint path, at both ends of which the motion rests.
+    """A part of a joint path, from a low to a high coordinate (m), at whose ends the motion rests.
 
-    Attributes
-    ----------
-    joints : JointPath
-        Of n joints.
-    low, high : float
-        Path coordinates (m) at which it begins and ends.
-    limits : Limits
-        Of the joints.
-    speeds : tuple of SpeedLimit
-        What else must not be too fast, over the path coordinate.
+    ``speeds`` are what else must not be too fast, over the path coordinate.
     """
 
     joints: JointPath
@@ -77,16 +68,10 @@ class PathSection:
 
 @dataclass(frozen=True)
 class SectionTiming:
-    """A way to run through a section.
+    """A way to run through a section, which cannot do without the limits that are ``required``.
 
-    Attributes
-    ----------
-    timed : callable
-        Gives the motion of the joints, from t = 0 on, as fast as section and limits allow.
-    required : tuple of str
-        The limits without which it cannot.
-    needs_smooth : bool
-        Whether the second derivative of a section must be continuous to rounding.
+    ``timed`` gives the motion of the joints, from t = 0 on, as fast as section and limits allow.
+    The second derivative of a section must be continuous to rounding if it ``needs_smooth``.
     """
 
     timed: Callable[[PathSection], PiecewisePolynomial]

@@ -27,20 +27,12 @@ Bound = Callable[[Array], Array]
 
 @dataclass(frozen=True, eq=False)
 class PathLimits:
-    """Limits of the speed along a path of n joints.
+    """Limits along a path of n joints, (n,), rad or m over s and s^2, infinite for none.
 
-    Attributes
-    ----------
-    velocity, acceleration : ndarray, shape (n,)
-        Of the joints, rad or m over s and s^2, infinite for none.
-    speeds : list of SpeedLimit
-        Other speeds.
-    torques : list of TorqueLimits
-        Torques, or what else is linear in the acceleration along the path.
-    square : callable, optional
-        Of path coordinates (m + 1,) of the nodes, the largest squares of the speed there.
-    slowdown : callable, optional
-        Of path coordinates (m,) in the middle of the cells, parts of all accelerations to use.
+    Besides, limits of other speeds, and of torques, or what else is linear in the acceleration
+    along the path. ``square`` gives, at path coordinates (m + 1,) of the nodes, the largest squares
+    of the speed, ``slowdown``, at those (m,) in the middle of the cells, the parts of all
+    accelerations to use.
     """
 
     velocity: Array
@@ -65,18 +57,10 @@ class PathLimits:
 class SpeedProfile:
     """Squares of the speed along a path, cell by cell.
 
-    Attributes
-    ----------
-    nodes : ndarray, shape (m + 1,)
-        Path coordinates where the cells begin and end.
-    local : ndarray, shape (m, n, d + 1)
-        The path in each cell, in powers of the coordinate since its beginning.
-    bends : ndarray, shape (m,)
-        By how much the square of the speed bends inside each cell.
-    squares : ndarray, shape (m + 1,)
-        Squares of the speed at the nodes.
-    binding : ndarray of int, shape (m,)
-        Which row of limits binds in each cell.
+    The nodes (m + 1,) are path coordinates where the cells begin and end, and the squares (m + 1,)
+    those of the speed there. ``local`` (m, n, d + 1) is the path in each cell, in powers of the
+    coordinate since its beginning; ``bends`` (m,) is by how much the square of the speed bends
+    inside it, and ``binding`` (m,) which row of limits binds there.
     """
 
     nodes: Array

@@ -97,29 +97,15 @@ class TimeOptimalThrough(MotionThrough):
 def time_optimal_through(
     points: Array, limits: Limits, duration: float | None = None
 ) -> TimeOptimalThrough:
-    """Plan from rest to rest along the natural cubic spline through all points.
+    """Plan from rest to rest along the natural cubic spline through all points (m, n), rad or m.
 
     Its knots are centripetal, in distances over the velocity limits; there are more of them where
-    it would leave the position limits between the points.  Accelerations take 20 ms at
-    least to rise to their limits, longer where jerk limits say so.  All points are passed exactly,
-    but for those nearer than 1e-9 (rad or m, and in parts of the largest) to the one before, which
-    are passed with it.
-
-    Parameters
-    ----------
-    points : ndarray, shape (m, n)
-        Start, via points and goal, rad or m.
-    limits : Limits
-        Velocity and acceleration limits of every joint, and those jerk limits that are there.
-    duration : float, optional
-        Wanted duration in s; None for the shortest.
-
-    Raises
-    ------
-    DurationTooShortError
-        If the limits do not allow the wanted duration.
-    SeedOutsideLimitsError, LimitExceededError
-        If the first point, or another part of the spline, is outside the position limits.
+    it would leave the position limits between the points. Accelerations take 20 ms at least to rise
+    to their limits, longer where jerk limits say so. All points are passed exactly, but for those
+    nearer than 1e-9 (rad or m, and in parts of the largest) to the one before, which are passed
+    with it. Raises DurationTooShortError if the limits do not allow a wanted duration (s),
+    SeedOutsideLimitsError or LimitExceededError if the first point, or another part of the spline,
+    is outside the position limits.
     """
     limits.check_start(points[0])
     kept, owners = _distinct(points)

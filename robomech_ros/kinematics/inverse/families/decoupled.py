@@ -35,11 +35,8 @@ _KINDS = {
 def match(chain: SerialChain) -> Array | None:
     """Recognise an arm with a spherical wrist after any three joints.
 
-    Returns
-    -------
-    ndarray or None
-        The constants that ``_kernels.inverse.decoupled`` reads; None where the last three joints
-        are not revolute with axes through one point, or the arm cannot move in all directions.
+    Returns the constants that ``_kernels.inverse.decoupled`` reads; None where the last three
+    joints are not revolute with axes through one point, or the arm cannot move in all directions.
     """
     if chain.n != 6 or chain.types[3:].any():
         return None
@@ -89,12 +86,8 @@ def _size(C: Array, height4: float) -> float:
 def wrist_constants(link: Array, following: Array) -> Array | None:
     """Return a spherical joint's angles as ``decoupled.layout`` has them from ANGLES on.
 
-    None where neighbouring axes are parallel.
-
-    Parameters
-    ----------
-    link, following : ndarray, shape (4, 4)
-        Constant transforms between its first two and its last two axes (m).
+    None where neighbouring axes are parallel. The constant transforms (4, 4) are those between its
+    first two and its last two axes (m).
     """
     before4, alpha4, after4 = _zxz(link[:3, :3])
     before5, alpha5, after5 = _zxz(following[:3, :3])

@@ -40,13 +40,10 @@ _HOPELESS = 3
 
 
 def match(chain: SerialChain) -> Array | None:
-    """Make the constants of an arm of six joints.
+    """Make the constants of an arm of six joints that ``_kernels.inverse.general`` reads.
 
-    Returns
-    -------
-    ndarray or None
-        The constants that ``_kernels.inverse.general`` reads; None for other chains, arms that
-        cannot move in all directions, and arms for which no form of elimination works.
+    None for other chains, arms that cannot move in all directions, and arms for which no form of
+    elimination works.
     """
     if chain.n != 6:
         return None

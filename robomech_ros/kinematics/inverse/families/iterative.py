@@ -38,20 +38,12 @@ MAX_SOLUTIONS = 16
 
 
 class SearchGoal(NamedTuple):
-    """Goal of a search.
+    """Goal of a search, bounded by the position limits if they are respected.
 
-    Parameters
-    ----------
-    respect_limits : bool
-        Whether the position limits bound the search.
-    task : tuple of six bool
-        Which components of the pose count: x, y, z, then the components of the rotation vector
-        of the error, all in the base frame.
-    position_tolerance, orientation_tolerance : float
-        Accepted errors (m, rad).
-    wanted : int, optional
-        Number of solutions after which to stop; by default all of 16 where solutions are
-        isolated, few where they form a continuum.
+    The task says which components of the pose count: x, y, z, then the components of the rotation
+    vector of the error, all in the base frame. Errors up to the tolerances (m, rad) are accepted.
+    It stops after the wanted number of solutions; by default all of 16 where they are isolated, few
+    where they form a continuum.
     """
 
     respect_limits: bool = True

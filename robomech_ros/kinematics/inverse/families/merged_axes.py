@@ -26,12 +26,7 @@ _ROUNDING = 1e-9
 class MergedArm:
     """An arm of p joints that reaches all postures of a chain of n drives, and others.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        The arm.
-    rows : ndarray, shape (p, n)
-        Joint values of the arm for unit values of the drives.
+    The rows (p, n) are the joint values of the arm for unit values of the drives.
     """
 
     chain: SerialChain
@@ -40,13 +35,7 @@ class MergedArm:
 
 @lru_cache(maxsize=64)
 def merged_arm(chain: SerialChain) -> MergedArm:
-    """Return the arm with the fewest joints that reaches all postures of a chain.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        With joints that follow others.
-    """
+    """Return the arm with the fewest joints that reaches all postures of a chain with followers."""
     assert chain.coupling is not None
     A, offsets, types = chain.coupling.matrix, chain.coupling.offset, chain.coupling.types
     constants = unpack_chain(chain.packed)

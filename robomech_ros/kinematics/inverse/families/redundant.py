@@ -55,12 +55,9 @@ _ELIMINATIONS = 8
 def match(chain: SerialChain) -> Array | None:
     """Recognise a redundant arm with all postures known for each value of a parameter.
 
-    Returns
-    -------
-    ndarray or None
-        The constants that ``_kernels.inverse.redundant`` reads; None for fewer than seven joints
-        and where no six neighbouring joints are solved completely.  Of long chains only six near
-        the base are solved by elimination.
+    Returns the constants that ``_kernels.inverse.redundant`` reads; None for fewer than seven
+    joints and where no six neighbouring joints are solved completely. Of long chains only six near
+    the base are solved by elimination.
     """
     if chain.n < 7:
         return None
@@ -131,15 +128,8 @@ def _enter_stretched(chain: SerialChain, C: Array, data: Array) -> None:
 def locked_anyway(chain: SerialChain) -> Array | None:
     """Lay out seven joints of which the last or the first is locked and the others searched for.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of seven joints, of which no six neighbouring ones are solved completely.
-
-    Returns
-    -------
-    ndarray or None
-        As :func:`match` gives it; None where the others do not move in all directions.
+    No six neighbouring ones are solved completely. None where the others do not move in all
+    directions; else as :func:`match` gives it.
     """
     C = unpack_chain(chain.packed)
     for first in (0, 1):

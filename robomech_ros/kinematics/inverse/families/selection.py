@@ -33,21 +33,10 @@ REDUNDANT = 3
 class Family:
     """A solver family with the constants it needs of one chain.
 
-    Parameters
-    ----------
-    name : str
-        ``"decoupled"``, ``"three-parallel"``, ``"general-6r"``, ``"general-6"``, ``"redundant"``,
-        ``"short"``, ``"coupled"`` or ``"iterative"``.
-    number : int
-        The family in the kernels, BACKWARDS added where the data is that of the inverse motion.
-    data : ndarray
-        The constants, as the family's kernel reads them.
-    turns : ndarray of int, shape (n,)
-        1 for revolute joints.
-    limits : ndarray, shape (2, n)
-        Of the joints (rad or m), lower in front.
-    certain : bool
-        Whether the arm is so far from having lost a degree of freedom that rounding hides nothing.
+    The number is that of the family in the kernels, BACKWARDS added where the data is that of the
+    inverse motion. ``turns`` (n,) is 1 for revolute joints; the limits (2, n) are those of the
+    joints (rad or m), lower in front. The arm is ``certain`` if it is so far from having lost a
+    degree of freedom that rounding hides nothing.
     """
 
     name: str

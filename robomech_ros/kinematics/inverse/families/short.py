@@ -47,13 +47,9 @@ _IMAGINED = -1
 
 
 def match(chain: SerialChain) -> Array | None:
-    """Complete an arm of one to five joints.
+    """Complete an arm of one to five joints to the constants that ``_kernels.inverse.short`` reads.
 
-    Returns
-    -------
-    ndarray or None
-        The constants that ``_kernels.inverse.short`` reads; None where no completion moves in all
-        directions.
+    None where no completion moves in all directions.
     """
     if not 1 <= chain.n <= 5:
         return None

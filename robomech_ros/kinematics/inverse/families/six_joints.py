@@ -22,16 +22,9 @@ CLOSED_FORMS: tuple[tuple[str, int, Callable[[SerialChain], Array | None]], ...]
 
 @dataclass(frozen=True, eq=False)
 class SixJointArm:
-    """How six joints are solved.
+    """How six joints are solved: the family in the kernels, and the constants that it reads.
 
-    Parameters
-    ----------
-    family : int
-        The family in the kernels.
-    backwards : bool
-        Whether the constants are those of the inverse motion, from the tip to the base.
-    data : ndarray
-        The constants, as the family's kernel reads them.
+    These are ``backwards`` if they are those of the inverse motion, from the tip to the base.
     """
 
     family: int
@@ -40,20 +33,10 @@ class SixJointArm:
 
 
 def match_six(transforms: Array, types: Sequence[int]) -> SixJointArm | None:
-    """Find the closed form of six joints.
+    """Find the closed form of six joints, from transforms C_0 .. C_6 (7, 4, 4), m, and their types.
 
-    Parameters
-    ----------
-    transforms : ndarray, shape (7, 4, 4)
-        C_0 .. C_6 of :class:`SerialChain` (m).
-    types : sequence of 6 int
-        0 revolute, 1 prismatic.
-
-    Returns
-    -------
-    SixJointArm or None
-        The first family that matches, each asked forwards and then backwards: an arm whose first
-        three axes meet is decoupled when it is read from its tip.
+    The first family that matches counts, each asked forwards and then backwards: an arm whose first
+    three axes meet is decoupled when it is read from its tip.
     """
     forwards = chain_of(transforms, types)
     backwards = chain_of(reversed_transforms(transforms), types[::-1])
@@ -70,16 +53,8 @@ def match_general(
 ) -> tuple[int, SixJointArm] | None:
     """Find the best of some arms of six joints for elimination, which assumes no special geometry.
 
-    Parameters
-    ----------
-    candidates : iterable of transforms, shape (7, 4, 4), and types
-        As for :func:`match_six`.
-
-    Returns
-    -------
-    tuple of int and SixJointArm, or None
-        Which candidate, and how it is solved: the first one of which every random pose is solved
-        with nothing in doubt, else the one with most of them.
+    The candidates are as for :func:`match_six`. Returns which one, and how it is solved: the first
+    one of which every random pose is solved with nothing in doubt, else the one with most of them.
     """
     best: tuple[float, int, SixJointArm] | None = None
     for number, (transforms, types) in enumerate(candidates):
@@ -100,15 +75,7 @@ def reversed_transforms(transforms: Array) -> Array:
 
 
 def chain_of(transforms: Array, types: Sequence[int]) -> SerialChain:
-    """Make a chain without names and limits.
-
-    Parameters
-    ----------
-    transforms : ndarray, shape (n + 1, 4, 4)
-        C_0 .. C_n (m).
-    types : sequence of n int
-        0 revolute, 1 prismatic.
-    """
+    """Make a chain without names or limits of transforms C_0 .. C_n (n + 1, 4, 4) and types."""
     n = len(types)
     kinds = np.array(types, dtype=np.int64)
     return SerialChain(

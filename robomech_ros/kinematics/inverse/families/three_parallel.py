@@ -30,11 +30,8 @@ PARALLEL_SLACK = 1e-6
 def match(chain: SerialChain) -> Array | None:
     """Recognise an arm with three parallel axes next to each other.
 
-    Returns
-    -------
-    ndarray or None
-        The constants that ``_kernels.inverse.parallel`` reads; None where there are no three such
-        axes, or the arm cannot move in all directions.
+    Returns the constants that ``_kernels.inverse.parallel`` reads; None where there are no three
+    such axes, or the arm cannot move in all directions.
     """
     arm = find_parallel_axes(chain)
     return None if arm is None else _constants(chain, arm)
