@@ -1,7 +1,5 @@
 """Compare mounts, inverted poses and units by residuals, and refuse those that fit worse."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robomech_ros.calibration.free_directions import FAR, rms_distance

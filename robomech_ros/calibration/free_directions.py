@@ -1,7 +1,5 @@
 """Directions along which the motions do not determine the sensor's position."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

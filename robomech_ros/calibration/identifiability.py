@@ -1,7 +1,5 @@
 """Refuse motions that do not determine the sensor's pose."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robomech_ros.calibration.free_directions import rms_distance

@@ -1,7 +1,5 @@
 """Initial guess of X and Z in closed form, from samples that are consistent by invariants."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

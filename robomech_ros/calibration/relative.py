@@ -1,7 +1,5 @@
 """The direct method: A X = X B from relative motions, by invariants."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

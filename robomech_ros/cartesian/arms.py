@@ -1,7 +1,5 @@
 """Chains as arms for the tracking of paths."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Speeds of other links than the tip, over the coordinate of a path."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

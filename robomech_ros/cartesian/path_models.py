@@ -1,7 +1,5 @@
 """Robot models for the path planner, and serial chains as such models."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Protocol

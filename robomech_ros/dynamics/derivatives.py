@@ -1,7 +1,5 @@
 """Derivatives of inverse and of forward dynamics."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

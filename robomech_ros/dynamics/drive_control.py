@@ -1,7 +1,5 @@
 """Systems that a drive controller can command, and a chain that follows commands exactly."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

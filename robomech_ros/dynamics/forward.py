@@ -1,7 +1,5 @@
 """Forward dynamics: accelerations from torques."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """Inverse dynamics: the torques that a motion takes."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

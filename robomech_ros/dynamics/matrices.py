@@ -1,7 +1,5 @@
 """The mass matrix and the Coriolis matrix of serial chains."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """Demands of a motion on the drives: peaks, energy, and saturated joints."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """A load in the hand of a robot."""
 
-from __future__ import annotations
-
 import dataclasses
 
 from robomech_ros.errors import BadValueError, MissingInertiaError

@@ -9,8 +9,6 @@ Wensing, Kim, Slotine, Linear matrix inequalities for physically consistent iner
 identification, IEEE Robotics and Automation Letters 3, 2018.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

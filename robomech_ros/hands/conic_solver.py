@@ -1,7 +1,5 @@
 """The library that solves conic programs, an extra of this package."""
 
-from __future__ import annotations
-
 from types import ModuleType
 
 from robomech_ros.errors import RobomechError

@@ -6,8 +6,6 @@ normal force.  Where grasps have the same components, only numbers of their prog
 they share is kept.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from types import ModuleType

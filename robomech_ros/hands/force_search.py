@@ -4,8 +4,6 @@ Nothing is taken from the solver unseen: close to the border of what is held it 
 outside the cones and no proof.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from enum import Enum

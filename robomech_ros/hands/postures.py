@@ -1,7 +1,5 @@
 """Postures of fingers that touch an object in given contacts."""
 
-from __future__ import annotations
-
 import heapq
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Forward kinematics without compiled kernels, for many poses now and then."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

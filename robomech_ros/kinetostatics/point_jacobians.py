@@ -1,7 +1,5 @@
 """The Jacobian of any point of the tip link, in the axes of any frame."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

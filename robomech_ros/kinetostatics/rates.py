@@ -1,7 +1,5 @@
 """Joint rates from the twist of the tip."""
 
-from __future__ import annotations
-
 import functools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Sets of orientations: spread evenly over all rotations, or over the turns about an axis."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

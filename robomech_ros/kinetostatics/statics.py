@@ -1,7 +1,5 @@
 """Joint torques and the wrench at the tip."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -5,8 +5,6 @@ References
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., appendix B.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """Check what callers give to the robots of this package."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

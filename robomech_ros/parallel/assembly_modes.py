@@ -1,7 +1,5 @@
 """All poses of a platform on six legs of given lengths, with their certificate."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robomech_ros._kernels.compiling.jit import direct

@@ -1,7 +1,5 @@
 """Names of parallel robots, found without compiling anything."""
 
-from __future__ import annotations
-
 from robomech_ros.robots.robot_kinds import names_of
 
 

@@ -1,7 +1,5 @@
 """Ends of paths where modes meet, where the platform can move with locked legs, or at infinity."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

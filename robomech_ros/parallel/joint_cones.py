@@ -1,7 +1,5 @@
 """How far the joints at the ends of legs may bend: cones about axes of base and platform."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Branches of revolute limbs, put together to postures of all actuated joints."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence

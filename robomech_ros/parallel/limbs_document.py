@@ -19,8 +19,6 @@ is three, the last, ``NAME_z``, about the axis given.  With a ``cone`` (rad) the
 further.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Poses in the order of their distance from a seed."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

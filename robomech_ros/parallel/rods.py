@@ -5,8 +5,6 @@ distances of six points of the base from six of the platform are known: all pose
 of :class:`StewartGough`, with its certificate.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The spherical platform on three limbs of two arcs each, all axes through one point."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cached_property
 

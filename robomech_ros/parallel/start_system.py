@@ -1,7 +1,5 @@
 """Poses of a platform for complex leg lengths, from which those for real ones are reached."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

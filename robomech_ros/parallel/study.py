@@ -1,7 +1,5 @@
 """Poses as Study parameters, and the quadrics in them that the legs of a platform stand for."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

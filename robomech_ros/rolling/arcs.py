@@ -1,7 +1,5 @@
 """Motions in the plane: arcs of circles, exact for every turn."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robomech_ros.typing import Array

@@ -1,7 +1,5 @@
 """Check what callers give to rolling robots."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -4,8 +4,6 @@ The planar twist is ``[omega, v_x, v_y]`` of the base at its origin, in its own 
 of the base has the velocity ``v + omega E p`` with E the quarter turn.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

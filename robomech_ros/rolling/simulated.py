@@ -1,7 +1,5 @@
 """The base that is simulated: it does as commanded, or what its motors can do."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robomech_ros.errors import BadValueError

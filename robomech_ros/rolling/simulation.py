@@ -1,7 +1,5 @@
 """Motions of rolling robots in time, under torques."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 Signs are those of the controllers of ros2_control, so that rates can be exchanged with them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

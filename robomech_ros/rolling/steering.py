@@ -1,7 +1,5 @@
 """Steering angles that let a base move, and the turns that limits of steering leave."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

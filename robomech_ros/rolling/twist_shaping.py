@@ -4,8 +4,6 @@ The frame is at rest and has the axes of the base at this moment.  Independent r
 the base and its velocity forward at the fixed axle, or its whole twist without one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

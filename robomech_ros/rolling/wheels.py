@@ -1,7 +1,5 @@
 """Wheels: fixed, steered, casters and omnidirectional ones."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

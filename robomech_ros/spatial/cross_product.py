@@ -1,7 +1,5 @@
 """Cross-product matrices and axial vectors."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """Rotation matrices: what makes one, and the nearest one to a matrix that nearly is."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """Arrays with leading batch axes as rows for compiled loops, and results checked."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """Check points in joint space that come from a caller, and choose their whole turns."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """How fast a gait may go: the shortest cycle that suits the joints, and the trunk that sways."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robomech_ros._kernels.compiling.jit import direct

@@ -1,7 +1,5 @@
 """Gaits: which leg is in the air when, in exact fractions of the cycle."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Odometry of the trunk, from the joints of the stance legs."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation

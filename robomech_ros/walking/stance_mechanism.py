@@ -1,7 +1,5 @@
 """Planted feet: the parallel robot that trunk, legs and ground make."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

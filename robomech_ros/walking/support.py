@@ -1,7 +1,5 @@
 """Static stability: the polygon of feet on the ground, and how far inside the mass centre is."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

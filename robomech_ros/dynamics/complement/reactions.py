@@ -1,7 +1,5 @@
 """Multipliers of constraints: the reactions in joints, loops and wheels."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

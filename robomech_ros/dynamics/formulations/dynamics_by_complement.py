@@ -1,7 +1,5 @@
 """Inverse and forward dynamics by the natural orthogonal complement."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """The natural orthogonal complement of planar arms: twists of three numbers instead of six."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

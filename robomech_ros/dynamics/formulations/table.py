@@ -1,7 +1,5 @@
 """The formulations of inverse and forward dynamics by name; they check each other."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Possible bodies, as near as possible to what motions have shown."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

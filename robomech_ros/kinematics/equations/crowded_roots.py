@@ -5,8 +5,6 @@ References
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 9.6.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from robomech_ros.kinematics.equations.closure import ClosureEquations, circle

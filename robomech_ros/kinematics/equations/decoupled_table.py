@@ -1,7 +1,5 @@
 """The Denavit-Hartenberg table of an arm with a spherical wrist, checked."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robomech_ros.errors import BadValueError

@@ -1,7 +1,5 @@
 """Inverse kinematics of many poses in one compiled loop."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """How far the joints are from the nearest singular posture."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

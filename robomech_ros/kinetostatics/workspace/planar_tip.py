@@ -8,8 +8,6 @@ pairs of joints reach while the third is held at one of these values, and the cu
 the plane are those of the pairs.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -1,7 +1,5 @@
 """A mechanism with its bodies and in some states, checked and laid out for the kernels."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from itertools import pairwise
 

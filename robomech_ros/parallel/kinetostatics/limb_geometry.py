@@ -4,8 +4,6 @@ A limb keeps a point of the platform at a distance from a centre that its drive 
 this distance; a limb of the spherical robot keeps an angle between two axes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

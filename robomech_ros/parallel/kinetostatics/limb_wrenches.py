@@ -6,8 +6,6 @@ the platform the motions that it has.  The others differ by such ones; the one w
 stands for them, of force 1, or, where it is a couple, the one with the least moment, of moment 1.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -9,8 +9,6 @@ A limb moves the platform with ``J qdd + dJ qd``.  Wrenches that do no work on i
 leave ``w (dt - dJ qd) = w j qdd`` of the drive, and 0 of those that the limb bears by itself.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

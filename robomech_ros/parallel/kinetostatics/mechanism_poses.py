@@ -1,7 +1,5 @@
 """Which poses limbs of any kind let a platform take, and along which axes it moves in one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

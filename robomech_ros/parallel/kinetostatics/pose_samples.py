@@ -1,7 +1,5 @@
 """Poses all over the workspace of a parallel robot, with drives that hold them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides

@@ -1,7 +1,5 @@
 """Rows of numbers for many poses, and square systems in mixed units, of which some are singular."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

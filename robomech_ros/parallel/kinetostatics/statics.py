@@ -1,7 +1,5 @@
 """Forces of the drives and the wrench of the platform."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """The boundary of where a platform gets, as a surface or a polygon, and distances from it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

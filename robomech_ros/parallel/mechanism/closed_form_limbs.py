@@ -5,8 +5,6 @@ R R R, all axes through the centre.  Those of a Delta robot are a driven arm, an
 two universal joints: with parallel axes it lets the platform translate as two parallel rods do.
 """
 
-from __future__ import annotations
-
 import math
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Poses in which platforms may stand to begin with."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Legs that extend between a universal joint on the base and a spherical one on the platform."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

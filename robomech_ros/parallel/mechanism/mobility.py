@@ -1,7 +1,5 @@
 """How many freedoms closed loops leave, by the rank of their conditions in a posture."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Branches of all limbs put together to postures of a mechanism, within limits."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence

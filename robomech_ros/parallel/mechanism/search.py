@@ -1,7 +1,5 @@
 """Assembly modes of limbs of any kind: Newton's iteration from many postures, and no proof."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robomech_ros._kernels.loops.searching import search

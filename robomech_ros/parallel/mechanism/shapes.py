@@ -4,8 +4,6 @@ Bars go from joint to joint, cylinder and rod along a slide, balls stand where j
 of a sphere where all axes meet in its centre.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise

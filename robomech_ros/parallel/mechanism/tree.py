@@ -1,7 +1,5 @@
 """The tree of links and joints of a mechanism, whose limbs end side by side."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any

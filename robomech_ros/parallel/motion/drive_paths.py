@@ -1,7 +1,5 @@
 """Ways of the drives, followed by all joints in one assembly mode."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

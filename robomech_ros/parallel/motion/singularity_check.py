@@ -1,7 +1,5 @@
 """How near a posture of a mechanism is to a singularity, and what is singular there."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robomech_ros.cartesian import PathCheck

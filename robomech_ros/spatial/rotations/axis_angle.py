@@ -1,7 +1,5 @@
 """Axis and angle of a rotation, its natural invariants, and the rotation vector."""
 
-from __future__ import annotations
-
 from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.spatial.representations import (

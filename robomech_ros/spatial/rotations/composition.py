@@ -1,7 +1,5 @@
 """Rotations after one another, and between one another."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -6,8 +6,6 @@ last, as in the book, and as x y z w in ROS messages and in scipy.  Of the two s
 return the one with r0 >= 0, and at phi = pi the one whose first non-zero number is positive.
 """
 
-from __future__ import annotations
-
 from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.spatial.representations import MATRIX, QUATERNION

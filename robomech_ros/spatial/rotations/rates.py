@@ -1,7 +1,5 @@
 """Rates of the representations of a rotation, and angular velocity and acceleration from them."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """The Rodrigues vector ``e tan(phi/2)``, and rotations from their linear invariants."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -4,8 +4,6 @@
 and no compiled code is loaded for them.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

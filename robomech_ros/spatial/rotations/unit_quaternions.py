@@ -1,7 +1,5 @@
 """Quaternions from a caller: checked, without compiled code."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

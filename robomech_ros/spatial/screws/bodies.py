@@ -1,7 +1,5 @@
 """Mass, momentum and the equations of motion of a rigid body."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

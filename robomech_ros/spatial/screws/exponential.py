@@ -1,7 +1,5 @@
 """Exponential and logarithm of poses."""
 
-from __future__ import annotations
-
 from typing import NoReturn
 
 import numpy as np

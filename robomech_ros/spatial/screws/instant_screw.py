@@ -1,7 +1,5 @@
 """The axes and pitches of twists and wrenches."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Poses as a position and a quaternion or other numbers, and their difference."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -3,8 +3,6 @@
 Both have the angular part first: ``t = [omega; v]`` and ``w = [n; f]``; their product is power.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """Vectors, points and matrices seen from another frame, and what all frames agree on."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

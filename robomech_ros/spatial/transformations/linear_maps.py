@@ -1,7 +1,5 @@
 """Linear transformations: range, kernel and projections."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

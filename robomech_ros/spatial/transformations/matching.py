@@ -4,8 +4,6 @@ Where all motions commute with a half turn D, as half turns about axes at right 
 match them equally well.
 """
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Reflections in planes through the origin, and the rotations that two of them make."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -10,8 +10,6 @@ References
 Lawson and Hanson, Solving least squares problems, SIAM 1995, ch. 23.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from robomech_ros.trajectory.curves.cubic_spline import CubicEnds, cubic_spline

@@ -1,7 +1,5 @@
 """Curves in closed form: lines, circular arcs, helices, and intersections of surfaces."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The Frenet-Serret frame of a curve, its curvature and torsion, and how they change."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

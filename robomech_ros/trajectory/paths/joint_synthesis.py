@@ -1,7 +1,5 @@
 """Synthesis of joint paths by cubic splines through a number of postures."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

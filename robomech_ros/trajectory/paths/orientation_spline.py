@@ -1,7 +1,5 @@
 """A C2 spline through orientations."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.typing as npt
 

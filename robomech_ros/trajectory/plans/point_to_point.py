@@ -1,7 +1,5 @@
 """Motion from point to point in joint space, by profile."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar, Protocol
 
 import numpy.typing as npt

@@ -9,8 +9,6 @@ References
 J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., section 6.6.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Splines through points in joint space."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 

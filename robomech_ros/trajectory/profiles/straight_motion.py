@@ -1,7 +1,5 @@
 """The common part of motions from rest to rest on a straight line in joint space."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar, TypeVar
 

@@ -1,7 +1,5 @@
 """Paths of robots: which of the joints have drives, and what these exert there."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
