@@ -3,7 +3,7 @@
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from robomech_ros.calibration.conventions import (
     check_convention,
@@ -29,7 +29,7 @@ from robomech_ros.calibration.result import HandEyeNoise, HandEyeResult, sensor_
 from robomech_ros.errors import BadValueError, InconsistentDataError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag
 from robomech_ros.spatial.poses import as_pose, assembled, inverse_pose
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 MOUNTS = ("eye-in-hand", "eye-to-hand")
 

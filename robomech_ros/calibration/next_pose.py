@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.calibration import refinement
 from robomech_ros._kernels.compiling.jit import direct
@@ -14,7 +13,7 @@ from robomech_ros.errors import WrongSizeError
 from robomech_ros.spatial.arrays import check_kind
 from robomech_ros.spatial.poses import as_pose, inverse_pose
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _information = direct(refinement.information_of)
 

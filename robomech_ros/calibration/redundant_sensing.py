@@ -3,13 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.spatial.rotations.quaternions import quaternion_from_matrix
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _LEAST_SENSORS = 2
 # Cosine of half an angle, near half turns, below which noise turns an axis round.

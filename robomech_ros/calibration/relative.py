@@ -1,12 +1,11 @@
 """The direct method: A X = X B from relative motions, by invariants."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import InconsistentDataError, WrongSizeError
 from robomech_ros.spatial.poses import as_pose, assembled
 from robomech_ros.spatial.transformations.redundant_sensing import frames_between, single_match
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Positions that miss by more than this part of the distances contradict each other, unless it is so
 # little (m) that it may be noise.

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.cartesian.dead_ends import dead_end
 from robomech_ros.cartesian.path_checks import PathCheck, PathStopLimits, jump_cut, singular_cut
@@ -26,7 +25,7 @@ from robomech_ros.trajectory import (
     PosePath,
     track_path,
 )
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Places among which the nearest one to a waypoint is looked for.
 _PLACES = 5000

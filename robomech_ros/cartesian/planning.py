@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from numpy.typing import ArrayLike
-
 from robomech_ros.cartesian.following import PathFollowingResult, StopReason, follow_path
 from robomech_ros.cartesian.path_checks import PathStopLimits
 from robomech_ros.cartesian.path_models import PathModel
@@ -27,6 +25,7 @@ from robomech_ros.trajectory import (
 )
 from robomech_ros.trajectory.plans.fitting_plan import sampled_to_fit
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
+from robomech_ros.typing import ArrayLike
 
 
 @dataclass(frozen=True, eq=False)

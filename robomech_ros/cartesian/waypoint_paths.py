@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, held_rows, real_array
@@ -15,7 +14,7 @@ from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vecto
 from robomech_ros.spatial.screws.pose_conversions import pose_error
 from robomech_ros.trajectory import PosePath, arc_path, spline_path, straight_path
 from robomech_ros.trajectory.paths.partial_poses import least_turn
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 PathKind = Literal["straight", "spline", "arc"]
 # Poses nearer to the one before than this (rad, m) are the same waypoint.

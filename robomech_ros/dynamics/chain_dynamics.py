@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.dynamics.forward import forward_dynamics_one
@@ -23,7 +22,7 @@ from robomech_ros.kinematics.posture_samples import sample_postures
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 _forward_one = direct(forward_dynamics_one)
 

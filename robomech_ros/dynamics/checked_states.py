@@ -5,13 +5,12 @@ from functools import wraps
 from typing import ParamSpec
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import as_states, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_single
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 P = ParamSpec("P")
 

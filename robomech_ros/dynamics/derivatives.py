@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.dynamics import derivatives as kernels
@@ -12,7 +11,7 @@ from robomech_ros.dynamics.forward import forward_dynamics
 from robomech_ros.dynamics.model import GRAVITY, dynamic_model, raise_outcome, surroundings
 from robomech_ros.kinematics.joint_values import as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _derivatives_one = direct(kernels.inverse_derivatives_one)
 

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.dynamics import mass as kernels
 from robomech_ros.dynamics.forward import forward_dynamics
@@ -13,7 +12,7 @@ from robomech_ros.dynamics.model import GRAVITY, dynamic_model, raise_outcome, s
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 def kinetic_energy(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:

@@ -3,13 +3,12 @@
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.chain.serial import NOT_FINITE
 from robomech_ros.dynamics.model import raise_outcome
 from robomech_ros.kinematics.joint_values import as_finite_values
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 @lru_cache(maxsize=256)

@@ -1,7 +1,6 @@
 """Inverse dynamics: the torques that a motion takes."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.dynamics import inverse as kernels
@@ -9,7 +8,7 @@ from robomech_ros.dynamics.model import GRAVITY, dynamic_model, raise_outcome, s
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # The first is compiled, the others follow other formulations.
 INVERSE_METHODS = ("newton-euler", "orthogonal-complement", "lagrange", "kane")

@@ -1,14 +1,13 @@
 """The mass matrix and the Coriolis matrix of serial chains."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.dynamics import mass as kernels
 from robomech_ros.dynamics.model import dynamic_model, raise_outcome
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _mass_one = direct(kernels.mass_matrix_one)
 

@@ -4,7 +4,6 @@ from functools import lru_cache
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.chain.serial import NOT_FINITE
 from robomech_ros._kernels.dynamics.layout import (
@@ -19,7 +18,7 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import LARGEST, LEAST, real_array, real_within
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 GRAVITY = (0.0, 0.0, -9.81)
 

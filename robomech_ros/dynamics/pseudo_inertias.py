@@ -10,14 +10,13 @@ identification, IEEE Robotics and Automation Letters 3, 2018.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.checked_states import refuse_large
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots.bodies import Body
 from robomech_ros.spatial.arrays import as_finite, real_number
 from robomech_ros.spatial.screws.bodies import inertia_of_point_mass
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 
 # Products of parameters up to this do not overflow.
 _LARGEST = 1e30

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from numpy.typing import ArrayLike
-
 from robomech_ros.dynamics.chain_dynamics import ChainDynamics
 from robomech_ros.dynamics.drive_control import CompiledServo, ServoLaw
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 # From q (n,), rates and efforts (m,) to accelerations (m,), written to the last: not 0 for none.
 CompiledForward = Callable[[Array, Array, Array, Array], int]

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.hands.force_closure import wrench_cones
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, as_finite, as_single, finite_within, listed
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 MODELS = ("frictionless", "point", "soft")
 # Below this a normal is none.

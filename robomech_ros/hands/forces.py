@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.hands.contacts import (
@@ -19,7 +18,7 @@ from robomech_ros.hands.contacts import (
 )
 from robomech_ros.hands.force_search import ForceStatus as ForceStatus, search
 from robomech_ros.spatial.arrays import as_choice, as_single
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 SMALLEST = ("largest", "total")
 _MOST_LOAD = 1e12

@@ -3,11 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, span
 from robomech_ros.spatial.cross_product import cross_product_matrix
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Singular values below this share of the largest are rounding.
 _RANK = 1e-10

@@ -21,7 +21,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import yaml
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, RobotDescriptionError, WrongSizeError
 from robomech_ros.hands.contacts import Contact, as_contacts
@@ -31,7 +30,7 @@ from robomech_ros.robots.documents.yaml_rows import read_text
 from robomech_ros.robots.robot_kinds import checked_document, names_of, source_of
 from robomech_ros.robots.robot_yaml import description_from_yaml
 from robomech_ros.spatial.arrays import as_single, check_kind, listed
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _MOST_FINGERS = 20
 

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, centre
@@ -13,7 +12,7 @@ from robomech_ros.hands.hand import Hand, fingers_of, hand_posture
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import bias_acceleration, jacobian, point_jacobian
 from robomech_ros.spatial.arrays import as_single
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Squares of more have no digits left.
 _FASTEST = 1e9

@@ -4,7 +4,6 @@ import heapq
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.hands.contacts import Contact, check_coordinates
@@ -12,7 +11,7 @@ from robomech_ros.hands.hand import Hand, finger_numbers, fingers_of
 from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
 from robomech_ros.spatial.arrays import as_finite, as_flag, check_kind, listed, whole_number
 from robomech_ros.spatial.poses import as_pose
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _POSITION = (True, True, True, False, False, False)
 # More whole postures than anyone looks at.

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.hands.quality_bounds import CLOSE, grow
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
@@ -13,7 +12,7 @@ from robomech_ros.hands.closure import is_force_closed
 from robomech_ros.hands.contacts import Contact, as_contacts, as_origin, cones_of, rows_of
 from robomech_ros.printing import Printed
 from robomech_ros.spatial.arrays import real_number, whole_number
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Of lengths (m) and tolerances.
 SHORTEST = 1e-9

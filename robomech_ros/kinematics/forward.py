@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.chain.serial import forward, forward_one
 from robomech_ros.kinematics.joint_values import (
@@ -14,7 +13,7 @@ from robomech_ros.kinematics.joint_values import (
 )
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import listed
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 def forward_kinematics(chain: SerialChain, q: ArrayLike) -> Array:

@@ -1,13 +1,12 @@
 """Forward kinematics without compiled kernels, for many poses now and then."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 def tip_poses(chain: SerialChain, q: ArrayLike) -> Array:

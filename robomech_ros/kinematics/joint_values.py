@@ -5,12 +5,11 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # What needs no conversion, as names that are found at once.
 _ARRAY, _FLOAT = np.ndarray, np.dtype(np.float64)

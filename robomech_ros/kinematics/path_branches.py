@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.branch_selection import fewest_jumps
@@ -17,7 +16,7 @@ from robomech_ros.kinematics.joint_jumps import Jump, find_jumps
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Largest move of a joint (rad, m) between two poses that is no jump: paths are sampled finer.
 TRACK_JUMP = 0.5

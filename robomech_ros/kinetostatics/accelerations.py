@@ -3,7 +3,6 @@
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.chain import jacobian_rates
 from robomech_ros._kernels.compiling.jit import direct
@@ -16,7 +15,7 @@ from robomech_ros.kinetostatics.rates import joint_rates
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.screws.accelerations import point_acceleration
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _rate = direct(jacobian_rates.jacobian_rate)
 _rate_one = direct(jacobian_rates.jacobian_rate_one)

@@ -4,7 +4,6 @@ import functools
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.inverse.decoupled import layout as decoupled_layout
 from robomech_ros.errors import BadValueError
@@ -12,7 +11,7 @@ from robomech_ros.kinematics.inverse.families import decoupled
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.point_jacobians import point_jacobian
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 class Wrist(NamedTuple):

@@ -3,11 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Half axes below this part of the longest are zero.
 _ZERO = 1e-12

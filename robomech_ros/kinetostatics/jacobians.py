@@ -1,12 +1,11 @@
 """The Jacobian of serial chains."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.chain import serial
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 def jacobian(chain: SerialChain, q: ArrayLike) -> Array:

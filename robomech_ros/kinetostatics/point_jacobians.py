@@ -1,7 +1,6 @@
 """The Jacobian of any point of the tip link, in the axes of any frame."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.chain import jacobian_points as kernels
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
@@ -11,7 +10,7 @@ from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial import as_rotation
 from robomech_ros.spatial.arrays import as_single
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # The origin of the tip, the default point.
 TIP = (0.0, 0.0, 0.0)

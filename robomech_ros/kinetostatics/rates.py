@@ -3,7 +3,6 @@
 import functools
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.kinetostatics import rates
@@ -14,7 +13,7 @@ from robomech_ros.kinetostatics.indices import as_length
 from robomech_ros.kinetostatics.point_jacobians import TIP, as_point, rotation_of
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import all_finite, as_finite, real_number, real_within
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _joint_rates = direct(rates.joint_rates)
 

@@ -3,13 +3,12 @@
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.robots.entry_checks import whole_number
 from robomech_ros.spatial import as_rotation, matrix_from_axis_angle, matrix_from_quaternion
 from robomech_ros.spatial.arrays import as_single
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 MOST_ORIENTATIONS = 1_000_000
 

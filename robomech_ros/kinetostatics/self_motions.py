@@ -7,7 +7,6 @@ a joint that is locked would turn back.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import BadValueError
@@ -17,7 +16,7 @@ from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial import axial_vector
 from robomech_ros.spatial.arrays import real_number
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 CONDITIONS = 6
 # Steps along the way (rad or m), how many at most in each direction, and after how many the

@@ -4,10 +4,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _FLOAT64 = np.dtype(np.float64)
 # So many numbers are looked at faster one by one.

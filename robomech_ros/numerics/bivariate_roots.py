@@ -8,7 +8,6 @@ spurious.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array, real_number
@@ -20,7 +19,7 @@ from robomech_ros.numerics.grid_crossings import (
     slopes_at,
 )
 from robomech_ros.numerics.nonlinear import Iteration, newton_gauss
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 
 # A turn of both unknowns.
 ANGLES = ((-np.pi, np.pi), (-np.pi, np.pi))

@@ -3,13 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.numerics.arrays import check_finite, real_array, shaped_array
 from robomech_ros.numerics.bivariate_roots import ANGLES, bivariate, refine_root
 from robomech_ros.numerics.grid_crossings import STEP, Equations, GridProblem, slopes_at
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Cells of the grid on which curves are followed, and points of that on which the others are sized.
 _CELLS, _COARSE = 240, 25

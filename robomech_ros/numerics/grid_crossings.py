@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from operator import index
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.numerics.arrays import (
@@ -17,7 +17,7 @@ from robomech_ros.numerics.arrays import (
     shaped_array,
     whole_number,
 )
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 
 Equations = Callable[[Array, Array], ArrayLike]
 

@@ -6,11 +6,10 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., appendix B.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.numerics.arrays import check_finite, real_array
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # A pivot below this (of the longest column) is rounding: the columns depend on each other.
 _RANK = 1e-13

@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.numerics.arrays import check_finite, real_array, real_number
 from robomech_ros.numerics.linear import least_squares
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 Function = Callable[[Array], ArrayLike]
 

@@ -1,14 +1,13 @@
 """Check what callers give to the robots of this package."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import LEAST, as_finite, as_single, real_array, real_within
 from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.poses import as_pose
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # How far a pose may be from one that the platform can take at all (rad, m): rounding of files.
 _OFF = 1e-6

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.parallel import delta as kernels
 from robomech_ros.errors import BadValueError
@@ -18,7 +17,7 @@ from robomech_ros.parallel.mechanism.parts import LinkBodies
 from robomech_ros.parallel.mode_order import nearest_first
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
 from robomech_ros.spatial.poses import assembled
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _FAMILY = "delta"
 # Angles of all arms among which the one to begin with is found.

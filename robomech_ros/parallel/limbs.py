@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.argument_checks import actuated
 from robomech_ros.parallel.result import LimbPostures
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Rounding of a cosine at the end of a limb's reach, and of a length that vanishes (of the size).
 _ROUNDING = 1e-14

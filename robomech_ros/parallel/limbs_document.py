@@ -25,7 +25,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobomechError, RobotDescriptionError
@@ -49,7 +48,7 @@ from robomech_ros.robots.documents.yaml_rows import (
     read_rows,
     read_text,
 )
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _HALF = 0.5 * math.pi
 _LEAST_AXIS = 1e-6

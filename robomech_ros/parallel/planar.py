@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.parallel.planar import planar_modes
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
@@ -26,7 +25,7 @@ from robomech_ros.parallel.mode_order import modes_found, nearest_first
 from robomech_ros.parallel.platform_geometry import checked_points, checked_strokes
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
 from robomech_ros.spatial.arrays import real_array
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 class _Planar:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.parallel.newton import jacobians
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
@@ -14,7 +13,7 @@ from robomech_ros.parallel.argument_checks import one_or_each
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Points nearer to each other than this (of the size; m) are one.
 _SAME, _LEAST = 1e-9, 1e-12

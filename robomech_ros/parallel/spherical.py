@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.parallel.spherical import spherical_modes
 from robomech_ros.errors import BadValueError
@@ -20,7 +19,7 @@ from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Least sine of the angles of an arc: a limb with less would not turn its platform.
 _LEAST_ARC = 1e-6

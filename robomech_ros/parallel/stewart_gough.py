@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.parallel import following, newton
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
@@ -30,7 +29,7 @@ from robomech_ros.parallel.platform_geometry import (
 from robomech_ros.parallel.result import DirectKinematicsResult, FollowedPose
 from robomech_ros.parallel.start_system import StartSystem, start_system
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Squared lengths that are typical where no strokes are given, of the size of the platform.
 _TYPICAL = 2.0

@@ -3,12 +3,11 @@
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import LEAST, as_finite, real_within
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Rates, twists, poses and times beyond this (SI) are no motion of a robot; angles have no digits.
 _LARGEST = 1e9

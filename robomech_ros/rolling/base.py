@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.rolling.arcs import moved
 from robomech_ros.rolling.argument_checks import bounded, duration, shared_batch
@@ -25,7 +24,7 @@ from robomech_ros.rolling.steering import (
 )
 from robomech_ros.rolling.wheels import Wheel
 from robomech_ros.spatial.arrays import check_kind
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 class RollingBase:

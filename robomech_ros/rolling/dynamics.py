@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.complement.constrained_bodies import ConstrainedBodies
 from robomech_ros.errors import BadValueError, WrongSizeError
@@ -13,7 +12,7 @@ from robomech_ros.rolling.bodies import PlatformBody, WheelBody
 from robomech_ros.rolling.steering import free_twists, require_feasible
 from robomech_ros.rolling.twist_shaping import shaped_twists
 from robomech_ros.spatial.arrays import check_kind
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # A torque beyond its limit by no more than this part of it is at the limit.
 _WHOLE = 1.0 - 1e-12

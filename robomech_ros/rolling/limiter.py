@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.rolling import limiting as kernels
 from robomech_ros.errors import LimitExceededError, WrongSizeError
@@ -13,7 +12,7 @@ from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.constraints import direction_rows
 from robomech_ros.rolling.limits import AXES, MotionLimits
 from robomech_ros.spatial.arrays import check_kind, real_within
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # A limit that leaves more than this part of a command does not shorten it.
 _WHOLE = 1.0 - 1e-12

@@ -6,14 +6,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.arcs import moved, slope_by_pose
 from robomech_ros.rolling.argument_checks import duration, one_vector
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.spatial.arrays import check_kind, real_number
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Places and weights of Gauss over [0, 1]: exact for the growth of the covariance on a straight way.
 _PLACES = 0.5 + np.array([-0.5, 0.0, 0.5]) * math.sqrt(0.6)

@@ -4,14 +4,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.argument_checks import duration as checked_duration, one_vector
 from robomech_ros.rolling.dynamics import RollingDynamics
 from robomech_ros.spatial.arrays import check_kind
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # From the time (s), the twist (3,) and the brackets' angles (c,) to torques (k,) (N m).
 Torques = Callable[[float, Array, Array], ArrayLike]

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.rolling.argument_checks import (
@@ -20,6 +19,7 @@ from robomech_ros.rolling.argument_checks import (
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.wheels import Wheel
 from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.typing import ArrayLike
 
 
 def differential_drive(

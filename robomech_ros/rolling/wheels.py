@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
@@ -17,7 +16,7 @@ from robomech_ros.spatial.arrays import (
     real_array,
     real_number,
 )
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 KINDS = ("fixed", "steered", "caster", "omni")
 # Roller axes this near to right angles with the rolling direction would not drive (cosine).

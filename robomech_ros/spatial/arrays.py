@@ -4,7 +4,6 @@ from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.numerics.arrays import (
@@ -21,7 +20,7 @@ from robomech_ros.numerics.arrays import (
     shaped_array as shaped_array,
     whole_number as whole_number,
 )
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 
 def listed(what: str, value: object, expected: str) -> tuple[Any, ...]:

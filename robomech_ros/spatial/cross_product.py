@@ -1,11 +1,10 @@
 """Cross-product matrices and axial vectors."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.rows import finite_result
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 def cross_product_matrix(a: ArrayLike) -> Array:

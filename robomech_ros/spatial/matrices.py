@@ -1,13 +1,12 @@
 """Rotation matrices: what makes one, and the nearest one to a matrix that nearly is."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import ORTHOGONAL, ROTATION_ERROR
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.rows import row_name
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 def rotation_error(matrix: ArrayLike) -> Array:

@@ -1,14 +1,13 @@
 """Poses: 4 x 4 homogeneous matrices ``T_a_b``, the frame b expressed in the frame a."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import ROTATION_ERROR
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.rows import common_shape
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 def as_pose(pose: ArrayLike, tolerance: float = ROTATION_ERROR, what: str = "pose") -> Array:

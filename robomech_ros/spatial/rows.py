@@ -1,11 +1,10 @@
 """Arrays with leading batch axes as rows for compiled loops, and results checked."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import all_finite, as_finite, real_array
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 def as_rows(

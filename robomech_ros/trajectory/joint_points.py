@@ -3,17 +3,14 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_flag, listed, real_array
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 
-def joint_points(
-    points: npt.ArrayLike, joints: int | None = None, most: int | None = None
-) -> Array:
+def joint_points(points: ArrayLike, joints: int | None = None, most: int | None = None) -> Array:
     """Return at least two points (m, n), m up to `most`, as an array that cannot be written to."""
     places = real_array("points", points).copy()
     right = places.ndim == 2 and places.shape[1] > 0 and joints in (None, places.shape[1])
@@ -32,7 +29,7 @@ def joint_points(
     return places
 
 
-def nearest_turns(points: npt.ArrayLike, continuous: npt.ArrayLike) -> tuple[Array, IntArray]:
+def nearest_turns(points: ArrayLike, continuous: ArrayLike) -> tuple[Array, IntArray]:
     """Return points whose continuous joints take the short way from each to the next.
 
     Parameters
@@ -70,7 +67,7 @@ def nearest_turns(points: npt.ArrayLike, continuous: npt.ArrayLike) -> tuple[Arr
     return places + math.tau * turns, turns.astype(np.int64)
 
 
-def joint_values(what: str, values: npt.ArrayLike, shape: tuple[int, ...]) -> Array:
+def joint_values(what: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
     """Copy one number for each joint, shape (n,), without a look at their size."""
     array = real_array(what, values).copy()
     if array.shape != shape:

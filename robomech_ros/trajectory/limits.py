@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Any, Literal, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import (
@@ -20,7 +19,7 @@ from robomech_ros.errors import (
 )
 from robomech_ros.spatial.arrays import listed, real_array
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 
 Rate = Literal["velocity", "acceleration", "jerk"]
 RATES: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
@@ -42,23 +41,23 @@ class JointLimits(Protocol):
         """The joints, in the order of all arrays."""
 
     @property
-    def lower(self) -> npt.ArrayLike:
+    def lower(self) -> ArrayLike:
         """Lowest positions, rad or m, shape (n,)."""
 
     @property
-    def upper(self) -> npt.ArrayLike:
+    def upper(self) -> ArrayLike:
         """Highest positions, rad or m, shape (n,)."""
 
     @property
-    def velocity(self) -> npt.ArrayLike:
+    def velocity(self) -> ArrayLike:
         """Largest speeds, rad/s or m/s, shape (n,)."""
 
     @property
-    def acceleration(self) -> npt.ArrayLike:
+    def acceleration(self) -> ArrayLike:
         """Largest magnitudes of the accelerations, rad/s^2 or m/s^2, shape (n,)."""
 
     @property
-    def jerk(self) -> npt.ArrayLike:
+    def jerk(self) -> ArrayLike:
         """Largest magnitudes of the jerks, rad/s^3 or m/s^3, shape (n,)."""
 
 

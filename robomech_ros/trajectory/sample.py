@@ -3,11 +3,10 @@
 from typing import NamedTuple, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import NonFiniteError
 from robomech_ros.spatial.arrays import real_array
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 
 
 class Sample(NamedTuple):
@@ -33,11 +32,11 @@ class Trajectory(Protocol):
     def duration(self) -> float:
         """Time from start to end, in s."""
 
-    def sample(self, t: npt.ArrayLike) -> Sample:
+    def sample(self, t: ArrayLike) -> Sample:
         """Sample at time t (s), a scalar or an array of shape (m,)."""
 
 
-def checked_times(t: npt.ArrayLike) -> Array:
+def checked_times(t: ArrayLike) -> Array:
     """Turn instants into a float array of dimension 0 or 1; refuse NaN and infinity."""
     times = real_array("time", t)
     if times.ndim > 1:

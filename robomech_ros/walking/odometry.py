@@ -1,7 +1,6 @@
 """Odometry of the trunk, from the joints of the stance legs."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from robomech_ros.errors import BadValueError, WrongSizeError
@@ -9,7 +8,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.spatial import as_pose
 from robomech_ros.spatial.arrays import as_finite, check_kind
 from robomech_ros.spatial.poses import assembled
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 from robomech_ros.walking.robot import LeggedRobot
 
 # Feet that tell all of a motion, and feet that tell it but for turns about the line between them.

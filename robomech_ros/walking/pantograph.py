@@ -3,11 +3,10 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_choice, as_single, real_number
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _KNEES = {"forward": 1.0, "back": -1.0}
 # Part of the length below which one is zero.

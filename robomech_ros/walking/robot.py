@@ -8,7 +8,6 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.walking.gait_step import MOST_LEGS
 from robomech_ros.errors import BadValueError, SeedOutsideLimitsError
@@ -20,7 +19,7 @@ from robomech_ros.robots import RobotDescription, SerialChain, urdf_from_descrip
 from robomech_ros.robots.bodies import combine_bodies
 from robomech_ros.spatial.arrays import as_choice, as_single, check_kind, listed
 from robomech_ros.spatial.poses import inverse_pose
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 from robomech_ros.walking.stance_mechanism import contact_rows, stance_mechanism
 
 _JOINTS = 3

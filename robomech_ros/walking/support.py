@@ -1,12 +1,11 @@
 """Static stability: the polygon of feet on the ground, and how far inside the mass centre is."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.walking.support import margins
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 def stability_margin(com_xy: ArrayLike, feet_xy: ArrayLike) -> float | Array:

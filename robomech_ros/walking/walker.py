@@ -7,7 +7,6 @@ from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.walking import gait_step
@@ -23,7 +22,7 @@ from robomech_ros.spatial.arrays import (
     check_kind,
     real_within,
 )
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 from robomech_ros.walking.gait_timing import SPEED_PART, fastest_twist, suitable_cycle, sway_cycle
 from robomech_ros.walking.gaits import GAITS
 from robomech_ros.walking.robot import LeggedRobot

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.checked_states import as_vector, finite_result
 from robomech_ros.dynamics.complement.stacking import (
@@ -30,7 +29,7 @@ from robomech_ros.dynamics.complement.stacking import (
 )
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _OPTIONAL = ("rotors", "N", "N_dot", "t_0", "t_0_dot", "A")
 

@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.checked_states import refuse_large
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Singular values below this part of the largest are those of constraints that say the same twice.
 _RANK = 1e-9

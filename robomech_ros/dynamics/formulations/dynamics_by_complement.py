@@ -1,7 +1,6 @@
 """Inverse and forward dynamics by the natural orthogonal complement."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.checked_states import finite_result, finite_states
 from robomech_ros.dynamics.complement.stacking import mass_roots, solve, transposed
@@ -12,7 +11,7 @@ from robomech_ros.dynamics.formulations.orthogonal_complement import (
 from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.dynamics.posed_bodies import reflected_inertias
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 @finite_result

@@ -13,7 +13,6 @@ Kane and Levinson, Dynamics: theory and applications, McGraw-Hill 1985, ch. 4 an
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.checked_states import as_screw, as_vector, finite_result, finite_states
 from robomech_ros.dynamics.complement.stacking import solve, times
@@ -22,7 +21,7 @@ from robomech_ros.dynamics.posed_bodies import body_moments, reflected_inertias
 from robomech_ros.kinematics.forward_uncompiled import link_transforms
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,6 @@ University, 1965.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.checked_states import as_screw, as_vector, finite_result, finite_states
 from robomech_ros.dynamics.complement.stacking import solve, times
@@ -26,7 +25,7 @@ from robomech_ros.kinematics.forward_uncompiled import link_transforms
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
 from robomech_ros.spatial.cross_product import cross_product_matrix
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 @finite_result

@@ -14,7 +14,6 @@ natural orthogonal complement, ASME J. Applied Mechanics 55 (1988), pp. 243-244.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.checked_states import as_screw, finite_states
 from robomech_ros.dynamics.complement.constrained_bodies import ConstrainedBodies
@@ -29,7 +28,7 @@ from robomech_ros.dynamics.formulations.stacked_matrices import (
 from robomech_ros.dynamics.posed_bodies import PosedBodies, posed_bodies, reflected_inertias
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.screws.transfers import transfer_wrench
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

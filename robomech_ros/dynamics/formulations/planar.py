@@ -4,14 +4,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.complement.stacking import transposed
 from robomech_ros.dynamics.formulations.orthogonal_complement import natural_orthogonal_complement
 from robomech_ros.dynamics.posed_bodies import reflected_inertias
 from robomech_ros.kinetostatics.reduced_jacobians import planar_rows
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,12 +3,10 @@
 from collections.abc import Callable
 from typing import Any
 
-from numpy.typing import ArrayLike
-
 from robomech_ros.dynamics.formulations import dynamics_by_complement, kane, lagrange
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 INVERSE: dict[str, Callable[..., Array]] = {
     "orthogonal-complement": dynamics_by_complement.inverse_dynamics_by_orthogonal_complement,

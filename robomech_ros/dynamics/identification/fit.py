@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.checked_states import as_vector, finite_states
 from robomech_ros.dynamics.identification.regressor import (
@@ -30,7 +29,7 @@ from robomech_ros.dynamics.pseudo_inertias import is_physically_consistent
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.numerics import least_squares, minimum_norm
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 
 # Singular values below this of the largest: the motion does not show all parameters.
 _RANK = 1e-9

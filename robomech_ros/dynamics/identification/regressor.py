@@ -3,13 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.dynamics import regressor as kernels
 from robomech_ros.dynamics.model import GRAVITY, raise_outcome, surroundings
 from robomech_ros.kinematics.joint_values import as_rows, as_states, check_chain
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 # A column of a torque regressor, of unit length, that is nearer than this to those before it
 # depends on them: rounding leaves 1e-13, and what a motion can show is above 1e-4.

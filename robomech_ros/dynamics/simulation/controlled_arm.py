@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.dynamics import controlled_chain as kernels
 from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
@@ -16,7 +15,7 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.entry_checks import whole_number
 from robomech_ros.spatial.arrays import LARGEST, as_choice, as_finite, as_single, real_within
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 
 CONTROLS = ("computed-torque", "pd-gravity")
 

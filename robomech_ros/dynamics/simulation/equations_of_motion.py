@@ -4,13 +4,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.friction import friction_of_rates
 from robomech_ros.dynamics.systems import CompiledForward, DynamicSystem, LostPostureError
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.spatial.arrays import real_array
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 Torque = Callable[[float, Array, Array], ArrayLike]
 

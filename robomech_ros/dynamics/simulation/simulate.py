@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.model import GRAVITY, positive_number
 from robomech_ros.dynamics.simulation.equations_of_motion import EquationsOfMotion, Torque
@@ -21,7 +20,7 @@ from robomech_ros.dynamics.systems import DynamicSystem, dynamic_system
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_array, real_within
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 SOLVERS = ("DOP853", "RK45", "RK23", "LSODA", "Radau", "BDF", "midpoint")
 AT_LIMITS = ("ignore", "end", "bounce")

@@ -16,7 +16,6 @@ from functools import cached_property
 
 import numpy as np
 import sympy
-from numpy.typing import ArrayLike
 
 from robomech_ros.dynamics.checked_states import as_vector
 from robomech_ros.dynamics.model import GRAVITY
@@ -29,7 +28,7 @@ from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.numerics.arrays import real_array
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 EXPRESSIONS = (
     "forward_kinematics",

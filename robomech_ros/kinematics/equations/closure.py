@@ -9,14 +9,13 @@ Raghavan and Roth, ASME J. Mechanical Design 115 (1993), pp. 502-508.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_number
-from robomech_ros.typing import Array, ComplexArray, IntArray
+from robomech_ros.typing import Array, ArrayLike, ComplexArray, IntArray
 
 Numbers = Array | ComplexArray
 

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics.equations.closure import Numbers, turn_about_z
@@ -17,7 +16,7 @@ from robomech_ros.kinematics.equations.positioning import (
 from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.dh_table import DHTable, link_transforms
-from robomech_ros.typing import Array, ComplexArray
+from robomech_ros.typing import Array, ArrayLike, ComplexArray
 
 # Coefficients of joint 4 below this are rounding: axis 6 is along axis 4, or axes 4 and 5 are one.
 _NOTHING = 1e-12

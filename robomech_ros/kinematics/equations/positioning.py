@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.equations.closure import as_angles
@@ -18,7 +17,7 @@ from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.typing import Array, ComplexArray
+from robomech_ros.typing import Array, ArrayLike, ComplexArray
 
 # Part of the arm's size, and of 1, below which a coefficient is rounding.
 _NOTHING = 1e-10

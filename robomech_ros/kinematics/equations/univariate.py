@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.kinematics.equations.closure import ClosureEquations, Numbers, closure_equations
 from robomech_ros.kinematics.equations.crowded_roots import angles_beside
@@ -25,7 +24,7 @@ from robomech_ros.kinematics.equations.li_woernle_hiller import li_woernle_hille
 from robomech_ros.kinematics.equations.postures import posture_of, same_posture
 from robomech_ros.kinematics.equations.raghavan_roth import raghavan_roth_matrix
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array, ComplexArray
+from robomech_ros.typing import Array, ArrayLike, ComplexArray
 
 _DEGREE = 16
 # Least over greatest singular value below which a matrix is singular up to rounding.

@@ -1,7 +1,6 @@
 """Inverse kinematics of many poses in one compiled loop."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
 from robomech_ros.kinematics.inverse.closed_form import solve_many
@@ -16,7 +15,7 @@ from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 
 def inverse_kinematics_batch(

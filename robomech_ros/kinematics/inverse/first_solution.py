@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.inverse.iterative import layout as at
 from robomech_ros.errors import BadValueError
@@ -17,6 +16,7 @@ from robomech_ros.kinematics.inverse.solve_by_search import ranked_solutions
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.target import as_target, as_targets
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.typing import ArrayLike
 
 # Names of the options of `inverse_kinematics`: what ranks and lists, and what the task is.
 _RANKING = ("respect_limits", "include_windings", "metric", "max_solutions")

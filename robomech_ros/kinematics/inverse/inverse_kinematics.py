@@ -3,8 +3,6 @@
 import time
 from collections.abc import Sequence
 
-from numpy.typing import ArrayLike
-
 from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
 from robomech_ros.kinematics.inverse.closed_form import solve_closed_form
 from robomech_ros.kinematics.inverse.families.selection import Family, family_of
@@ -17,7 +15,7 @@ from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.target import as_target, as_targets
 from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _SUCCESS = Status.SUCCESS  # to look it up takes longer than an argument is checked
 

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.kinetostatics.indices import COUNT, MANIPULABILITY, indices
@@ -18,7 +17,7 @@ from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import as_choice
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 # Peaks of a criterion that are refined, and golden sections for each: 1e-7 of a step.
 BEST_STARTS = 4

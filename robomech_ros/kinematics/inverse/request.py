@@ -6,7 +6,6 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.inverse import short_layout
@@ -24,7 +23,7 @@ from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.entry_checks import whole_number
 from robomech_ros.spatial.arrays import as_flag, listed, real_number
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # A seed this far (rad, m) outside the position limits still counts as on the limit: encoders and
 # text files carry about this resolution.

@@ -5,14 +5,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.kinematics.inverse.redundancy import Redundancy, limit_margins
 from robomech_ros.kinematics.inverse.redundant_solutions import parameter_name
 from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Step of the redundancy parameter (rad or m) at most, and below which a branch that cannot be
 # followed has ended.

@@ -1,7 +1,6 @@
 """Target poses as they come from a caller, checked and laid out for the kernels."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.inverse.poses import (
     IMPROPER,
@@ -14,7 +13,7 @@ from robomech_ros._kernels.tolerances import LARGEST_LENGTH, ROTATION_ERROR
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.spatial.matrices import rotation_error
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _ARRAY, _FLOAT = np.ndarray, np.dtype(np.float64)
 _ONE, _MANY = "(4, 4); inverse_kinematics_batch takes many", "(m, 4, 4)"

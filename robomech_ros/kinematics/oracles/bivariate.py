@@ -12,7 +12,6 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 9.4.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.equations.closure import ClosureEquations, circle, closure_equations
@@ -26,7 +25,7 @@ from robomech_ros.numerics import newton_gauss
 from robomech_ros.numerics.grid_crossings import shared_cells
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_number
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _ACCEPTED = 1e-9
 _FEWEST_STEPS = 8

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.equations.closure import closure_equations
@@ -21,7 +20,7 @@ from robomech_ros.kinematics.equations.postures import posture_of
 from robomech_ros.kinematics.oracles.bivariate import PAIR, Intersection, measured, minors
 from robomech_ros.numerics import CurveCrossing, CurvePair
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # All three rows of six.
 MINORS = tuple(combinations(range(6), 3))

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, as_single
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 LARGEST_BOUND = 1e6
 _AXES = "xyz"

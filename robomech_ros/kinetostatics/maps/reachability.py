@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, MapFileError
 from robomech_ros.kinematics.joint_values import check_chain
@@ -23,7 +23,7 @@ from robomech_ros.kinetostatics.task_parts import PARTS
 from robomech_ros.numerics.memory import check_memory
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice, as_flag
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 # Seconds between two times that what is finished is written to the file.
 _BETWEEN_SAVES = 60.0

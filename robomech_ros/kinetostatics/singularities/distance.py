@@ -4,7 +4,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.kinematics.joint_values import as_posture
@@ -13,7 +12,7 @@ from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.kinetostatics.singularities.generic_rank import generic_rank, scaling_length
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Least singular value (lengths over the characteristic length) of a posture found to be singular.
 ON_SINGULARITY = 1e-8

@@ -16,7 +16,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.special import comb
 
 from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeError
@@ -26,7 +25,7 @@ from robomech_ros.kinetostatics.singularities.minors import Minors, minors_of
 from robomech_ros.numerics.nonlinear import bisected
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _WHOLE_TURN = 2.0 * math.pi
 # Boxes that searches for a singular posture start from, and the widest that do (rad, of the size).

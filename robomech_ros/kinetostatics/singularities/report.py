@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.kinetostatics.posture_report import (
@@ -20,7 +20,7 @@ from robomech_ros.kinetostatics.singularities.determinant_factors import named_p
 from robomech_ros.kinetostatics.singularities.generic_rank import generic_motions, scaling_length
 from robomech_ros.printing import Printed
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array, BoolArray, IntArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray, IntArray
 
 _compiled = direct(posture_reports)
 

@@ -5,7 +5,6 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.kinetostatics.workspace.curve_pieces import CurvePiece, cut_curves, values_in
 from robomech_ros.kinetostatics.workspace.limited_boundary import LimitedBoundary
@@ -20,7 +19,7 @@ from robomech_ros.kinetostatics.workspace.section import (
 from robomech_ros.printing import Printed
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.typing import Array, BoolArray, IntArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray, IntArray
 
 Role = Literal["outer", "inner", "interior"]
 

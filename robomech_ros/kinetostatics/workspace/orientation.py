@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
 from robomech_ros.errors import BadValueError
@@ -16,7 +15,7 @@ from robomech_ros.kinetostatics.rotation_sets import uniform_rotations
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_single
 from robomech_ros.spatial.poses import assembled
-from robomech_ros.typing import Array, BoolArray, IntArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)

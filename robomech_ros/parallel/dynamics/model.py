@@ -4,7 +4,6 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.dynamics.layout import MASS, MODEL_WIDTH, ROTOR
 from robomech_ros._kernels.dynamics.mass import totals
@@ -31,7 +30,7 @@ from robomech_ros.parallel.mechanism.loops import refuse_status
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combine_bodies
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 
 def platform_body(mechanism: Mechanism) -> Body:

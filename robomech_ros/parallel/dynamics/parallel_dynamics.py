@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.loops import dynamics as kernels
 from robomech_ros._kernels.loops.factors import NOT_FINITE, REGULAR
@@ -37,7 +36,7 @@ from robomech_ros.parallel.dynamics.model import (
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combine_bodies
 from robomech_ros.robots.bodies import possible_body
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 # Number of spread postures: each costs as much as closing the loops.
 _MOST_POSTURES = 256

@@ -4,7 +4,6 @@ import functools
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
@@ -17,7 +16,7 @@ from robomech_ros.parallel.library import AnyParallelRobot, ParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.robots.chain_layout import PRISMATIC
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _ANGULAR = 3
 # Parts of unit twists below which they are zero.

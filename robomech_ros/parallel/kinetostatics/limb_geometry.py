@@ -8,7 +8,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.parallel.argument_checks import platform_poses, pose_about_z
@@ -22,7 +21,7 @@ from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.spatial.arrays import as_finite, real_array
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_axis_angle
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # By how much drives may miss a pose (of the size), and a pose the motions of its platform.
 _MISS, _OFF = 1e-6, 1e-6

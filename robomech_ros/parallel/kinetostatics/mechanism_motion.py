@@ -12,13 +12,12 @@ leave ``w (dt - dJ qd) = w j qdd`` of the drive, and 0 of those that the limb be
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics import jacobian, jacobian_rate
 from robomech_ros.parallel.kinetostatics.limb_wrenches import Wrenches, wrenches_of_limbs
 from robomech_ros.parallel.mechanism.model import Mechanism
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # The longest move of a joint from one place to the next (rad; of the size).
 _STEP = 1e-3

@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import WrongSizeError
@@ -13,7 +12,7 @@ from robomech_ros.parallel.kinetostatics.limb_geometry import poses_of
 from robomech_ros.parallel.library import AnyParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.stewart_gough import StewartGough
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 _ANGULAR, _LINEAR = slice(0, 3), slice(3, 6)
 # Least part of a limb in forces that balance each other, of their norm 1.

@@ -1,12 +1,11 @@
 """Rows of numbers for many poses, and square systems in mixed units, of which some are singular."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 
 
 def are_regular(A: Array) -> BoolArray:

@@ -1,7 +1,6 @@
 """Forces of the drives and the wrench of the platform."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.parallel.kinetostatics.limb_geometry import (
@@ -11,7 +10,7 @@ from robomech_ros.parallel.kinetostatics.limb_geometry import (
 )
 from robomech_ros.parallel.kinetostatics.square_systems import one_each, solved_columns
 from robomech_ros.parallel.library import AnyParallelRobot
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _WRENCH = 6
 

@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import BadValueError
@@ -23,7 +22,7 @@ from robomech_ros.parallel.kinetostatics.mechanism_motion import (
 from robomech_ros.parallel.kinetostatics.square_systems import one_each, solved_columns
 from robomech_ros.parallel.library import AnyParallelRobot
 from robomech_ros.parallel.mechanism.model import Mechanism
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _TWIST = 6
 # Entries of a twist that are less than this, of the largest, are zero.

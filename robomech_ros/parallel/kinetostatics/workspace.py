@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.parallel.kinetostatics.limb_geometry import limbs_at, motions_of, poses_of
@@ -29,7 +29,7 @@ from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 TYPE_2 = "type 2 singularity"
 

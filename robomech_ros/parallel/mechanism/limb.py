@@ -7,7 +7,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, UnknownJointError
 from robomech_ros.kinematics import Status, inverse_kinematics
@@ -18,7 +17,7 @@ from robomech_ros.robots.joint import rotation_from_z
 from robomech_ros.robots.limit_arrays import limit_arrays
 from robomech_ros.spatial.arrays import listed
 from robomech_ros.spatial.poses import assembled, rigid_inverse
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 # Errors (m, rad) of a pose that a chain holds.
 _HELD = 1e-9

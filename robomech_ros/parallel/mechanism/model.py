@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.parallel.argument_checks import (
@@ -32,7 +31,7 @@ from robomech_ros.parallel.mechanism.shapes import shapes_of_limbs
 from robomech_ros.parallel.mechanism.tree import LIMITS, tree_of_limbs
 from robomech_ros.parallel.result import AssemblyModes, DirectKinematicsResult, MechanismPostures
 from robomech_ros.robots import Body, RobotDescription
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Errors (rad, m) of loops that are closed where all joints are at zero.
 _CLOSED = 1e-9

@@ -1,14 +1,13 @@
 """Motions of closed loops: poses, rates and accelerations of all joints and of the platform."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import LoopClosureError
 from robomech_ros.parallel.argument_checks import actuated as checked_drives
 from robomech_ros.parallel.mechanism.loops import Loops
 from robomech_ros.parallel.result import LoopClosure
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 class LoopMotion:

@@ -9,14 +9,13 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.parallel.mechanism.tree import links_of_joints
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.robots.joint import rotation_from_z
 from robomech_ros.robots.urdf.shapes import Shape
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Radii in parts of the size of the mechanism.
 _FRAME, _BAR, _ROD, _BALL, _PLATE = 0.014, 0.012, 0.01, 0.02, 0.006

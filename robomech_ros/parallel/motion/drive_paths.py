@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.outcomes import Code
@@ -12,7 +11,7 @@ from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.motion.singularity_check import named_singularity, singular_values
 from robomech_ros.spatial.arrays import as_finite, real_number
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Loops of a posture that somebody gives may be open by this (rad, m): rounding of messages.
 OPEN = 1e-6

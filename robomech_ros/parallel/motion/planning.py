@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.cartesian import (
     CartesianPlan,
@@ -44,7 +43,7 @@ from robomech_ros.trajectory.curves.motion_to_rest import MotionToRest
 from robomech_ros.trajectory.paths.path_cuts import last_valid_coordinate
 from robomech_ros.trajectory.plans.fitting_plan import fitting_plan
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Passive joints may be so much over their limits, as a part: rounding.
 _ROUNDING = 1e-9

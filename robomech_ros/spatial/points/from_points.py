@@ -4,7 +4,6 @@ from collections.abc import Callable
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import points as kernels
@@ -12,7 +11,7 @@ from robomech_ros._kernels.spatial.conversions import STATUSES
 from robomech_ros.errors import UnderdeterminedError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, as_finite, readable_axis
 from robomech_ros.spatial.rows import finite_result, row_name
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _velocities = direct(kernels.velocities_of_points)
 _accelerations = direct(kernels.accelerations_of_points)

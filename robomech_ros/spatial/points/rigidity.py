@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, InconsistentDataError
 from robomech_ros.spatial.arrays import as_finite
@@ -14,7 +13,7 @@ from robomech_ros.spatial.points.from_points import (
     as_motions,
 )
 from robomech_ros.spatial.rows import common_shape, finite_result, row_name
-from robomech_ros.typing import Array, BoolArray, IntArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray, IntArray
 
 # Speed left over (of the largest relative one) that is taken for rounding.
 _ROUNDING = 1e-9

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import points as kernels
@@ -20,7 +19,7 @@ from robomech_ros.spatial.points.from_points import (
     angular_velocity_from_points,
 )
 from robomech_ros.spatial.points.rigidity import spread_matrix
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _fit = direct(kernels.fit_tracks)
 

@@ -1,7 +1,5 @@
 """Axis and angle of a rotation, its natural invariants, and the rotation vector."""
 
-from numpy.typing import ArrayLike
-
 from robomech_ros._kernels.spatial.representations import (
     AXIS_ANGLE,
     MATRIX,
@@ -9,7 +7,7 @@ from robomech_ros._kernels.spatial.representations import (
     ROTATION_VECTOR,
 )
 from robomech_ros.spatial.rotations.conversions import converted, converted_axis_angle
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 def matrix_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:

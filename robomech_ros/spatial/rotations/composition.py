@@ -1,7 +1,6 @@
 """Rotations after one another, and between one another."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import conversions
@@ -15,7 +14,7 @@ from robomech_ros.spatial.rotations.conversions import (
 )
 from robomech_ros.spatial.rotations.unit_quaternions import unit_quaternion
 from robomech_ros.spatial.rows import broadcast_rows, common_shape
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _compose = direct(conversions.compose)
 _interpolate = direct(conversions.interpolate)

@@ -4,7 +4,6 @@ from itertools import permutations
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import conversions
@@ -26,7 +25,7 @@ from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.rotations.unit_quaternions import unit_quaternion
 from robomech_ros.spatial.rows import as_rows, common_shape, row_name
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _convert = direct(conversions.convert)
 

@@ -5,8 +5,6 @@ then about the new y, then about the newest x), small letters for fixed ones, as
 are roll, pitch and yaw.  The angles are in the order of the letters.
 """
 
-from numpy.typing import ArrayLike
-
 from robomech_ros._kernels.spatial.representations import AXIS_ANGLE, MATRIX, QUATERNION
 from robomech_ros.spatial.rotations.conversions import (
     SEQUENCES as SEQUENCES,
@@ -14,7 +12,7 @@ from robomech_ros.spatial.rotations.conversions import (
     converted_axis_angle,
     sequence_kind,
 )
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 ROLL_PITCH_YAW = sequence_kind("xyz")
 

@@ -6,13 +6,11 @@ last, as in the book, and as x y z w in ROS messages and in scipy.  Of the two s
 return the one with r0 >= 0, and at phi = pi the one whose first non-zero number is positive.
 """
 
-from numpy.typing import ArrayLike
-
 from robomech_ros._kernels.spatial.representations import MATRIX, QUATERNION
 from robomech_ros.spatial.rotations.composition import compose_rotations
 from robomech_ros.spatial.rotations.conversions import converted, converted_axis_angle
 from robomech_ros.spatial.rotations.unit_quaternions import unit_quaternion as unit_quaternion
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 def matrix_from_quaternion(quaternion: ArrayLike) -> Array:

@@ -1,7 +1,6 @@
 """Rates of the representations of a rotation, and angular velocity and acceleration from them."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import rates
@@ -9,7 +8,7 @@ from robomech_ros.errors import WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.rotations.conversions import raise_bad_rotation, represented, tail_of
 from robomech_ros.spatial.rows import broadcast_rows, finite_result
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _rates = direct(rates.rates)
 _motions = direct(rates.angular_motions)

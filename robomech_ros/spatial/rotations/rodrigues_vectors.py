@@ -1,7 +1,6 @@
 """The Rodrigues vector ``e tan(phi/2)``, and rotations from their linear invariants."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.spatial.representations import (
     LINEAR_INVARIANTS,
@@ -12,7 +11,7 @@ from robomech_ros._kernels.spatial.representations import (
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.rotations.conversions import converted
 from robomech_ros.spatial.rows import common_shape
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 def rodrigues_vector_from_matrix(matrix: ArrayLike) -> Array:

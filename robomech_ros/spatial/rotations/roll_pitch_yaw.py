@@ -5,11 +5,10 @@ and no compiled code is loaded for them.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.matrices import as_rotation
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 def matrix_from_roll_pitch_yaw(angles: ArrayLike) -> Array:

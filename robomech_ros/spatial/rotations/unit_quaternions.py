@@ -1,13 +1,12 @@
 """Quaternions from a caller: checked, without compiled code."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.spatial.tolerances import UNIT_NORM
 from robomech_ros.errors import BadQuaternionError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.rows import row_name
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 def unit_quaternion(quaternion: ArrayLike, tolerance: float = UNIT_NORM) -> Array:

@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.cross_product import cross, cross_product_matrix
 from robomech_ros.spatial.rows import common_shape, finite_result
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Sine of the angle between angular velocity and acceleration below which there is no pole.
 _PARALLEL = 1e-9

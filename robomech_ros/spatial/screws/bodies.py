@@ -1,13 +1,12 @@
 """Mass, momentum and the equations of motion of a rigid body."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.cross_product import cross, cross_product_matrix
 from robomech_ros.spatial.rows import common_shape, finite_result
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Largest difference of an inertia matrix from its transpose, over its largest entry, that is taken
 # for rounding: six digits.

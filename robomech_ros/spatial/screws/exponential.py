@@ -3,7 +3,6 @@
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import exponential
@@ -12,7 +11,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.spatial.rows import as_rows, row_name
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _exponentials = direct(exponential.exponentials)
 _logarithms = direct(exponential.logarithms)

@@ -3,14 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import exponential
 from robomech_ros.spatial.rows import as_rows, broadcast_rows
 from robomech_ros.spatial.screws.exponential import raise_bad_pose, raise_bad_rows
 from robomech_ros.spatial.transformations.linear_maps import unit_vectors
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _screws = direct(exponential.screws)
 _poses = direct(exponential.poses_of_screws)

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
@@ -11,7 +10,7 @@ from robomech_ros.spatial.cross_product import cross
 from robomech_ros.spatial.rows import common_shape, finite_result
 from robomech_ros.spatial.screws.transfers import transfer_wrench
 from robomech_ros.spatial.transformations.linear_maps import unit_vectors
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 
 # Sine of the angle between lines that count as parallel: what their feet are computed from is
 # divided by its square.

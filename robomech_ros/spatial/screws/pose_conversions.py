@@ -1,7 +1,6 @@
 """Poses as a position and a quaternion or other numbers, and their difference."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.spatial.arrays import as_choice, as_finite
 from robomech_ros.spatial.poses import as_pose, assembled
@@ -12,7 +11,7 @@ from robomech_ros.spatial.rotations.quaternions import (
     quaternion_from_matrix,
 )
 from robomech_ros.spatial.rows import common_shape
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _FOUR_NUMBERS = ("quaternion", "linear-invariants", "axis-angle")
 

@@ -4,7 +4,6 @@ Both have the angular part first: ``t = [omega; v]`` and ``w = [n; f]``; their p
 """
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import exponential
@@ -12,7 +11,7 @@ from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.cross_product import cross, cross_product_matrix
 from robomech_ros.spatial.rows import as_rows, common_shape, finite_result
 from robomech_ros.spatial.screws.exponential import raise_bad_pose
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _adjoints = direct(exponential.adjoints)
 

@@ -1,7 +1,6 @@
 """Vectors, points and matrices seen from another frame, and what all frames agree on."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, positive_number
@@ -9,7 +8,7 @@ from robomech_ros.spatial.cross_product import axial_vector, cross
 from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.spatial.rows import common_shape, finite_result
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 
 # Relative difference of moments of matrices that are the same: products of doubles.
 _SAME = 1e-9

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import InconsistentDataError, UnderdeterminedError, WrongSizeError
 from robomech_ros.spatial.arrays import positive_number, readable_axis
@@ -12,7 +11,7 @@ from robomech_ros.spatial.matrices import as_rotation, nearest_rotation
 from robomech_ros.spatial.rotations.axis_angle import rotation_vector_from_matrix
 from robomech_ros.spatial.rotations.quaternions import quaternion_from_matrix
 from robomech_ros.spatial.transformations.matching import rotations_between, top_vectors
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Difference of angles (rad) of one motion seen by sensors without noise.
 _SAME_ANGLE = 1e-6

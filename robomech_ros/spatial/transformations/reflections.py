@@ -1,7 +1,6 @@
 """Reflections in planes through the origin, and the rotations that two of them make."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
@@ -9,7 +8,7 @@ from robomech_ros.spatial.cross_product import cross
 from robomech_ros.spatial.rotations.axis_angle import axis_angle_from_matrix
 from robomech_ros.spatial.rows import common_shape
 from robomech_ros.spatial.transformations.linear_maps import projection_on_line
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Largest entry of |H H - 1| and |H - H^T| of a reflection that is taken for rounding, as for
 # rotations.

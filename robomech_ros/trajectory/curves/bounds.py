@@ -17,11 +17,10 @@ import math
 from functools import cache
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.trajectory.curves.compiled_sampling import compiled
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 
 # A piece is divided into so many: each time the hull becomes narrower by their square.
 _PARTS = 16
@@ -81,7 +80,7 @@ def extremes_and_steps(curve: PiecewisePolynomial, slack: Array | None = None) -
     return found
 
 
-def first_above(coefficients: Array, bound: npt.ArrayLike) -> tuple[int, int] | None:
+def first_above(coefficients: Array, bound: ArrayLike) -> tuple[int, int] | None:
     """Find the first piece, and its first joint, that goes over a bound, broadcastable to (s, n).
 
     The coefficients are those of `hull`.  Returns None where there is none.

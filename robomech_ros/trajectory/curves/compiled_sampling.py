@@ -12,11 +12,10 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import Sample, checked_times
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 @cache
@@ -27,7 +26,7 @@ def compiled(module: str, kernel: str) -> Callable[..., Any]:
     return direct(getattr(import_module(f"robomech_ros._kernels.timing.{module}"), kernel))
 
 
-def sample_many(curve: PiecewisePolynomial, t: npt.ArrayLike) -> Sample:
+def sample_many(curve: PiecewisePolynomial, t: ArrayLike) -> Sample:
     """Sample positions and derivatives at instants (s), shape () or (m,)."""
     times = checked_times(t)
     if not times.ndim:
@@ -75,7 +74,7 @@ class PiecewiseMotion:
         """Time from start to end, in s."""
         return self.pieces.duration
 
-    def sample(self, t: npt.ArrayLike) -> Sample:
+    def sample(self, t: ArrayLike) -> Sample:
         """Sample positions and derivatives, (n,) or (m, n), at instants (s), shape () or (m,).
 
         Before 0 the joints rest at the start, after the end at the goal. Where the acceleration

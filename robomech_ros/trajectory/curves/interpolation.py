@@ -7,22 +7,21 @@ where both have velocities, and linear otherwise.
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros._kernels.timing.quintic import upper_coefficients
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import check_finite, real_array
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 
 Selection = BoolArray | slice
 
 
 def interpolant(
-    times: npt.ArrayLike,
-    positions: npt.ArrayLike,
-    velocities: npt.ArrayLike | None = None,
-    accelerations: npt.ArrayLike | None = None,
+    times: ArrayLike,
+    positions: ArrayLike,
+    velocities: ArrayLike | None = None,
+    accelerations: ArrayLike | None = None,
 ) -> PiecewisePolynomial:
     """Interpolate waypoints: linear, cubic or quintic by the data that is there.
 
@@ -72,7 +71,7 @@ def interpolant(
     return PiecewisePolynomial(breaks, coefficients)
 
 
-def _times(times: npt.ArrayLike) -> Array:
+def _times(times: ArrayLike) -> Array:
     breaks = real_array("times", times).copy()
     if breaks.ndim != 1 or not len(breaks):
         raise WrongSizeError("times", breaks.shape, "(m,) with at least one instant")
@@ -86,7 +85,7 @@ def _times(times: npt.ArrayLike) -> Array:
 
 
 def _rows(
-    what: str, values: npt.ArrayLike | None, count: int, joints: int | None, *, may_lack: bool
+    what: str, values: ArrayLike | None, count: int, joints: int | None, *, may_lack: bool
 ) -> Array:
     """Check rows of joint values; rows of NaN altogether (or no rows) may stand for none."""
     if values is None:

@@ -11,14 +11,13 @@ Automatic Control 28, 1983 (optimal times).
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, real_array
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import stretch_needed
 from robomech_ros.trajectory.limits import RATES, Limits
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Power of the distance between two points that their distance in time is proportional to.
 _POWERS = {"uniform": 0.0, "centripetal": 0.5, "chord": 1.0}
@@ -45,7 +44,7 @@ def spaced_knots(points: Array, spacing: str, scale: Array | float = 1.0) -> Arr
     return np.concatenate([[0.0], np.cumsum(spans)]) / spans.sum()
 
 
-def knots_at(at: npt.ArrayLike, count: int) -> Array:
+def knots_at(at: ArrayLike, count: int) -> Array:
     """Check which part of the duration is over at each via point; add the ends 0 and 1."""
     parts = real_array("at", at)
     if parts.shape != (count - 2,):

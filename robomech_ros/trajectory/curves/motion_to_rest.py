@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.trajectory.curves.bounds import extremes
@@ -13,7 +12,7 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits
 from robomech_ros.trajectory.sample import Sample
 from robomech_ros.trajectory.tolerances import LIMIT_SLACK, POSITION_SLACK
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +27,7 @@ class MotionToRest(PiecewiseMotion):
 
     ACCELERATION_STEPS: ClassVar[bool] = False
 
-    def sample(self, t: npt.ArrayLike) -> Sample:
+    def sample(self, t: ArrayLike) -> Sample:
         """Sample positions and derivatives, (n,) or (m, n), at instants (s), () or (m,).
 
         Before 0 the joints rest at the start, from the end on at the goal.
@@ -45,7 +44,7 @@ class MotionThrough(MotionToRest):
 
 def settled(
     sample: Sample,
-    t: npt.ArrayLike,
+    t: ArrayLike,
     pieces: PiecewisePolynomial,
     goal: Array,
     velocity: Array | float = 0.0,

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.trajectory.sample import Sample, checked_times, held_outside
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 
 # Derivative d of x^i is _FACTORS[d, i] x^_POWERS[d, i], for d = 0..3 and i = 0..5.
 _MAX_ORDER = 9
@@ -93,7 +92,7 @@ class PiecewisePolynomial:
         breaks = self.breaks[0] + factor * (self.breaks - self.breaks[0])
         return lasting_pieces(breaks, self.coefficients / powers[:, None, None])[0]
 
-    def sample(self, t: npt.ArrayLike) -> Sample:
+    def sample(self, t: ArrayLike) -> Sample:
         """Sample positions and derivatives, (n,) or (m, n), at instants (s), () or (m,).
 
         On the clock of `breaks`.  Outside the breaks the joints rest at the position of the nearest

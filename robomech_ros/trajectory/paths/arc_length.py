@@ -5,12 +5,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.paths.curve import Curve, as_curve, evaluated
 from robomech_ros.trajectory.paths.curve_arguments import as_parameters
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 # Speed, as part of the largest one, below which a curve has no direction: a cusp.
 VANISHING_SPEED = 1e-6
@@ -69,7 +68,7 @@ class ArcLength:
         halves = 0.5 * np.diff(self.parameters)
         return np.polynomial.chebyshev.chebint(self.speeds.T, lbnd=-1.0).T * halves[:, None]
 
-    def at(self, u: npt.ArrayLike) -> Array:
+    def at(self, u: ArrayLike) -> Array:
         """Length from the start to parameters, shape () or (m,)."""
         inside = as_parameters("parameter", u, *map(float, self.parameters[[0, -1]]))
         flat = np.atleast_1d(inside)
@@ -77,7 +76,7 @@ class ArcLength:
         total = self.lengths[k] + self._state(k, flat)[0]
         return total if inside.ndim else total[0]
 
-    def parameter(self, s: npt.ArrayLike) -> Array:
+    def parameter(self, s: ArrayLike) -> Array:
         """Parameters at lengths from the start (m), shape () or (m,).
 
         At a length just below that of a break the parameter is below the break, so that the limit
@@ -89,7 +88,7 @@ class ArcLength:
         u = self._inverse(k, flat)
         return u if inside.ndim else u[0]
 
-    def _inverse(self, k: npt.NDArray[np.intp], s: Array) -> Array:
+    def _inverse(self, k: IntArray, s: Array) -> Array:
         """Solve for the parameters at lengths in the intervals k, by Newton's method."""
         low = self.parameters[k]
         high = self.parameters[k + 1].copy()
@@ -105,7 +104,7 @@ class ArcLength:
                 break
         return u
 
-    def _state(self, k: npt.NDArray[np.intp], u: Array) -> tuple[Array, Array]:
+    def _state(self, k: IntArray, u: Array) -> tuple[Array, Array]:
         """Length from the start of the intervals k, and speed, at parameters in them."""
         low, high = self.parameters[k], self.parameters[k + 1]
         x = np.clip((2.0 * u - low - high) / (high - low), -1.0, 1.0)
@@ -142,7 +141,7 @@ class ArcLengthCurve:
         """Arc lengths (m) of the ends and of all places where a derivative steps."""
         return self.measure.lengths[np.searchsorted(self.measure.parameters, self.curve.breaks)]
 
-    def derivatives(self, s: npt.ArrayLike) -> Array:
+    def derivatives(self, s: ArrayLike) -> Array:
         """Position (m) and four derivatives with respect to s, shape (5, 3) or (5, m, 3)."""
         return evaluated(self.breaks, s, self._rows)
 
@@ -262,7 +261,7 @@ def _means(coefficients: Array) -> Array:
     return coefficients[:, even] @ (1.0 / (1.0 - even**2))
 
 
-def _interval(edges: Array, values: Array) -> npt.NDArray[np.intp]:
+def _interval(edges: Array, values: Array) -> IntArray:
     found = np.searchsorted(edges, values, side="right") - 1
     return np.clip(found, 0, len(edges) - 2)
 

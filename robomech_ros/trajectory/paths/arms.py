@@ -5,12 +5,11 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, held_rows, shaped_array
 from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 _METHODS = ("forward", "inverse", "jacobian", "jacobian_rate")
 
@@ -21,16 +20,16 @@ class Arm(Protocol):
     All is in the base frame, twists are [omega; v] at the tool's origin, rad and m.
     """
 
-    def forward(self, q: Array) -> npt.ArrayLike:
+    def forward(self, q: Array) -> ArrayLike:
         """Pose ``T_base_tool`` (4, 4) at joint values (n,)."""
 
-    def inverse(self, T: Array, near: Array) -> npt.ArrayLike | None:
+    def inverse(self, T: Array, near: Array) -> ArrayLike | None:
         """Joint values (n,) for a pose, the nearest ones to `near`; None if there are none."""
 
-    def jacobian(self, q: Array) -> npt.ArrayLike:
+    def jacobian(self, q: Array) -> ArrayLike:
         """Matrix (6, n) from joint rates to the twist."""
 
-    def jacobian_rate(self, q: Array, qd: Array) -> npt.ArrayLike:
+    def jacobian_rate(self, q: Array, qd: Array) -> ArrayLike:
         """Rate (6, n) of the Jacobian at joint rates qd."""
 
 
@@ -58,9 +57,9 @@ class SerialArm:
         With a mask: whose position limits joints keep away from, where others can move instead.
     """
 
-    forward: Callable[[Array], npt.ArrayLike]
-    inverse: Callable[[Array, Array], npt.ArrayLike | None]
-    jacobian: Callable[[Array], npt.ArrayLike]
+    forward: Callable[[Array], ArrayLike]
+    inverse: Callable[[Array, Array], ArrayLike | None]
+    jacobian: Callable[[Array], ArrayLike]
     task_mask: Sequence[bool] | None = None
     limits: JointLimits | Any = None
 
@@ -82,7 +81,7 @@ class SerialArm:
             if not callable(getattr(self, name)):
                 raise BadValueError(name, getattr(self, name), "a callable")
 
-    def jacobian_rate(self, q: npt.ArrayLike, qd: npt.ArrayLike) -> Array:
+    def jacobian_rate(self, q: ArrayLike, qd: ArrayLike) -> Array:
         """Rate of the Jacobian at joint rates qd.
 
         Column [e_i; v_i] changes by ``[omega_(i-1) x e_i; omega_i x v_i + e_i x u_i]``, with the
@@ -130,7 +129,7 @@ class JoinedArms:
 
     arms: tuple[Arm, ...]
     joints: tuple[int, ...]
-    inverse: Callable[[Array, Array], npt.ArrayLike | None]
+    inverse: Callable[[Array, Array], ArrayLike | None]
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "arms", tuple(as_arm(arm) for arm in self.arms))
@@ -161,7 +160,7 @@ def as_tracked(value: object) -> Tracked:
     return value if isinstance(value, JoinedArms) else as_arm(value)
 
 
-def as_near(arm: Tracked, value: npt.ArrayLike) -> Array:
+def as_near(arm: Tracked, value: ArrayLike) -> Array:
     """Check joint values (n,) of the arm."""
     q = as_finite("near", value, ())
     if q.ndim != 1 or not len(q):

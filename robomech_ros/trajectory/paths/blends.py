@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_choice
@@ -13,7 +12,7 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.curve import PolynomialCurve
 from robomech_ros.trajectory.paths.curve_arguments import as_points, as_positive
 from robomech_ros.trajectory.tolerances import COINCIDENT, COLLINEAR, NEARLY_HALF_TURN
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 
 Blend = Literal["circular", "parabolic", "quintic"]
 
@@ -47,7 +46,7 @@ class BlendedPolyline(PolynomialCurve):
 
 
 def blended_polyline(
-    points: npt.ArrayLike,
+    points: ArrayLike,
     *,
     radius: float | None = None,
     deviation: float | None = None,

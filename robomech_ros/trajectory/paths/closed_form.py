@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import real_array
@@ -15,10 +14,10 @@ from robomech_ros.trajectory.paths.curve_arguments import (
     as_vector,
 )
 from robomech_ros.trajectory.tolerances import COINCIDENT, COLLINEAR
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
-def line(start: npt.ArrayLike, end: npt.ArrayLike) -> FunctionCurve:
+def line(start: ArrayLike, end: ArrayLike) -> FunctionCurve:
     """Go straight from a point to another; the parameter is the distance from the first (m).
 
     Parameters
@@ -45,7 +44,7 @@ def line(start: npt.ArrayLike, end: npt.ArrayLike) -> FunctionCurve:
     return FunctionCurve(rows, np.array([0.0, length]))
 
 
-def arc_through(start: npt.ArrayLike, through: npt.ArrayLike, end: npt.ArrayLike) -> FunctionCurve:
+def arc_through(start: ArrayLike, through: ArrayLike, end: ArrayLike) -> FunctionCurve:
     """Go along the circle through three points; the parameter is the angle from the first (rad).
 
     Parameters
@@ -72,9 +71,7 @@ def arc_through(start: npt.ArrayLike, through: npt.ArrayLike, end: npt.ArrayLike
     return helix(radius, 0.0, float(np.arctan2(y, x)) % math.tau, pose=pose)
 
 
-def arc_about(
-    center: npt.ArrayLike, axis: npt.ArrayLike, start: npt.ArrayLike, angle: float
-) -> FunctionCurve:
+def arc_about(center: ArrayLike, axis: ArrayLike, start: ArrayLike, angle: float) -> FunctionCurve:
     """Turn a point about an axis; the parameter is the angle (rad).
 
     Parameters
@@ -109,12 +106,7 @@ def arc_about(
 
 
 def helix(
-    radius: float,
-    rise: float,
-    angle: float,
-    *,
-    start: float = 0.0,
-    pose: npt.ArrayLike | None = None,
+    radius: float, rise: float, angle: float, *, start: float = 0.0, pose: ArrayLike | None = None
 ) -> FunctionCurve:
     r"""Build the helix (a cos u, a sin u, b u) about the z axis of its frame.
 
@@ -156,11 +148,7 @@ def helix(
 
 
 def viviani(
-    radius: float,
-    *,
-    start: float = 0.0,
-    end: float = 4.0 * math.pi,
-    pose: npt.ArrayLike | None = None,
+    radius: float, *, start: float = 0.0, end: float = 4.0 * math.pi, pose: ArrayLike | None = None
 ) -> FunctionCurve:
     r"""Build Viviani's curve (a (1 + cos u), a sin u, 2 a sin(u / 2)).
 
@@ -215,7 +203,7 @@ def cylinder_intersection(
     offset: float = 0.0,
     start: float = 0.0,
     end: float = math.tau,
-    pose: npt.ArrayLike | None = None,
+    pose: ArrayLike | None = None,
 ) -> FunctionCurve:
     """Build the seam of a pipe on another: (r cos u, r sin u, sqrt(R^2 - (r sin u - d)^2)).
 
@@ -315,5 +303,5 @@ def _frame(origin: Array, z: Array, x: Array) -> Array:
     return pose
 
 
-def _placement(pose: npt.ArrayLike | None) -> Array:
+def _placement(pose: ArrayLike | None) -> Array:
     return np.eye(4) if pose is None else real_array("pose", pose)

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import check_finite, listed, real_array
@@ -14,7 +13,7 @@ from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.curve_arguments import as_breaks, as_parameters
 from robomech_ros.trajectory.tolerances import COINCIDENT
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Position and four derivatives: the fourth gives the rate of the torsion.
 ORDERS = 5
@@ -27,7 +26,7 @@ class Curve(Protocol):
     def breaks(self) -> Array:
         """Parameters of the ends and of all places where a derivative steps, shape (k + 1,)."""
 
-    def derivatives(self, u: npt.ArrayLike) -> Array:
+    def derivatives(self, u: ArrayLike) -> Array:
         """Position (m) and its first four derivatives with respect to u.
 
         Parameters
@@ -56,7 +55,7 @@ class FunctionCurve:
         ``T_base_curve``, where that frame is (m).
     """
 
-    function: Callable[[Array], Sequence[npt.ArrayLike] | Array]
+    function: Callable[[Array], Sequence[ArrayLike] | Array]
     breaks: Array
     pose: Array = None  # type: ignore[assignment]
 
@@ -69,7 +68,7 @@ class FunctionCurve:
             raise WrongSizeError("pose", pose.shape, (4, 4))
         object.__setattr__(self, "pose", pose)
 
-    def derivatives(self, u: npt.ArrayLike) -> Array:
+    def derivatives(self, u: ArrayLike) -> Array:
         """Position (m) and four derivatives, shape (5, 3) or (5, m, 3), as for any `Curve`."""
         return evaluated(self.breaks, u, self._rows)
 
@@ -102,7 +101,7 @@ class PolynomialCurve:
         """Parameters of the ends and of the knots, shape (k + 1,)."""
         return self.pieces.breaks
 
-    def derivatives(self, u: npt.ArrayLike) -> Array:
+    def derivatives(self, u: ArrayLike) -> Array:
         """Position (m) and four derivatives, shape (5, 3) or (5, m, 3), as for any `Curve`."""
         return evaluated(self.breaks, u, self._rows)
 
@@ -130,7 +129,7 @@ class JoinedCurve:
         ]
         return np.concatenate([*inner, self.starts[-1:]])
 
-    def derivatives(self, u: npt.ArrayLike) -> Array:
+    def derivatives(self, u: ArrayLike) -> Array:
         """Position (m) and four derivatives, shape (5, 3) or (5, m, 3), as for any `Curve`."""
         return evaluated(self.starts, u, self._rows)
 
@@ -184,7 +183,7 @@ def as_curve(what: str, value: object) -> Curve:
     return value  # type: ignore[return-value]
 
 
-def evaluated(breaks: Array, u: npt.ArrayLike, rows: Callable[[Array], Array]) -> Array:
+def evaluated(breaks: Array, u: ArrayLike, rows: Callable[[Array], Array]) -> Array:
     """Check parameters and evaluate rows (k, m, 3) for them; (k, 3) for a single parameter."""
     inside = as_parameters("parameter", u, float(breaks[0]), float(breaks[-1]))
     values = rows(np.atleast_1d(inside))

@@ -3,17 +3,16 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import check_finite, real_array, real_number, shaped_array
 from robomech_ros.trajectory.joint_points import check_increasing
 from robomech_ros.trajectory.tolerances import COINCIDENT, PARAMETER_SLACK
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
-def as_breaks(what: str, value: npt.ArrayLike) -> Array:
+def as_breaks(what: str, value: ArrayLike) -> Array:
     """Check numbers that increase strictly, at least two; give a copy."""
     breaks = real_array(what, value).copy()
     if breaks.ndim != 1 or len(breaks) < 2:
@@ -23,7 +22,7 @@ def as_breaks(what: str, value: npt.ArrayLike) -> Array:
     return breaks
 
 
-def as_points(what: str, value: npt.ArrayLike, least: int) -> Array:
+def as_points(what: str, value: ArrayLike, least: int) -> Array:
     """Check points (m), shape (k, 3), at least this many, neighbours apart from each other."""
     points = real_array(what, value)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < least:
@@ -43,7 +42,7 @@ def as_points(what: str, value: npt.ArrayLike, least: int) -> Array:
     return points
 
 
-def as_parameters(what: str, value: npt.ArrayLike, start: float, end: float) -> Array:
+def as_parameters(what: str, value: ArrayLike, start: float, end: float) -> Array:
     """Check parameters within a range, shape () or (m,); those off by rounding are put on it."""
     numbers = real_array(what, value)
     if numbers.ndim > 1:
@@ -60,7 +59,7 @@ def as_parameters(what: str, value: npt.ArrayLike, start: float, end: float) -> 
     return np.clip(numbers, start, end)
 
 
-def as_vector(what: str, value: npt.ArrayLike, shape: tuple[int, ...] = (3,)) -> Array:
+def as_vector(what: str, value: ArrayLike, shape: tuple[int, ...] = (3,)) -> Array:
     """Check finite numbers of exactly one shape, none above 1e6."""
     numbers = shaped_array(what, value, shape)
     if np.abs(numbers).max(initial=0.0) > LARGEST_LENGTH:

@@ -3,13 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.numerics.nonlinear import bisected
 from robomech_ros.trajectory.paths.arc_length import by_unit_speed, dot
 from robomech_ros.trajectory.paths.curve import Curve, as_curve
 from robomech_ros.trajectory.paths.curve_arguments import as_parameters
-from robomech_ros.typing import Array, BoolArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 
 # Curvature times length below which a curve is straight there: nine digits of its second
 # derivative are gone, and no normal is left in the others.
@@ -61,7 +60,7 @@ class FrenetSerret:
         )
 
 
-def frenet_serret(curve: Curve, u: npt.ArrayLike) -> FrenetSerret:
+def frenet_serret(curve: Curve, u: ArrayLike) -> FrenetSerret:
     r"""Find the Frenet-Serret frame of a curve, its curvature and its torsion.
 
     Where the curve is straight there is no normal, and the frame goes on without turning about

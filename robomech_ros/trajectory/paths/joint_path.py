@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.numerics.nonlinear import bisected
@@ -16,7 +15,7 @@ from robomech_ros.trajectory.paths.curve_arguments import as_parameters
 from robomech_ros.trajectory.paths.pose_path import PosePath
 from robomech_ros.trajectory.sample import Sample, Trajectory, checked_times
 from robomech_ros.trajectory.tolerances import PARAMETER_SLACK
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Speed of a time law, over its mean, that is rest where the path has a corner.
 AT_REST = 1e-6
@@ -51,7 +50,7 @@ class JointPath:
         """Number of joints."""
         return self.pieces.joints
 
-    def derivatives(self, s: npt.ArrayLike) -> Array:
+    def derivatives(self, s: ArrayLike) -> Array:
         """Joint values and their first three derivatives with respect to s.
 
         Parameters
@@ -118,7 +117,7 @@ class JointMotion:
         """Time from start to end, in s."""
         return self.law.duration
 
-    def sample(self, t: npt.ArrayLike) -> Sample:
+    def sample(self, t: ArrayLike) -> Sample:
         """Sample positions and derivatives by the chain rule.
 
         Parameters

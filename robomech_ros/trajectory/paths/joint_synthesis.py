@@ -3,7 +3,6 @@
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import shaped_array, whole_number
@@ -17,7 +16,7 @@ from robomech_ros.trajectory.paths.joint_path import JointPath, check_follows
 from robomech_ros.trajectory.paths.pose_path import PosePath, PoseSample
 from robomech_ros.trajectory.paths.posture import corrected, posture
 from robomech_ros.trajectory.paths.spline_curves import as_ends
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Joint values (rad, m) that differ by less where a path closes are the same: what correcting each
 # leaves open near a singularity.
@@ -74,7 +73,7 @@ def joint_spline(
     return JointPath(chained(parts), joints.stops)
 
 
-def tracking_error(path: PosePath, arm: Arm, joints: JointPath, s: npt.ArrayLike) -> Array:
+def tracking_error(path: PosePath, arm: Arm, joints: JointPath, s: ArrayLike) -> Array:
     """Measure how far the poses of a joint path are off a pose path.
 
     Parameters

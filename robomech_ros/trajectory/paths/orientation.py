@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.matrices import as_rotation
@@ -18,7 +17,7 @@ from robomech_ros.trajectory.paths.curve import Curve, as_curve
 from robomech_ros.trajectory.paths.curve_arguments import as_breaks, as_parameters
 from robomech_ros.trajectory.paths.frenet import frenet_serret
 from robomech_ros.trajectory.tolerances import NEARLY_HALF_TURN
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Turn (rad) of a moving frame within the least interval looked at that is a jump.
 TURN_STEP = 1e-3
@@ -129,7 +128,7 @@ class FrenetOrientation:
         return OrientationSample(frenet.frame @ self.offset, speed * frenet.darboux, alpha)
 
 
-def constant_orientation(rotation: npt.ArrayLike) -> ConstantOrientation:
+def constant_orientation(rotation: ArrayLike) -> ConstantOrientation:
     """Keep an orientation.
 
     Parameters
@@ -140,7 +139,7 @@ def constant_orientation(rotation: npt.ArrayLike) -> ConstantOrientation:
     return ConstantOrientation(_one_rotation("rotation", rotation))
 
 
-def geodesic_orientation(rotations: npt.ArrayLike, knots: npt.ArrayLike) -> PiecewiseRotation:
+def geodesic_orientation(rotations: ArrayLike, knots: ArrayLike) -> PiecewiseRotation:
     r"""Turn from orientation to orientation about fixed axes (SLERP), in step with the parameter.
 
     .. math:: R(u) = R_k \exp \left( \sigma\, \mathrm{CPM}(v) \right), \qquad 0 \le \sigma \le 1
@@ -167,7 +166,7 @@ def geodesic_orientation(rotations: npt.ArrayLike, knots: npt.ArrayLike) -> Piec
     return PiecewiseRotation(given, pieces)
 
 
-def frenet_orientation(curve: Curve, offset: npt.ArrayLike | None = None) -> FrenetOrientation:
+def frenet_orientation(curve: Curve, offset: ArrayLike | None = None) -> FrenetOrientation:
     """Let a tool go with the Frenet frame of a curve.
 
     Parameters
@@ -189,7 +188,7 @@ def frenet_orientation(curve: Curve, offset: npt.ArrayLike | None = None) -> Fre
     return FrenetOrientation(curve, turn)
 
 
-def as_rotations(what: str, rotations: npt.ArrayLike, knots: npt.ArrayLike) -> tuple[Array, Array]:
+def as_rotations(what: str, rotations: ArrayLike, knots: ArrayLike) -> tuple[Array, Array]:
     """Check rotations (n, 3, 3), at least two, and as many knots."""
     given = as_rotation(rotations, what=what)
     if given.ndim != 3 or len(given) < 2:
@@ -215,7 +214,7 @@ def turns_between(what: str, rotations: Array) -> Array:
     return turns
 
 
-def _one_rotation(what: str, value: npt.ArrayLike) -> Array:
+def _one_rotation(what: str, value: ArrayLike) -> Array:
     rotation = as_rotation(value, what=what)
     if rotation.shape != (3, 3):
         raise WrongSizeError(what, rotation.shape, (3, 3))

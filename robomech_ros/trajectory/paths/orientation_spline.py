@@ -1,7 +1,6 @@
 """A C2 spline through orientations."""
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.rotations.axis_angle import (
@@ -19,7 +18,7 @@ from robomech_ros.trajectory.paths.orientation import (
 )
 from robomech_ros.trajectory.paths.spline_curves import as_ends, checked_end_rates
 from robomech_ros.trajectory.tolerances import COINCIDENT
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Newton steps for a rotation spline; convergence is quadratic.
 SPLINE_STEPS = 50
@@ -31,11 +30,11 @@ _LARGEST_STEP = 1e3
 
 
 def orientation_spline(
-    rotations: npt.ArrayLike,
-    knots: npt.ArrayLike,
+    rotations: ArrayLike,
+    knots: ArrayLike,
     *,
     ends: Ends = "natural",
-    end_rates: npt.ArrayLike | None = None,
+    end_rates: ArrayLike | None = None,
 ) -> PiecewiseRotation:
     """Turn smoothly through orientations: angular velocity and acceleration are continuous.
 

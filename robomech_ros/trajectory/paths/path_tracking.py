@@ -4,7 +4,6 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import check_kind, shaped_array
@@ -24,7 +23,7 @@ from robomech_ros.trajectory.paths.posture import (
     posture,
 )
 from robomech_ros.trajectory.paths.tracking_result import PathTracking, PathTrackingStatus
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # A joint that moves farther than this (rad, m) between two postures has jumped: they lie closer.
 JUMP = 0.5
@@ -55,7 +54,7 @@ _DERIVATIVES = ("q", "first", "second")
 def track_path(
     path: PosePath,
     arm: Tracked,
-    near: npt.ArrayLike,
+    near: ArrayLike,
     *,
     limits: JointLimits | Any = None,
     tolerance: float = 1e-7,

@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
@@ -24,14 +23,14 @@ from robomech_ros.trajectory.paths.orientation import (
 from robomech_ros.trajectory.paths.orientation_spline import orientation_spline
 from robomech_ros.trajectory.paths.pose_path import PosePath, pose_path
 from robomech_ros.trajectory.tolerances import COINCIDENT
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # What a turn counts in the coordinate of a path through poses (m/rad): about the distance at which
 # a tool of the usual size touches its work.
 TURN_RADIUS = 0.1
 
 
-def straight_path(poses: npt.ArrayLike, *, radius: float = TURN_RADIUS) -> PosePath:
+def straight_path(poses: ArrayLike, *, radius: float = TURN_RADIUS) -> PosePath:
     """Go from pose to pose on straight lines, turning about a fixed axis on each.
 
     Parameters
@@ -67,7 +66,7 @@ def straight_path(poses: npt.ArrayLike, *, radius: float = TURN_RADIUS) -> PoseP
     return pose_path(curve, geodesic_orientation(given[:, :3, :3], knots), radius=weight)
 
 
-def spline_path(poses: npt.ArrayLike, *, radius: float = TURN_RADIUS) -> PosePath:
+def spline_path(poses: ArrayLike, *, radius: float = TURN_RADIUS) -> PosePath:
     """Go smoothly through poses: twist and derivative of the twist are continuous.
 
     The position is a natural cubic spline, the orientation the natural spline of
@@ -105,8 +104,8 @@ def _turning_back(poses: Array) -> int | None:
 
 
 def arc_path(
-    start: npt.ArrayLike,
-    pairs: Sequence[tuple[npt.ArrayLike, npt.ArrayLike]] | npt.ArrayLike,
+    start: ArrayLike,
+    pairs: Sequence[tuple[ArrayLike, ArrayLike]] | ArrayLike,
     *,
     radius: float = TURN_RADIUS,
 ) -> PosePath:
@@ -174,7 +173,7 @@ def _joined_rotations(parts: list[PiecewiseRotation], starts: Array) -> Piecewis
     return PiecewiseRotation(np.concatenate(rotations), PiecewisePolynomial(breaks, coefficients))
 
 
-def _one_pose(what: str, value: npt.ArrayLike) -> Array:
+def _one_pose(what: str, value: ArrayLike) -> Array:
     pose = as_pose(value, what=what)
     if pose.shape != (4, 4):
         raise WrongSizeError(what, pose.shape, (4, 4))
@@ -182,7 +181,7 @@ def _one_pose(what: str, value: npt.ArrayLike) -> Array:
     return pose
 
 
-def _checked(poses: npt.ArrayLike, radius: float) -> tuple[Array, Array, float]:
+def _checked(poses: ArrayLike, radius: float) -> tuple[Array, Array, float]:
     """Check poses; give them, knots as far apart as they are, and the radius."""
     weight = as_positive("radius", radius)
     given = as_pose(poses, what="poses")

@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.paths.arc_length import ArcLength, dot, measured
@@ -14,7 +13,7 @@ from robomech_ros.trajectory.paths.curve import Curve, as_curve
 from robomech_ros.trajectory.paths.curve_arguments import as_number, as_parameters
 from robomech_ros.trajectory.paths.orientation import Orientation
 from robomech_ros.trajectory.tolerances import PARAMETER_SLACK
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Step of a twist, over a unit of the path and turned into lengths by the path's own, that is no
 # rounding: second derivatives of blends of a millimetre keep eight digits.
@@ -95,7 +94,7 @@ class PosePath:
         size = np.maximum(np.abs(after * scale).max(axis=1), 1.0)
         return inner[step > RATE_STEP * size]
 
-    def sample(self, s: npt.ArrayLike) -> PoseSample:
+    def sample(self, s: ArrayLike) -> PoseSample:
         """Sample pose, twist and its derivative.
 
         Parameters

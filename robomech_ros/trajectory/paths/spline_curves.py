@@ -3,7 +3,6 @@
 from typing import cast, get_args
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, real_number, shaped_array
@@ -12,7 +11,7 @@ from robomech_ros.trajectory.curves.quintic_spline import Ends, quintic_spline
 from robomech_ros.trajectory.paths.curve import PolynomialCurve
 from robomech_ros.trajectory.paths.curve_arguments import as_breaks, as_points
 from robomech_ros.trajectory.tolerances import COINCIDENT
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Fewest points by degree and ends; of a closed curve the first point counts twice.
 _FEWEST = {
@@ -28,12 +27,12 @@ _KNOTS = {"chord": 1.0, "centripetal": 0.5}
 
 
 def spline_curve(
-    points: npt.ArrayLike,
+    points: ArrayLike,
     *,
     degree: int = 3,
     ends: Ends = "natural",
-    knots: str | npt.ArrayLike = "chord",
-    end_rates: npt.ArrayLike | None = None,
+    knots: str | ArrayLike = "chord",
+    end_rates: ArrayLike | None = None,
 ) -> PolynomialCurve:
     """Put a smooth curve through points.
 
@@ -93,7 +92,7 @@ def close(points: Array) -> None:
     points[-1] = points[0]
 
 
-def _knots(given: str | npt.ArrayLike, points: Array) -> Array:
+def _knots(given: str | ArrayLike, points: Array) -> Array:
     if isinstance(given, str):
         if given not in _KNOTS:
             raise BadValueError("knots", given, "numbers, or one of " + ", ".join(_KNOTS))
@@ -106,7 +105,7 @@ def _knots(given: str | npt.ArrayLike, points: Array) -> Array:
 
 
 def checked_end_rates(
-    given: npt.ArrayLike | None,
+    given: ArrayLike | None,
     ends: Ends,
     shape: tuple[int, ...],
     expected: str = "derivatives at the ends, since they are clamped",

@@ -6,7 +6,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, DurationTooShortError
 from robomech_ros.spatial.arrays import as_choice, check_kind
@@ -25,7 +24,7 @@ from robomech_ros.trajectory.timing.path_limits import SpeedLimit, checked_list
 from robomech_ros.trajectory.timing.path_sections import jump
 from robomech_ros.trajectory.timing.section_timing import SECTION_TIMINGS, PathSection
 from robomech_ros.trajectory.tolerances import DURATION_ROUNDING
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # How the path coordinate may be run through from corner to corner.
 PATH_PROFILES = tuple(SECTION_TIMINGS)
@@ -79,7 +78,7 @@ def along_path(
     ik: Arm,
     *,
     limits: JointLimits | Any,
-    start: npt.ArrayLike,
+    start: ArrayLike,
     profile: str = "poly345",
     duration: float | None = None,
     speeds: TipSpeeds | None = None,

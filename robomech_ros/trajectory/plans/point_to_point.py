@@ -2,8 +2,6 @@
 
 from typing import Any, ClassVar, Protocol
 
-import numpy.typing as npt
-
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.timing import straight as time_straight
 from robomech_ros.errors import BadValueError
@@ -21,7 +19,7 @@ from robomech_ros.trajectory.profiles.rest_to_rest import (
 from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS, Trapezoidal
 from robomech_ros.trajectory.timing.time_optimal_motions import TimeOptimalMotion
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 both_within = direct(time_straight.both_within)
 # Least scale of a limit: a motion at a millionth of the speed takes weeks, and the powers of its
@@ -68,8 +66,8 @@ def profile_named(name: str) -> type[Profile]:
 
 
 def point_to_point(
-    q0: npt.ArrayLike,
-    q1: npt.ArrayLike,
+    q0: ArrayLike,
+    q1: ArrayLike,
     *,
     limits: JointLimits | Any,
     profile: str = "poly345",
@@ -77,8 +75,8 @@ def point_to_point(
     velocity_scale: float = 1.0,
     acceleration_scale: float = 1.0,
     jerk_scale: float = 1.0,
-    start_velocity: npt.ArrayLike | None = None,
-    start_acceleration: npt.ArrayLike | None = None,
+    start_velocity: ArrayLike | None = None,
+    start_acceleration: ArrayLike | None = None,
 ) -> PiecewiseTrajectory:
     r"""Plan a motion of all joints together, from one point to rest at another.
 
@@ -181,7 +179,7 @@ def scaled_limits(
 
 
 def _rates_at_start(
-    velocity: npt.ArrayLike | None, acceleration: npt.ArrayLike | None, shape: tuple[int, ...]
+    velocity: ArrayLike | None, acceleration: ArrayLike | None, shape: tuple[int, ...]
 ) -> dict[str, Array]:
     """Check the rates (n,) at the start, those that are given."""
     moving = {}

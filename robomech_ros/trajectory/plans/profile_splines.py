@@ -12,7 +12,6 @@ J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., section 6.6.
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, as_finite, whole_number
@@ -20,7 +19,7 @@ from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
 from robomech_ros.trajectory.limits import JointLimits
 from robomech_ros.trajectory.plans.spline_motions import Spline, spline_through
 from robomech_ros.trajectory.profiles.laws import CYCLOIDAL, POLY345, POLY4567, Law
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _LAWS = {"poly345": POLY345, "poly4567": POLY4567, "cycloidal": CYCLOIDAL}
 _MOST_KNOTS = 1000
@@ -29,8 +28,8 @@ _PARTS = 16
 
 
 def spline_like(
-    q0: npt.ArrayLike,
-    q1: npt.ArrayLike,
+    q0: ArrayLike,
+    q1: ArrayLike,
     *,
     limits: JointLimits | Any,
     profile: str = "poly4567",

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, DurationTooShortError
 from robomech_ros.printing import Printed
@@ -26,7 +25,7 @@ from robomech_ros.trajectory.waypoints import (
     discretise,
     position_rounding,
 )
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 Planner = Callable[[Limits], PiecewiseTrajectory]
 
@@ -69,7 +68,7 @@ class SampledPlan(Printed):
 
 def sampled_motion(
     planner: Planner,
-    start: npt.ArrayLike,
+    start: ArrayLike,
     limits: JointLimits | Any,
     *,
     period: float,
@@ -144,8 +143,8 @@ def sampled_motion(
 
 
 def sampled_point_to_point(
-    q0: npt.ArrayLike,
-    q1: npt.ArrayLike,
+    q0: ArrayLike,
+    q1: ArrayLike,
     *,
     limits: JointLimits | Any,
     profile: str,
@@ -155,7 +154,7 @@ def sampled_point_to_point(
     velocity_scale: float = 1.0,
     acceleration_scale: float = 1.0,
     jerk_scale: float = 1.0,
-    start_velocity: npt.ArrayLike | None = None,
+    start_velocity: ArrayLike | None = None,
 ) -> SampledPlan:
     """Plan from point to point, sample, and verify the samples against the scaled limits.
 

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, real_number, shaped_array
@@ -24,7 +23,7 @@ from robomech_ros.trajectory.curves.time_scaling import checked_duration, fitted
 from robomech_ros.trajectory.joint_points import check_increasing, joint_points
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.sample import Sample
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _QUINTIC_ENDS = ("natural", "clamped", "rest", "periodic")
 # Spacings that look at the limits.
@@ -52,7 +51,7 @@ class Spline(PiecewiseMotion):
     ends: CubicEnds
     pieces: PiecewisePolynomial
 
-    def sample(self, t: npt.ArrayLike) -> Sample:
+    def sample(self, t: ArrayLike) -> Sample:
         """Sample positions and derivatives, (n,) or (m, n), at instants (s), () or (m,).
 
         Outside the knots the joints rest.
@@ -62,15 +61,15 @@ class Spline(PiecewiseMotion):
 
 
 def spline_through(
-    points: npt.ArrayLike,
+    points: ArrayLike,
     *,
-    times: npt.ArrayLike | None = None,
+    times: ArrayLike | None = None,
     limits: JointLimits | Any = None,
-    at: npt.ArrayLike | None = None,
+    at: ArrayLike | None = None,
     spacing: str = "centripetal",
     ends: CubicEnds = "rest",
     degree: Literal[3, 5] = 3,
-    slopes: npt.ArrayLike | None = None,
+    slopes: ArrayLike | None = None,
     duration: float | None = None,
 ) -> Spline:
     r"""Interpolate points by a spline in time.
@@ -196,7 +195,7 @@ def _check_options(places: Array, ends: str, degree: int, spacing: str) -> None:
         raise BadValueError(f"points[{len(places) - 1}]", places[-1].tolist(), expected)
 
 
-def _slopes(slopes: npt.ArrayLike | None, ends: str, n: int, timed: bool) -> Array:
+def _slopes(slopes: ArrayLike | None, ends: str, n: int, timed: bool) -> Array:
     if slopes is None:
         return np.zeros((2, n))
     if ends != "clamped" or not timed:

@@ -5,7 +5,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, LimitExceededError
 from robomech_ros.spatial.arrays import real_array
@@ -29,7 +28,7 @@ from robomech_ros.trajectory.plans.spline_motions import Spline, spline_through
 from robomech_ros.trajectory.plans.via_polynomials import MOST_VIAS, via_polynomial
 from robomech_ros.trajectory.timing.time_optimal_motions import time_optimal_through
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Through more points than these the search for the best knots takes long.
 _OPTIMISED = 20
@@ -99,11 +98,11 @@ VIA_PROFILES: dict[str, Through] = {
 
 
 def through_points(
-    points: npt.ArrayLike,
+    points: ArrayLike,
     *,
     limits: JointLimits | Any,
     profile: str = "cubic_spline",
-    at: npt.ArrayLike | None = None,
+    at: ArrayLike | None = None,
     duration: float | None = None,
     velocity_scale: float = 1.0,
     acceleration_scale: float = 1.0,
@@ -161,7 +160,7 @@ def through_points(
 
 
 def _planned(
-    places: Array, allowed: Limits, profile: str, at: npt.ArrayLike | None, duration: float | None
+    places: Array, allowed: Limits, profile: str, at: ArrayLike | None, duration: float | None
 ) -> PiecewiseTrajectory:
     """Plan through points (m, n) that are checked, within limits that are scaled."""
     if len(places) == 2 and at is None:
@@ -175,13 +174,13 @@ def _planned(
 
 
 def sampled_through_points(
-    points: npt.ArrayLike,
+    points: ArrayLike,
     *,
     limits: JointLimits | Any,
     profile: str,
     period: float,
     max_points: int,
-    at: npt.ArrayLike | None = None,
+    at: ArrayLike | None = None,
     duration: float | None = None,
     velocity_scale: float = 1.0,
     acceleration_scale: float = 1.0,

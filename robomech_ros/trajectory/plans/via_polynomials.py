@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory.curves.bounds import extremes
@@ -21,7 +20,7 @@ from robomech_ros.trajectory.joint_points import joint_points
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.profiles.laws import POLY345, POLY4567
 from robomech_ros.trajectory.tolerances import POSITION_SLACK
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # The motions without via points.
 _LAWS = {"poly345": POLY345, "poly4567": POLY4567}
@@ -47,11 +46,11 @@ class ViaPolynomial(MotionThrough):
 
 
 def via_polynomial(
-    points: npt.ArrayLike,
+    points: ArrayLike,
     *,
     limits: JointLimits | Any,
     profile: str = "poly345",
-    at: npt.ArrayLike | None = None,
+    at: ArrayLike | None = None,
     duration: float | None = None,
 ) -> ViaPolynomial:
     r"""Plan from rest to rest through up to two via points along one polynomial.

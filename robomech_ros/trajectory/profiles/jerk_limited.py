@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros._kernels.timing.quintic import upper_coefficients
 from robomech_ros.errors import BadValueError, DurationTooShortError, LimitExceededError
@@ -29,7 +28,7 @@ from robomech_ros.trajectory.profiles.ruckig_phases import (
 from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS, along_line
 from robomech_ros.trajectory.sample import Sample
 from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, LIMIT_SLACK, SHORTEST_TRAJECTORY
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # Power k of x + c is _SHIFTS[i, k] c^_SHIFTED[i, k] times power i of x, summed; for k = 3, 4, 5.
 _SHIFTS = np.array([[math.comb(k, i) for k in range(3, 6)] for i in range(6)], float)
@@ -148,7 +147,7 @@ class JerkLimited:
         """The curve, from t = 0 on, exactly from the start to the goal."""
         return curve_of(self.phases, self.start, self.goal, np.zeros(len(self.goal)))
 
-    def sample(self, t: npt.ArrayLike) -> Sample:
+    def sample(self, t: ArrayLike) -> Sample:
         """Sample positions and derivatives, (n,) or (m, n), at instants (s), () or (m,).
 
         Before 0 the joints rest at the start, from the end on at the goal.

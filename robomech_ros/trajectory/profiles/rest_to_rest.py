@@ -10,7 +10,6 @@ from functools import cached_property
 from typing import ClassVar, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.timing import straight as time_straight
@@ -21,7 +20,7 @@ from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.profiles.laws import CUBIC, CYCLOIDAL, POLY345, POLY4567, Law
 from robomech_ros.trajectory.profiles.straight_motion import StraightMotion
 from robomech_ros.trajectory.sample import Sample, checked_times, held_outside
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 _M = TypeVar("_M", bound="RestToRest")
 
@@ -66,7 +65,7 @@ class RestToRest(StraightMotion):
     def _lasting(cls: type[_M], start: Array, goal: Array, duration: float, shape: None) -> _M:
         return cls(start, goal, duration)
 
-    def sample(self, t: npt.ArrayLike) -> Sample:
+    def sample(self, t: ArrayLike) -> Sample:
         """Sample positions and derivatives, (n,) or (m, n), at instants (s), () or (m,).
 
         Before 0 the joints rest at the start, after T at the goal.

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.trajectory.curves.compiled_sampling import PiecewiseMotion, sample_many
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions, check_rates, settled
@@ -19,7 +18,7 @@ from robomech_ros.trajectory.profiles.jerk_limited import (
 )
 from robomech_ros.trajectory.sample import Sample
 from robomech_ros.trajectory.tolerances import SHORTEST_TRAJECTORY
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +38,7 @@ class StateToState(PiecewiseMotion):
 
     ACCELERATION_STEPS: ClassVar[bool] = False
 
-    def sample(self, t: npt.ArrayLike) -> Sample:
+    def sample(self, t: ArrayLike) -> Sample:
         """Sample positions and derivatives, (n,) or (m, n), at instants (s), () or (m,).
 
         Before the start and after the end the joints are at rest there.
@@ -48,14 +47,14 @@ class StateToState(PiecewiseMotion):
 
 
 def state_to_state(
-    q0: npt.ArrayLike,
-    q1: npt.ArrayLike,
+    q0: ArrayLike,
+    q1: ArrayLike,
     *,
     limits: JointLimits | Any,
-    start_velocity: npt.ArrayLike | None = None,
-    start_acceleration: npt.ArrayLike | None = None,
-    final_velocity: npt.ArrayLike | None = None,
-    final_acceleration: npt.ArrayLike | None = None,
+    start_velocity: ArrayLike | None = None,
+    start_acceleration: ArrayLike | None = None,
+    final_velocity: ArrayLike | None = None,
+    final_acceleration: ArrayLike | None = None,
     duration: float | None = None,
 ) -> StateToState:
     """Plan the fastest jerk-limited motion from one state to another, by Ruckig.
@@ -129,7 +128,7 @@ def state_to_state(
     return StateToState(Sample(goal, *end, np.zeros(n)), pieces)
 
 
-def _checked(what: str, values: npt.ArrayLike | None, n: int) -> Array:
+def _checked(what: str, values: ArrayLike | None, n: int) -> Array:
     """Copy one finite number for each joint, shape (n,), zeros for None."""
     array = np.zeros(n) if values is None else joint_values(what, values, (n,))
     check_numbers(what, array)

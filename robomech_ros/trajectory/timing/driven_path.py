@@ -5,16 +5,15 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import shaped_array
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
-Dynamics = Callable[[Array, Array, Array], npt.ArrayLike]
+Dynamics = Callable[[Array, Array, Array], ArrayLike]
 # Of the rates of all joints; or, of a `DrivenRobot`, of all joint values and the rates of drives.
-Friction = Callable[..., npt.ArrayLike]
+Friction = Callable[..., ArrayLike]
 
 
 class DrivenRobot(Protocol):
@@ -32,7 +31,7 @@ class DrivenRobot(Protocol):
         """Return joint values (n,) whose loops are closed, with the same drives, or raise."""
         ...
 
-    def inverse(self, q: Array, rates: Array, accelerations: Array) -> npt.ArrayLike:
+    def inverse(self, q: Array, rates: Array, accelerations: Array) -> ArrayLike:
         """Compute the efforts of the drives (k, m) for joints (k, n) and motions of the drives."""
         ...
 

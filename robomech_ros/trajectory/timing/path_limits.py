@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import (
@@ -16,7 +15,7 @@ from robomech_ros.spatial.arrays import (
     shaped_array,
 )
 from robomech_ros.trajectory.limits import SMALLEST_LIMIT
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # A cell is sampled at these five places; the ends a little inside it, because the coefficients of
 # a path may step where two of its pieces meet.
@@ -161,7 +160,7 @@ def _places(nodes: Array) -> Array:
     return (nodes[:-1, None] + np.diff(nodes)[:, None] * _PLACES).ravel()
 
 
-def _checked(what: str, given: npt.ArrayLike, shape: tuple[int, ...]) -> Array:
+def _checked(what: str, given: ArrayLike, shape: tuple[int, ...]) -> Array:
     return shaped_array(what, given, (shape[0] * shape[1], *shape[2:])).reshape(shape)
 
 

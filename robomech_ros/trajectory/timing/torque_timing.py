@@ -24,7 +24,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
@@ -39,7 +38,7 @@ from robomech_ros.trajectory.timing.path_sections import checked_path
 from robomech_ros.trajectory.timing.path_timing import time_optimal
 from robomech_ros.trajectory.timing.speed_profile import TimeOptimal
 from robomech_ros.trajectory.tolerances import PATH_STANDSTILL
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, ArrayLike
 
 # The largest part of a torque limit that a sampled motion may take.
 _ACCURACY = 1e-6
@@ -67,7 +66,7 @@ def torque_limited(
     limits: JointLimits | Any,
     inverse_dynamics: Dynamics | DrivenRobot,
     *,
-    effort: npt.ArrayLike | None = None,
+    effort: ArrayLike | None = None,
     friction: Friction | None = None,
     path_speed: tuple[float, float] = (0.0, 0.0),
     speed_limits: SpeedLimit | Sequence[SpeedLimit] = (),
@@ -266,9 +265,7 @@ def _at_reversals(curve: PiecewisePolynomial) -> PiecewisePolynomial:
     return divided(curve, kept)
 
 
-def _efforts(
-    limits: object, known: Limits, drives: list[int], effort: npt.ArrayLike | None
-) -> Array:
+def _efforts(limits: object, known: Limits, drives: list[int], effort: ArrayLike | None) -> Array:
     """Return the effort limits of the drives, infinite for none, shape (m,)."""
     names, given = [known.joint_names[k] for k in drives], effort
     if effort is None and (own := getattr(limits, "effort", None)) is not None:
@@ -283,7 +280,7 @@ def _efforts(
     return values
 
 
-def _sized(effort: npt.ArrayLike, count: int) -> Array:
+def _sized(effort: ArrayLike, count: int) -> Array:
     array = real_array("effort", effort)
     if array.shape != (count,):
         raise WrongSizeError("effort", array.shape, (count,))
