@@ -62,8 +62,7 @@ class _Planar:
         """Return the platform's points in the base (3, 2)."""
         x, y, angle = planar_pose(T).tolist()
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-        corners: Array = np.array([x, y]) + self.platform_points @ turn.T
-        return corners
+        return np.array([x, y]) + self.platform_points @ turn.T
 
 
 class Planar3RPR(_Planar):

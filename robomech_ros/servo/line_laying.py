@@ -202,8 +202,7 @@ class LineLaying:
         change = np.zeros_like(bend)
         if len(self.nodes) > 1:
             change = (bend - self._bend) / (step + last.place - self.nodes[-2].place)
-        run: Array = step * (last.direction + step * (0.5 * bend - step / 6.0 * change))
-        return run
+        return step * (last.direction + step * (0.5 * bend - step / 6.0 * change))
 
     def _passed(self) -> Generator[None, None, bool]:
         """Lay the way through a singularity, if the tip loses next to nothing there."""

@@ -93,8 +93,7 @@ class LinePath:
 
     def slope(self, place: float) -> Array:
         """Return by how much the joints turn there by place."""
-        slope: Array = self.at(np.array([place]), _ONE)[1][0]
-        return slope
+        return self.at(np.array([place]), _ONE)[1][0]
 
     def rate(self, place: float) -> float:
         """Return how fast the place changes with the whole twist (1/s)."""

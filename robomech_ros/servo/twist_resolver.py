@@ -163,8 +163,7 @@ class TwistResolver:
 
     def scaled(self, twist: Array) -> Array:
         """Return a twist, angular first (rad/s and m/s), its linear part over the length."""
-        scaled: Array = self._scale * twist
-        return scaled
+        return self._scale * twist
 
     def condition_number(self, q: Array) -> float:
         """Return that of a posture (rad or m)."""
@@ -203,8 +202,7 @@ class TwistResolver:
         none = np.where(posture.values < posture.least, parts, 0.0)
         if norm(none) <= _SOMETHING * norm(parts):
             none[np.argmin(posture.values)] = 1.0
-        missed: Array = posture.left @ none / self._scale
-        return missed
+        return posture.left @ none / self._scale
 
     def heading(self, q: Array, twist: Array, wholly: bool = False) -> Heading:
         """Find the joint rates of a twist that is carried out in full, except for its lost part.

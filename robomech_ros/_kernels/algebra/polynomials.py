@@ -5,7 +5,8 @@ Roots are given as cosine and sine, so that an angle of half a turn is no specia
 
 import math
 
-from robomech_ros._kernels.compiling.jit import OUT2, f8, i8, lean, lean_part
+from robomech_ros._kernels.compiling.jit import lean, lean_part
+from robomech_ros._kernels.compiling.types import OUT2, f8, i8
 
 # A polynomial's extremum, or a discriminant, this small (relative) is rounding: a double root.
 # The two roots it merges lie within its square root of each other.

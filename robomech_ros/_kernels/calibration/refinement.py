@@ -10,18 +10,8 @@ from robomech_ros._kernels.calibration.residuals import (
     residual,
     whitened,
 )
-from robomech_ros._kernels.compiling.jit import (
-    IN2,
-    OUT1,
-    OUT2,
-    OUT3,
-    b1,
-    i8,
-    inline,
-    kernel,
-    lean,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import inline, kernel, lean, scratch
+from robomech_ros._kernels.compiling.types import IN2, OUT1, OUT2, OUT3, b1, i8
 from robomech_ros._kernels.spatial.vectors import dot
 
 # Least variance (rad^2, m^2): samples without noise would else have weights without bound.

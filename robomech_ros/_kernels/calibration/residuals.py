@@ -14,7 +14,7 @@ from robomech_ros._kernels.spatial.representations import (
     quaternion_of_vector,
     vector_of_quaternion,
 )
-from robomech_ros._kernels.spatial.vectors import combined, cross, dot
+from robomech_ros._kernels.spatial.vectors import combined, cross, dot, scaled, times
 
 UNKNOWNS = 12
 
@@ -61,12 +61,7 @@ def residual(A, S, at, inverted, P):
     """
     t, lever = _predicted(A, at, P)
     if inverted:
-        out = _back(at, 12, (at[21], at[22], at[23]))
-        lever = (
-            P[0, 0] * out[0] + P[0, 1] * out[1] + P[0, 2] * out[2],
-            P[1, 0] * out[0] + P[1, 1] * out[1] + P[1, 2] * out[2],
-            P[2, 0] * out[0] + P[2, 1] * out[1] + P[2, 2] * out[2],
-        )
+        lever = times(P, _back(at, 12, (at[21], at[22], at[23])))
     # Rows of R_S P^T are R_S's rows times P's rows.
     rows = (P[0, 0], P[0, 1], P[0, 2]), (P[1, 0], P[1, 1], P[1, 2]), (P[2, 0], P[2, 1], P[2, 2])
     a, d, g = _times(S, 0, rows[0])
@@ -85,11 +80,7 @@ def _whiten(v, lever, square, along, across):
         k = (along - across) * dot(lever, v) / square
     else:
         k = 0.0
-    return (
-        across * v[0] + k * lever[0],
-        across * v[1] + k * lever[1],
-        across * v[2] + k * lever[2],
-    )
+    return combined(scaled(v, across), lever, k)
 
 
 @lean

@@ -7,7 +7,8 @@ import numpy as np
 from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.algebra.singular_values import make_rows_orthogonal, row_lengths
 from robomech_ros._kernels.calibration.residuals import residual
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, OUT2, i8, inline, kernel, scratch
+from robomech_ros._kernels.compiling.jit import inline, kernel, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, OUT2, i8
 from robomech_ros._kernels.spatial.vectors import cross, dot
 
 

@@ -1,7 +1,9 @@
 """The Jacobian of a point of the tip link."""
 
 from robomech_ros._kernels.chain.serial import jacobian_body
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT3, i8, kernel, lean
+from robomech_ros._kernels.compiling.jit import kernel, lean
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT3, i8
+from robomech_ros._kernels.spatial.vectors import times
 
 
 @lean
@@ -10,10 +12,7 @@ def move_jacobian(J, pose, point):
 
     ``v_P = v + omega x r`` with r the point seen from the tip's origin, in the axes of the base.
     """
-    x, y, z = point[0], point[1], point[2]
-    rx = pose[0, 0] * x + pose[0, 1] * y + pose[0, 2] * z
-    ry = pose[1, 0] * x + pose[1, 1] * y + pose[1, 2] * z
-    rz = pose[2, 0] * x + pose[2, 1] * y + pose[2, 2] * z
+    rx, ry, rz = times(pose, (point[0], point[1], point[2]))
     for i in range(J.shape[1]):
         ax, ay, az = J[0, i], J[1, i], J[2, i]
         J[3, i] += ay * rz - az * ry

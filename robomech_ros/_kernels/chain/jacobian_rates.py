@@ -13,18 +13,8 @@ import numpy as np
 from robomech_ros._kernels.chain.coupling import collect, collect_columns, expand, is_coupled
 from robomech_ros._kernels.chain.layout import MOST_JOINTS
 from robomech_ros._kernels.chain.serial import NOT_FINITE, OK, jacobian_body, joint_jacobian
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    OUT1,
-    OUT2,
-    OUT3,
-    i8,
-    kernel,
-    lean,
-    lean_part,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import kernel, lean, lean_part, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, OUT2, OUT3, i8
 
 
 @lean

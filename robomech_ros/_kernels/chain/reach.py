@@ -16,7 +16,8 @@ from robomech_ros._kernels.chain.coupling import (
 )
 from robomech_ros._kernels.chain.layout import SLIDE, TURN
 from robomech_ros._kernels.chain.serial import joint_jacobian
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, f8, i8, inline, kernel
+from robomech_ros._kernels.compiling.jit import inline, kernel
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, f8, i8
 
 # A point this near (m) is reached: below what the message that names the distance shows, above
 # what the search attains at a point of the boundary, where its convergence is slow.

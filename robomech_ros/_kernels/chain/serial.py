@@ -16,18 +16,8 @@ import math
 
 from robomech_ros._kernels.chain.coupling import collect_columns, expand, is_coupled
 from robomech_ros._kernels.chain.layout import MOST_JOINTS
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    OUT2,
-    OUT3,
-    fused,
-    i8,
-    kernel,
-    lean,
-    lean_part,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import fused, kernel, lean, lean_part, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT2, OUT3, i8
 
 OK = 0
 NOT_FINITE = 1

@@ -1,4 +1,4 @@
-"""The decorators of all kernels and their array types."""
+"""The decorators of all kernels."""
 
 import contextlib
 import functools
@@ -19,28 +19,7 @@ from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
 from robomech_ros._kernels.compiling.cache import KernelCache, cache_directory as cache_directory
-
-f8 = types.float64
-i8 = types.int64
-b1 = types.boolean
-
-IN1 = types.Array(f8, 1, "C", readonly=True)
-IN2 = types.Array(f8, 2, "C", readonly=True)
-IN3 = types.Array(f8, 3, "C", readonly=True)
-IIN1 = types.Array(i8, 1, "C", readonly=True)
-OUT1 = types.Array(f8, 1, "C")
-OUT2 = types.Array(f8, 2, "C")
-OUT3 = types.Array(f8, 3, "C")
-OUT4 = types.Array(f8, 4, "C")
-IOUT1 = types.Array(i8, 1, "C")
-IOUT2 = types.Array(i8, 2, "C")
-# A point, and a pose as rotation row by row, then origin.
-F3 = types.UniTuple(f8, 3)
-F12 = types.UniTuple(f8, 12)
-
-# Where a count begins that is handed to another function: numba would compile that function once
-# more for the literal 0, and count it as a second one.
-ZERO = numpy.int64(0)
+from robomech_ros._kernels.compiling.types import f8, i8
 
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": False}
 _NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}

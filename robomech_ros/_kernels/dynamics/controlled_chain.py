@@ -14,18 +14,8 @@ import math
 
 from robomech_ros._kernels.chain.coupling import drive_count
 from robomech_ros._kernels.chain.serial import OK
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    IN3,
-    OUT2,
-    OUT3,
-    f8,
-    i8,
-    kernel,
-    lean,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import kernel, lean, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, IN3, OUT2, OUT3, f8, i8
 from robomech_ros._kernels.dynamics.dry_friction import (
     AT_STOP,
     MOST_SERVO_JOINTS as MOST_SERVO_JOINTS,

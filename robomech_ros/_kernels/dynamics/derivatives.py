@@ -8,7 +8,8 @@ point.
 import math
 
 from robomech_ros._kernels.chain.serial import NOT_FINITE, OK
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT3, OUT4, i8, kernel, lean, scratch
+from robomech_ros._kernels.compiling.jit import kernel, lean, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT3, OUT4, i8
 from robomech_ros._kernels.dynamics.base_frame import (
     base_motion,
     dot,

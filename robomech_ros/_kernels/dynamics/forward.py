@@ -9,17 +9,8 @@ import math
 from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.chain.coupling import drive_count, is_coupled
 from robomech_ros._kernels.chain.serial import NOT_FINITE, OK
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    OUT1,
-    OUT2,
-    i8,
-    kernel,
-    lean,
-    lean_part,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import kernel, lean, lean_part, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, OUT2, i8
 from robomech_ros._kernels.dynamics.base_frame import (
     base_motion,
     dot,

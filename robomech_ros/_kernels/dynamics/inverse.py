@@ -13,18 +13,8 @@ import math
 
 from robomech_ros._kernels.chain.coupling import collect, expand, is_coupled
 from robomech_ros._kernels.chain.serial import NOT_FINITE, OK
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    OUT1,
-    OUT2,
-    fused,
-    i8,
-    kernel,
-    lean,
-    lean_part,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import fused, kernel, lean, lean_part, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, OUT2, i8
 from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
 
 
@@ -56,7 +46,7 @@ def step_between(model, i, q):
 
 
 @lean
-def _into(E, x, y, z):
+def into(E, x, y, z):
     """Turn a vector into the axes of the next link."""
     return (
         E[0] * x + E[3] * y + E[6] * z,
@@ -76,7 +66,8 @@ def _out_of(E, x, y, z):
 
 
 @lean
-def _cross(ax, ay, az, bx, by, bz):
+def cross(ax, ay, az, bx, by, bz):
+    """Product of vectors a and b."""
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
@@ -99,7 +90,7 @@ def _collect(model, room, tip, out):
     count = model.shape[0] - 1
     # The last link passes to the tip what the surroundings do to it, with the other sign.
     fx, fy, fz = -tip[3], -tip[4], -tip[5]
-    cx, cy, cz = _cross(model[count, 10], model[count, 11], model[count, 12], fx, fy, fz)
+    cx, cy, cz = cross(model[count, 10], model[count, 11], model[count, 12], fx, fy, fz)
     nx, ny, nz = cx - tip[0], cy - tip[1], cz - tip[2]
     status = OK
     for i in range(count - 1, -1, -1):
@@ -112,20 +103,9 @@ def _collect(model, room, tip, out):
         out[i] = nz if model[i, 0] == 0.0 else fz
         if not math.isfinite(out[i]):
             status = NOT_FINITE
-        E = (
-            room[i, 0],
-            room[i, 1],
-            room[i, 2],
-            room[i, 3],
-            room[i, 4],
-            room[i, 5],
-            room[i, 6],
-            room[i, 7],
-            room[i, 8],
-        )
-        fx, fy, fz = _out_of(E, fx, fy, fz)
-        nx, ny, nz = _out_of(E, nx, ny, nz)
-        cx, cy, cz = _cross(room[i, 9], room[i, 10], room[i, 11], fx, fy, fz)
+        fx, fy, fz = _out_of(room[i], fx, fy, fz)
+        nx, ny, nz = _out_of(room[i], nx, ny, nz)
+        cx, cy, cz = cross(room[i, 9], room[i, 10], room[i, 11], fx, fy, fz)
         nx += cx
         ny += cy
         nz += cz
@@ -150,12 +130,12 @@ def _joint_torques(model, q, qd, qdd, around, out):
             status = NOT_FINITE
         E = step_between(model, i, value)
         x, y, z = E[9], E[10], E[11]
-        ux, uy, uz = _cross(wx, wy, wz, x, y, z)
-        cx, cy, cz = _cross(wx, wy, wz, ux, uy, uz)
-        ux, uy, uz = _cross(bx, by, bz, x, y, z)
-        ax, ay, az = _into(E, ax + ux + cx, ay + uy + cy, az + uz + cz)
-        wx, wy, wz = _into(E, wx, wy, wz)
-        bx, by, bz = _into(E, bx, by, bz)
+        ux, uy, uz = cross(wx, wy, wz, x, y, z)
+        cx, cy, cz = cross(wx, wy, wz, ux, uy, uz)
+        ux, uy, uz = cross(bx, by, bz, x, y, z)
+        ax, ay, az = into(E, ax + ux + cx, ay + uy + cy, az + uz + cz)
+        wx, wy, wz = into(E, wx, wy, wz)
+        bx, by, bz = into(E, bx, by, bz)
         if model[i, 0] == 0.0:
             bx += wy * rate
             by -= wx * rate
@@ -168,23 +148,23 @@ def _joint_torques(model, q, qd, qdd, around, out):
         m, hx, hy, hz = model[i, 13], model[i, 14], model[i, 15], model[i, 16]
         xx, xy, xz = model[i, 17], model[i, 18], model[i, 19]
         yy, yz, zz = model[i, 20], model[i, 21], model[i, 22]
-        ux, uy, uz = _cross(wx, wy, wz, hx, hy, hz)
-        cx, cy, cz = _cross(wx, wy, wz, ux, uy, uz)
-        ux, uy, uz = _cross(bx, by, bz, hx, hy, hz)
+        ux, uy, uz = cross(wx, wy, wz, hx, hy, hz)
+        cx, cy, cz = cross(wx, wy, wz, ux, uy, uz)
+        ux, uy, uz = cross(bx, by, bz, hx, hy, hz)
         f = (m * ax + ux + cx, m * ay + uy + cy, m * az + uz + cz)
         lx = xx * wx + xy * wy + xz * wz
         ly = xy * wx + yy * wy + yz * wz
         lz = xz * wx + yz * wy + zz * wz
-        cx, cy, cz = _cross(wx, wy, wz, lx, ly, lz)
-        ux, uy, uz = _cross(hx, hy, hz, ax, ay, az)
+        cx, cy, cz = cross(wx, wy, wz, lx, ly, lz)
+        ux, uy, uz = cross(hx, hy, hz, ax, ay, az)
         n = (
             xx * bx + xy * by + xz * bz + cx + ux,
             xy * bx + yy * by + yz * bz + cy + uy,
             xz * bx + yz * by + zz * bz + cz + uz,
         )
         if loaded:
-            tnx, tny, tnz = _into(E, tnx, tny, tnz)
-            tfx, tfy, tfz = _into(E, tfx, tfy, tfz)
+            tnx, tny, tnz = into(E, tnx, tny, tnz)
+            tfx, tfy, tfz = into(E, tfx, tfy, tfz)
         _keep(room, i, E, n, f)
     status |= _collect(model, room, (tnx, tny, tnz, tfx, tfy, tfz), out)
     for i in range(count):
@@ -227,12 +207,12 @@ def _joint_gravity(model, q, around, out):
         if not math.isfinite(q[i]):
             status = NOT_FINITE
         E = step_between(model, i, q[i])
-        ax, ay, az = _into(E, ax, ay, az)
+        ax, ay, az = into(E, ax, ay, az)
         if loaded:
-            tnx, tny, tnz = _into(E, tnx, tny, tnz)
-            tfx, tfy, tfz = _into(E, tfx, tfy, tfz)
+            tnx, tny, tnz = into(E, tnx, tny, tnz)
+            tfx, tfy, tfz = into(E, tfx, tfy, tfz)
         m = model[i, 13]
-        n = _cross(model[i, 14], model[i, 15], model[i, 16], ax, ay, az)
+        n = cross(model[i, 14], model[i, 15], model[i, 16], ax, ay, az)
         _keep(room, i, E, n, (m * ax, m * ay, m * az))
     return status | _collect(model, room, (tnx, tny, tnz, tfx, tfy, tfz), out)
 

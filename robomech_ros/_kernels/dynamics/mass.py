@@ -10,18 +10,8 @@ import math
 
 from robomech_ros._kernels.chain.coupling import collect_square, expand, is_coupled
 from robomech_ros._kernels.chain.serial import NOT_FINITE, OK
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    OUT2,
-    OUT3,
-    fused,
-    i8,
-    kernel,
-    lean,
-    lean_part,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import fused, kernel, lean, lean_part, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT2, OUT3, i8
 from robomech_ros._kernels.dynamics.base_frame import (
     dot,
     inertia_times,

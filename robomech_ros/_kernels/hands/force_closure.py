@@ -12,18 +12,8 @@ Source: Nesterov and Nemirovskii, Interior-Point Polynomial Algorithms in Convex
 import math
 
 from robomech_ros._kernels.algebra.dense import cholesky_solve
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    OUT1,
-    OUT3,
-    b1,
-    f8,
-    i8,
-    kernel,
-    lean,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import kernel, lean, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, OUT3, b1, f8, i8
 
 OPEN, CLOSED = 0, 1
 _MOST_STEPS = 120

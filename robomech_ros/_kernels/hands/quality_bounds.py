@@ -9,18 +9,8 @@ Source: Zheng, An Efficient Algorithm for a Grasp Quality Measure, IEEE Trans. R
 
 import math
 
-from robomech_ros._kernels.compiling.jit import (
-    IN3,
-    IOUT2,
-    OUT1,
-    OUT2,
-    f8,
-    i8,
-    kernel,
-    lean,
-    scratch,
-    scratch_integers,
-)
+from robomech_ros._kernels.compiling.jit import kernel, lean, scratch, scratch_integers
+from robomech_ros._kernels.compiling.types import IN3, IOUT2, OUT1, OUT2, f8, i8
 from robomech_ros._kernels.hands.hull import ABOVE, DEAD, FULL, above, begin, join
 from robomech_ros._kernels.hands.polar import enclosed
 

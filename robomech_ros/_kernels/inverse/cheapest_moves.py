@@ -7,7 +7,8 @@ from numba import types
 from robomech_ros._kernels.algebra.angles import wrapped
 from robomech_ros._kernels.chain.coupling import drive_kind
 from robomech_ros._kernels.chain.layout import TURN
-from robomech_ros._kernels.compiling.jit import IN1, IN2, IOUT1, OUT1, kernel, lean
+from robomech_ros._kernels.compiling.jit import kernel, lean
+from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT1
 
 # What a jump costs: more than any moves can.
 _JUMP = 1e6

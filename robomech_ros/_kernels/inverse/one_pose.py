@@ -7,18 +7,14 @@ For Python to make a few arrays takes as long as to solve an arm, so that here i
 from numba import types
 
 from robomech_ros._kernels.compiling.jit import (
-    OUT1,
-    OUT2,
-    b1,
     borrowed,
     direct,
-    f8,
-    i8,
     kernel,
     linked,
     scratch,
     scratch_integers,
 )
+from robomech_ros._kernels.compiling.types import OUT1, OUT2, b1, f8, i8
 from robomech_ros._kernels.inverse.poses import clean_pose
 from robomech_ros._kernels.inverse.solutions import BRANCH, MARKS, MAX_SOLUTIONS, NAMES, solve
 from robomech_ros._kernels.tolerances import ROTATION_ERROR

@@ -8,7 +8,8 @@ from robomech_ros._kernels.algebra.angles import angle_of
 from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.chain.coupling import drive_count
 from robomech_ros._kernels.chain.serial import forward_body, jacobian_body
-from robomech_ros._kernels.compiling.jit import IN2, OUT1, f8, i8, kernel, lean, linked, scratch
+from robomech_ros._kernels.compiling.jit import kernel, lean, linked, scratch
+from robomech_ros._kernels.compiling.types import IN2, OUT1, f8, i8
 
 # Error (rad, m) at which polishing stops: some ten roundings of a pose of an arm of metre size.
 POLISHED = 1e-14

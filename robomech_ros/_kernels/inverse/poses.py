@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from robomech_ros._kernels.compiling.jit import OUT3, f8, i8, inline, kernel
+from robomech_ros._kernels.compiling.jit import inline, kernel
+from robomech_ros._kernels.compiling.types import OUT3, f8, i8
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH, ORTHOGONAL
 
 NOT_FINITE = 1

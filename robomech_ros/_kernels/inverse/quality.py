@@ -10,7 +10,8 @@ from robomech_ros._kernels.algebra.singular_values import (
     row_lengths,
 )
 from robomech_ros._kernels.chain.serial import jacobian_body
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT2, ZERO, i8, inline, kernel
+from robomech_ros._kernels.compiling.jit import inline, kernel
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT2, ZERO, i8
 from robomech_ros._kernels.inverse.polishing import pose_difference
 
 # Rows of the answer.

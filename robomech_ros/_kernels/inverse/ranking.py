@@ -5,7 +5,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from robomech_ros._kernels.compiling.jit import (
+from robomech_ros._kernels.compiling.jit import kernel, lean
+from robomech_ros._kernels.compiling.types import (
     IIN1,
     IN1,
     IN2,
@@ -16,8 +17,6 @@ from robomech_ros._kernels.compiling.jit import (
     b1,
     f8,
     i8,
-    kernel,
-    lean,
 )
 from robomech_ros._kernels.tolerances import AT_LIMIT, SAME_POSTURE
 

@@ -5,17 +5,8 @@ import math
 import numpy as np
 
 from robomech_ros._kernels.algebra.angles import wrapped
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    IOUT1,
-    OUT2,
-    ZERO,
-    i8,
-    inline,
-    part,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import inline, part, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT2, ZERO, i8
 from robomech_ros._kernels.inverse import branch_bits as bit, short_layout as at
 from robomech_ros._kernels.inverse.polishing import call_polish, pose_error
 from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints

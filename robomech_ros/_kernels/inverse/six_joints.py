@@ -1,17 +1,7 @@
 """The solvers of six-joint arms behind one kernel, forwards and from the tip backwards."""
 
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    IOUT1,
-    OUT2,
-    b1,
-    i8,
-    inline,
-    kernel,
-    linked,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import inline, kernel, linked, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT2, b1, i8
 from robomech_ros._kernels.inverse.branch_bits import DOUBT as DOUBT
 from robomech_ros._kernels.inverse.decoupled.solutions import solve_decoupled
 from robomech_ros._kernels.inverse.general.solutions import call_general

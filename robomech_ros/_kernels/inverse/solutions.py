@@ -6,20 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
-from robomech_ros._kernels.compiling.jit import (
-    IOUT1,
-    IOUT2,
-    OUT1,
-    OUT2,
-    OUT3,
-    b1,
-    borrowed,
-    i8,
-    kernel,
-    lean,
-    scratch,
-    scratch_integers,
-)
+from robomech_ros._kernels.compiling.jit import borrowed, kernel, lean, scratch, scratch_integers
+from robomech_ros._kernels.compiling.types import IOUT1, IOUT2, OUT1, OUT2, OUT3, b1, i8
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.branch_bits import DOUBT
 from robomech_ros._kernels.inverse.continuum import free_value, settle_wrist

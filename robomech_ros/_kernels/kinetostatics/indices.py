@@ -17,18 +17,8 @@ from robomech_ros._kernels.algebra.singular_values import (
 )
 from robomech_ros._kernels.chain.jacobian_rates import chain_gradient
 from robomech_ros._kernels.chain.serial import jacobian_body
-from robomech_ros._kernels.compiling.jit import (
-    IIN1,
-    IN1,
-    IN2,
-    OUT1,
-    OUT2,
-    f8,
-    i8,
-    inline,
-    kernel,
-    lean,
-)
+from robomech_ros._kernels.compiling.jit import inline, kernel, lean
+from robomech_ros._kernels.compiling.types import IIN1, IN1, IN2, OUT1, OUT2, f8, i8
 
 # Columns of the answer.
 MANIPULABILITY = 0

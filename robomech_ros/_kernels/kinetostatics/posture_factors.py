@@ -8,6 +8,7 @@ import math
 
 from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.compiling.jit import inline, lean, scratch
+from robomech_ros._kernels.spatial.vectors import cross, dot
 
 # What an arm is made of: nothing with a name; a spherical shoulder and wrist, without or with one
 # joint between them; a spherical wrist after three joints, without or with parallel axes 2 and 3;
@@ -22,16 +23,6 @@ PARALLEL_OUTER = 6
 PARALLEL_SIX = 7
 WRIST = 8
 MOST_FACTORS = 3
-
-
-@lean
-def _cross(a, b):
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-@lean
-def _dot(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @lean
@@ -52,13 +43,13 @@ def _moved(J, i):
 @lean
 def _foot(J, i):
     """Return the point of axis i that is nearest."""
-    return _cross(_axis(J, i), _moved(J, i))
+    return cross(_axis(J, i), _moved(J, i))
 
 
 @lean
 def _volume(J, i):
     """Return the volume that the directions of axes i, i + 1 and i + 2 span."""
-    return _dot(_cross(_axis(J, i), _axis(J, i + 1)), _axis(J, i + 2))
+    return dot(cross(_axis(J, i), _axis(J, i + 1)), _axis(J, i + 2))
 
 
 @lean
@@ -67,7 +58,7 @@ def _velocity(J, i, point, size):
     x, y, z = _axis(J, i)
     if x == 0.0 and y == 0.0 and z == 0.0:
         return _moved(J, i)
-    vx, vy, vz = _cross((x, y, z), _minus(point, _foot(J, i)))
+    vx, vy, vz = cross((x, y, z), _minus(point, _foot(J, i)))
     return vx / size, vy / size, vz / size
 
 
@@ -116,8 +107,8 @@ def _spherical_ends(J, kind, first, last, size, out):
         return
     shoulder, wrist = _meeting(J, first, 3), _meeting(J, last, 3)
     reach = _minus(wrist, shoulder)
-    along = _dot(_velocity(J, first + 3, wrist, size), reach)
-    out[1] = along / max(math.sqrt(_dot(reach, reach)), 1e-300)
+    along = dot(_velocity(J, first + 3, wrist, size), reach)
+    out[1] = along / max(math.sqrt(dot(reach, reach)), 1e-300)
     out[2] = _volume(J, last)
 
 
@@ -129,12 +120,12 @@ def _decoupled(J, kind, last, size, out):
     two = _velocity(J, 1, centre, size)
     three = _velocity(J, 2, centre, size)
     if kind == ARM_AND_WRIST:
-        out[0] = _dot(_cross(one, two), three)
+        out[0] = dot(cross(one, two), three)
         out[1] = _volume(J, last)
         return
     axis = _axis(J, 1)
-    out[0] = _dot(one, axis)
-    out[1] = _dot(_cross(two, three), axis)
+    out[0] = dot(one, axis)
+    out[1] = dot(cross(two, three), axis)
     out[2] = _volume(J, last)
 
 
@@ -145,15 +136,15 @@ def _parallel(J, parts, size, out):
     axis = _axis(J, parts[3])
     start = _foot(J, parts[3])
     second, third = _minus(_foot(J, parts[4]), start), _minus(_foot(J, parts[5]), start)
-    elbow = _dot(_cross(second, third), axis) / (size * size)
+    elbow = dot(cross(second, third), axis) / (size * size)
     if kind == PARALLEL:
         out[0] = elbow
         return
-    wrist = _dot(_cross(_axis(J, 4), _axis(J, 5)), axis)
+    wrist = dot(cross(_axis(J, 4), _axis(J, 5)), axis)
     if kind == PARALLEL_OUTER:
         out[0] = elbow
         out[1] = wrist
         return
-    out[0] = _dot(_velocity(J, 0, _meeting(J, 4, 2), size), axis)
+    out[0] = dot(_velocity(J, 0, _meeting(J, 4, 2), size), axis)
     out[1] = elbow
     out[2] = wrist

@@ -14,19 +14,8 @@ from robomech_ros._kernels.algebra.singular_values import (
 )
 from robomech_ros._kernels.chain.jacobian_points import move_jacobian
 from robomech_ros._kernels.chain.serial import OK, jacobian_body
-from robomech_ros._kernels.compiling.jit import (
-    IIN1,
-    IN1,
-    IN2,
-    IOUT2,
-    OUT2,
-    OUT3,
-    OUT4,
-    i8,
-    inline,
-    kernel,
-    lean,
-)
+from robomech_ros._kernels.compiling.jit import inline, kernel, lean
+from robomech_ros._kernels.compiling.types import IIN1, IN1, IN2, IOUT2, OUT2, OUT3, OUT4, i8
 from robomech_ros._kernels.kinetostatics.indices import fill_weighted
 from robomech_ros._kernels.kinetostatics.posture_factors import MOST_FACTORS, named_factors
 from robomech_ros._kernels.tolerances import RANK

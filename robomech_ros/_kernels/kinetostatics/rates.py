@@ -18,29 +18,16 @@ import numpy as np
 
 from robomech_ros._kernels.algebra.singular_values import make_rows_orthogonal
 from robomech_ros._kernels.chain.serial import jacobian_body
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    OUT2,
-    f8,
-    i8,
-    inline,
-    kernel,
-    lean,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import inline, kernel, lean, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT2, f8, i8
+from robomech_ros._kernels.spatial.vectors import cross, dot, times
 from robomech_ros._kernels.tolerances import RANK
 
 
 @lean
 def _lever(T, here, there):
     """Turn the way between two points of the tip frame into the base."""
-    x, y, z = there[0] - here[0], there[1] - here[1], there[2] - here[2]
-    return (
-        T[0, 0] * x + T[0, 1] * y + T[0, 2] * z,
-        T[1, 0] * x + T[1, 1] * y + T[1, 2] * z,
-        T[2, 0] * x + T[2, 1] * y + T[2, 2] * z,
-    )
+    return times(T, (there[0] - here[0], there[1] - here[1], there[2] - here[2]))
 
 
 @lean
@@ -55,24 +42,14 @@ def _move(J, i, r):
 
 
 @lean
-def _cross(a, b):
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
-
-@lean
-def _dot(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@lean
 def _reciprocal(a, b, c, d, x, first):
     """Solve [a b c] x = d into x from its entry `first` on; returns the determinant."""
-    bc, ca, ab = _cross(b, c), _cross(c, a), _cross(a, b)
-    determinant = _dot(a, bc)
+    bc, ca, ab = cross(b, c), cross(c, a), cross(a, b)
+    determinant = dot(a, bc)
     if determinant != 0.0:
-        x[first] = _dot(d, bc) / determinant
-        x[first + 1] = _dot(d, ca) / determinant
-        x[first + 2] = _dot(d, ab) / determinant
+        x[first] = dot(d, bc) / determinant
+        x[first + 1] = dot(d, ca) / determinant
+        x[first + 2] = dot(d, ab) / determinant
     return determinant
 
 

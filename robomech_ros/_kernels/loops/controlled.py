@@ -14,20 +14,8 @@ from collections import namedtuple
 
 import numpy as np
 
-from robomech_ros._kernels.compiling.jit import (
-    IIN1,
-    IN1,
-    IN2,
-    IN3,
-    IOUT1,
-    OUT1,
-    OUT2,
-    i8,
-    inline,
-    kernel,
-    lean,
-    linked,
-)
+from robomech_ros._kernels.compiling.jit import inline, kernel, lean, linked
+from robomech_ros._kernels.compiling.types import IIN1, IN1, IN2, IN3, IOUT1, OUT1, OUT2, i8
 from robomech_ros._kernels.dynamics.controlled_chain import COMPUTED_TORQUE, RUNS_AWAY
 from robomech_ros._kernels.dynamics.dry_friction import AT_STOP, dry_friction, settled_rates
 from robomech_ros._kernels.dynamics.layout import SURROUNDINGS

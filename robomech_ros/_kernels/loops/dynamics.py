@@ -18,7 +18,8 @@ from collections import namedtuple
 import numpy as np
 
 from robomech_ros._kernels.chain.jacobian_rates import rate_body
-from robomech_ros._kernels.compiling.jit import IIN1, IN2, OUT2, OUT3, f8, i8, inline, kernel, lean
+from robomech_ros._kernels.compiling.jit import inline, kernel, lean
+from robomech_ros._kernels.compiling.types import IIN1, IN2, OUT2, OUT3, f8, i8
 from robomech_ros._kernels.dynamics.inverse import inverse_body
 from robomech_ros._kernels.dynamics.layout import SURROUNDINGS, TIP_WRENCH
 from robomech_ros._kernels.dynamics.mass import mass_body

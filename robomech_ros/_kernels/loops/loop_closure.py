@@ -11,7 +11,8 @@ from collections import namedtuple
 import numpy as np
 
 from robomech_ros._kernels.chain.serial import forward_body
-from robomech_ros._kernels.compiling.jit import IIN1, IN1, IN2, OUT1, f8, i8, inline, kernel, lean
+from robomech_ros._kernels.compiling.jit import inline, kernel, lean
+from robomech_ros._kernels.compiling.types import IIN1, IN1, IN2, OUT1, f8, i8
 from robomech_ros._kernels.loops.certificate import (
     invert,
     part_of_proof,

@@ -4,7 +4,8 @@ import numpy as np
 
 from robomech_ros._kernels.chain.jacobian_rates import rate_body
 from robomech_ros._kernels.chain.serial import OK, forward_body
-from robomech_ros._kernels.compiling.jit import IIN1, IN2, IN3, OUT3, OUT4, f8, i8, kernel
+from robomech_ros._kernels.compiling.jit import kernel
+from robomech_ros._kernels.compiling.types import IIN1, IN2, IN3, OUT3, OUT4, f8, i8
 from robomech_ros._kernels.loops.factors import (
     NOT_FINITE,
     REGULAR,

@@ -3,7 +3,8 @@
 import numpy as np
 
 from robomech_ros._kernels.chain.serial import forward_body
-from robomech_ros._kernels.compiling.jit import IIN1, IN1, IN2, IOUT1, OUT2, f8, i8, kernel
+from robomech_ros._kernels.compiling.jit import kernel
+from robomech_ros._kernels.compiling.types import IIN1, IN1, IN2, IOUT1, OUT2, f8, i8
 from robomech_ros._kernels.loops.factors import (
     REGULAR,
     Chains,

@@ -8,7 +8,8 @@ import math
 
 import numpy as np
 
-from robomech_ros._kernels.compiling.jit import OUT1, i8, inline, part
+from robomech_ros._kernels.compiling.jit import inline, part
+from robomech_ros._kernels.compiling.types import OUT1, i8
 
 # Sweeps of Aberth's iteration, and the step that ends it.
 _SWEEPS, _SETTLED = 100, 1e-15

@@ -8,7 +8,8 @@ joint of a limb, in its own directions and shifted by the platform's radius, the
 
 import math
 
-from robomech_ros._kernels.compiling.jit import IN1, OUT1, OUT2, i8, kernel
+from robomech_ros._kernels.compiling.jit import kernel
+from robomech_ros._kernels.compiling.types import IN1, OUT1, OUT2, i8
 
 # Rounding of a cosine, and of a squared distance (of the size), at a boundary.
 _ROUNDING = 1e-14

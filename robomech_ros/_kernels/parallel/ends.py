@@ -4,17 +4,8 @@ import math
 
 import numpy as np
 
-from robomech_ros._kernels.compiling.jit import (
-    IIN1,
-    IN2,
-    IOUT1,
-    OUT1,
-    OUT2,
-    i8,
-    inline,
-    kernel,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import inline, kernel, scratch
+from robomech_ros._kernels.compiling.types import IIN1, IN2, IOUT1, OUT1, OUT2, i8
 from robomech_ros._kernels.parallel.newton import newton, pose_of_parameters
 from robomech_ros._kernels.parallel.projective import REGULAR
 from robomech_ros._kernels.parallel.quadrics import COUT2

@@ -13,16 +13,8 @@ Ortega, The Newton-Kantorovich theorem, American Mathematical Monthly 75 (1968),
 
 import math
 
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    OUT1,
-    i8,
-    kernel,
-    lean,
-    scratch,
-    scratch_integers,
-)
+from robomech_ros._kernels.compiling.jit import kernel, lean, scratch, scratch_integers
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, i8
 from robomech_ros._kernels.parallel.newton import eliminate, newton, rows, substitute
 
 # Status where a singularity is in the way, and where no step is proved any more.

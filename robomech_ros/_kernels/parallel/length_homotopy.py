@@ -7,17 +7,8 @@ import math
 
 from numba import types
 
-from robomech_ros._kernels.compiling.jit import (
-    IN2,
-    IOUT1,
-    OUT1,
-    fused,
-    i8,
-    inline,
-    kernel,
-    scratch,
-    scratch_integers,
-)
+from robomech_ros._kernels.compiling.jit import fused, inline, kernel, scratch, scratch_integers
+from robomech_ros._kernels.compiling.types import IN2, IOUT1, OUT1, i8
 from robomech_ros._kernels.parallel.projective import FAILED, REGULAR, SINGULAR
 from robomech_ros._kernels.parallel.quadrics import COUT2
 from robomech_ros._kernels.parallel.series import ORDER, coefficients, series

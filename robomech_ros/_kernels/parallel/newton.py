@@ -2,18 +2,8 @@
 
 import math
 
-from robomech_ros._kernels.compiling.jit import (
-    IN2,
-    IN3,
-    OUT1,
-    OUT2,
-    OUT3,
-    i8,
-    kernel,
-    lean,
-    scratch,
-    scratch_integers,
-)
+from robomech_ros._kernels.compiling.jit import kernel, lean, scratch, scratch_integers
+from robomech_ros._kernels.compiling.types import IN2, IN3, OUT1, OUT2, OUT3, i8
 
 _STEPS = 12
 # A correction this small (rad, and of the size) is the last but one: the next is its square.

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from robomech_ros._kernels.compiling.jit import IOUT1, OUT1, i8, inline, kernel
+from robomech_ros._kernels.compiling.jit import inline, kernel
+from robomech_ros._kernels.compiling.types import IOUT1, OUT1, i8
 from robomech_ros._kernels.parallel.quadrics import (
     CIN2,
     COUT2,

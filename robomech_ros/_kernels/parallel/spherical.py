@@ -7,18 +7,8 @@ a trigonometric polynomial of order four in x.
 
 import math
 
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    IOUT1,
-    OUT1,
-    OUT2,
-    i8,
-    inline,
-    kernel,
-    lean,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import inline, kernel, lean, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT1, OUT2, i8
 from robomech_ros._kernels.parallel.circle import circle_zeros
 from robomech_ros._kernels.parallel.newton_3x3 import REGULAR, gather, solve_three
 

@@ -10,7 +10,8 @@ command, and so does the twist: the base keeps the curvature of the command whil
 
 import math
 
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT2, i8, inline, kernel, scratch
+from robomech_ros._kernels.compiling.jit import inline, kernel, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT2, i8
 
 # Rows of the axes: acceleration and deceleration forward, the same backward, jerk, and whether the
 # velocity goes through 0 only with the acceleration 0.

@@ -1,6 +1,7 @@
 """Motions along a way of the joints, and whether the cubics between knots keep limits."""
 
-from robomech_ros._kernels.compiling.jit import IN1, IN2, IOUT1, OUT2, i8, kernel
+from robomech_ros._kernels.compiling.jit import kernel
+from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT2, i8
 
 # Of controllers: a step of an acceleration is a jerk of so long (s).
 CYCLE = 2e-3

@@ -3,7 +3,8 @@
 import math
 
 from robomech_ros._kernels.algebra.angles import angle_of
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT2, i8, kernel, lean
+from robomech_ros._kernels.compiling.jit import kernel, lean
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT2, i8
 from robomech_ros._kernels.spatial.representations import (
     BAD_INPUT,
     MATRIX,

@@ -5,7 +5,8 @@ A pose is a row of sixteen numbers, a screw vector a row of six, angular first.
 
 import math
 
-from robomech_ros._kernels.compiling.jit import IN2, OUT2, i8, kernel, lean
+from robomech_ros._kernels.compiling.jit import kernel, lean
+from robomech_ros._kernels.compiling.types import IN2, OUT2, i8
 from robomech_ros._kernels.spatial.conversions import STATUSES
 from robomech_ros._kernels.spatial.representations import (
     BAD_INPUT,

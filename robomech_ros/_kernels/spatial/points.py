@@ -2,7 +2,8 @@
 
 import math
 
-from robomech_ros._kernels.compiling.jit import IN1, IN2, IN3, OUT1, OUT2, OUT3, i8, kernel, lean
+from robomech_ros._kernels.compiling.jit import kernel, lean
+from robomech_ros._kernels.compiling.types import IN1, IN2, IN3, OUT1, OUT2, OUT3, i8
 from robomech_ros._kernels.spatial.conversions import STATUSES
 from robomech_ros._kernels.spatial.rates import SINGULAR
 from robomech_ros._kernels.spatial.vectors import combined, cross, dot, scaled

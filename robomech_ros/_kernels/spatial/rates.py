@@ -5,20 +5,12 @@ Angular velocity and acceleration are in the fixed frame, in which the rotation 
 
 import math
 
-from robomech_ros._kernels.compiling.jit import IN2, OUT2, i8, kernel, lean
+from robomech_ros._kernels.compiling.jit import kernel, lean
+from robomech_ros._kernels.compiling.types import IN2, OUT2, i8
+from robomech_ros._kernels.spatial import representations as kinds
 from robomech_ros._kernels.spatial.conversions import STATUSES
 from robomech_ros._kernels.spatial.exponential import inverse_factors, turn_factors
-from robomech_ros._kernels.spatial.representations import (
-    AXIS_ANGLE,
-    BAD_INPUT,
-    LINEAR_INVARIANTS,
-    MATRIX,
-    QUATERNION,
-    RODRIGUES_VECTOR,
-    ROTATION_VECTOR,
-    decoded,
-    euler_axes,
-)
+from robomech_ros._kernels.spatial.representations import BAD_INPUT, decoded, euler_axes
 from robomech_ros._kernels.spatial.vectors import combined, cross, dot, scaled, sine_cosine, triple
 
 # No rates give this angular velocity, or infinitely many do.
@@ -176,24 +168,24 @@ def _one_rate(kind, rows, k, w, dw, first, second):
     status, x, y, z, r0 = decoded(kind, rows, k)
     if status != 0:
         return status
-    if kind == MATRIX:
+    if kind == kinds.MATRIX:
         _matrix_rates(rows, k, w, dw, first, second)
         return 0
-    if kind == ROTATION_VECTOR:
+    if kind == kinds.ROTATION_VECTOR:
         return _vector_rates(_vector(rows, k, 0), w, dw, first, second, k)
-    if kind == AXIS_ANGLE:
+    if kind == kinds.AXIS_ANGLE:
         e = _vector(rows, k, 0)
         e = scaled(e, 1.0 / math.sqrt(dot(e, e)))
         return _axis_angle_rates(e, rows[k, 3], w, dw, first, second, k)
-    if kind > LINEAR_INVARIANTS:
+    if kind > kinds.LINEAR_INVARIANTS:
         return _euler_rates(kind, rows, k, w, dw, first, second)
     r = (x, y, z)
     rate, rate0, change, change0 = _quaternion_rates(r, r0, w, dw)
-    if kind == QUATERNION:
+    if kind == kinds.QUATERNION:
         _write(first, k, 0, rate)
         _write(second, k, 0, change)
         first[k, 3], second[k, 3] = rate0, change0
-    elif kind == RODRIGUES_VECTOR:
+    elif kind == kinds.RODRIGUES_VECTOR:
         ratio = scaled(r, 1.0 / r0)
         ratio_rate = scaled(combined(rate, ratio, -rate0), 1.0 / r0)
         part = combined(combined(change, ratio_rate, -2.0 * rate0), ratio, -change0)
@@ -298,21 +290,21 @@ def _one_motion(kind, rows, first, second, k):
     if status != 0:
         return status, nothing, nothing
     r = (x, y, z)
-    if kind == MATRIX:
+    if kind == kinds.MATRIX:
         return 0, _of_matrix_rates(rows, first, k), _of_matrix_rates(rows, second, k)
-    if kind == QUATERNION:
+    if kind == kinds.QUATERNION:
         w = _of_quaternion_rates(r, r0, _vector(first, k, 0), first[k, 3])
         dw = _of_quaternion_rates(r, r0, _vector(second, k, 0), second[k, 3])
-    elif kind == ROTATION_VECTOR:
+    elif kind == kinds.ROTATION_VECTOR:
         v = _vector(rows, k, 0)
         w, dw = _of_vector_rates(v, _vector(first, k, 0), _vector(second, k, 0))
-    elif kind == AXIS_ANGLE:
+    elif kind == kinds.AXIS_ANGLE:
         e = _vector(rows, k, 0)
         e = scaled(e, 1.0 / math.sqrt(dot(e, e)))
         w, dw = _of_axis_angle_rates(e, rows[k, 3], first, second, k)
-    elif kind == RODRIGUES_VECTOR:
+    elif kind == kinds.RODRIGUES_VECTOR:
         w, dw = _of_rodrigues_rates(r, r0, first, second, k)
-    elif kind == LINEAR_INVARIANTS:
+    elif kind == kinds.LINEAR_INVARIANTS:
         w, dw = _of_linear_invariant_rates(r, r0, first, second, k)
     else:
         w, dw = _of_euler_rates(kind, rows, first, second, k)

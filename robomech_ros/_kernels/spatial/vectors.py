@@ -2,7 +2,7 @@
 
 import math
 
-from robomech_ros._kernels.compiling.jit import lean
+from robomech_ros._kernels.compiling.jit import flat, lean
 
 # Beyond these, squares of lengths over- or underflow.
 _SMALL = 1e-140
@@ -44,6 +44,39 @@ def combined(a, b, factor):
 def triple(a, b):
     """Product a x (a x b)."""
     return cross(a, cross(a, b))
+
+
+@flat
+def rotated(rows, k, v):
+    """Product R v; R stands in rows of four numbers from entry k on."""
+    x, y, z = v
+    return (
+        rows[k] * x + rows[k + 1] * y + rows[k + 2] * z,
+        rows[k + 4] * x + rows[k + 5] * y + rows[k + 6] * z,
+        rows[k + 8] * x + rows[k + 9] * y + rows[k + 10] * z,
+    )
+
+
+@flat
+def rotated_back(rows, k, v):
+    """Product of v and the transpose of such an R."""
+    x, y, z = v
+    return (
+        rows[k] * x + rows[k + 4] * y + rows[k + 8] * z,
+        rows[k + 1] * x + rows[k + 5] * y + rows[k + 9] * z,
+        rows[k + 2] * x + rows[k + 6] * y + rows[k + 10] * z,
+    )
+
+
+@flat
+def times(A, v):
+    """Product of a matrix (3, 3), or the rotation of a pose (4, 4), and a vector."""
+    x, y, z = v
+    return (
+        A[0, 0] * x + A[0, 1] * y + A[0, 2] * z,
+        A[1, 0] * x + A[1, 1] * y + A[1, 2] * z,
+        A[2, 0] * x + A[2, 1] * y + A[2, 2] * z,
+    )
 
 
 @lean

@@ -3,7 +3,8 @@
 import numpy as np
 
 from robomech_ros._kernels.algebra.bernstein import to_bernstein
-from robomech_ros._kernels.compiling.jit import IN1, IN3, OUT1, OUT3, i8, inline, kernel
+from robomech_ros._kernels.compiling.jit import inline, kernel
+from robomech_ros._kernels.compiling.types import IN1, IN3, OUT1, OUT3, i8
 
 # The bounds of x at neighbouring nodes differ by this factor at most: where no joint moves there
 # is no bound at all.

@@ -15,7 +15,8 @@ x_0 and x_1 at the ends of the cell, and its Bernstein coefficients bound it in 
 import numpy as np
 
 from robomech_ros._kernels.algebra.bernstein import to_bernstein
-from robomech_ros._kernels.compiling.jit import IN1, IN3, OUT2, OUT3, i8, inline, kernel
+from robomech_ros._kernels.compiling.jit import inline, kernel
+from robomech_ros._kernels.compiling.types import IN1, IN3, OUT2, OUT3, i8
 
 
 @inline

@@ -10,7 +10,8 @@ reachability analysis", IEEE Transactions on Robotics 34(3), 2018: the two passe
 
 import numpy as np
 
-from robomech_ros._kernels.compiling.jit import IIN1, IN1, IN2, IOUT1, OUT1, f8, i8, inline, kernel
+from robomech_ros._kernels.compiling.jit import inline, kernel
+from robomech_ros._kernels.compiling.types import IIN1, IN1, IN2, IOUT1, OUT1, f8, i8
 from robomech_ros._kernels.timing.planar_program import ROW_SLACK, farthest
 
 # What the passes end with.

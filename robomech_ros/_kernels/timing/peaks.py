@@ -15,18 +15,8 @@ import math
 import numpy as np
 
 from robomech_ros._kernels.algebra.bernstein import to_bernstein
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    IN3,
-    OUT2,
-    b1,
-    f8,
-    i8,
-    inline,
-    kernel,
-    lean,
-)
+from robomech_ros._kernels.compiling.jit import inline, kernel, lean
+from robomech_ros._kernels.compiling.types import IN1, IN2, IN3, OUT2, b1, f8, i8
 
 # Peaks between samples are located to this part of the largest Bernstein coefficient.
 PEAK_ACCURACY = 1e-11

@@ -4,18 +4,8 @@ import math
 
 import numpy as np
 
-from robomech_ros._kernels.compiling.jit import (
-    IIN1,
-    IN1,
-    IN3,
-    IOUT1,
-    OUT1,
-    OUT3,
-    f8,
-    i8,
-    inline,
-    kernel,
-)
+from robomech_ros._kernels.compiling.jit import inline, kernel
+from robomech_ros._kernels.compiling.types import IIN1, IN1, IN3, IOUT1, OUT1, OUT3, f8, i8
 from robomech_ros._kernels.timing.quintic import upper_coefficients
 
 _upper_coefficients = inline(upper_coefficients)

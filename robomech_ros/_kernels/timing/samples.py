@@ -4,18 +4,8 @@ import math
 
 import numpy as np
 
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    IN3,
-    OUT1,
-    OUT3,
-    b1,
-    f8,
-    i8,
-    inline,
-    kernel,
-)
+from robomech_ros._kernels.compiling.jit import inline, kernel
+from robomech_ros._kernels.compiling.types import IN1, IN2, IN3, OUT1, OUT3, b1, f8, i8
 from robomech_ros._kernels.timing.quintic import rounding_bounds, upper_coefficients
 
 _NANOSECONDS = 1e9

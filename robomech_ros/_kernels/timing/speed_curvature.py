@@ -2,7 +2,8 @@
 
 import math
 
-from robomech_ros._kernels.compiling.jit import IIN1, IN1, OUT1, f8, i8, inline, kernel
+from robomech_ros._kernels.compiling.jit import inline, kernel
+from robomech_ros._kernels.compiling.types import IIN1, IN1, OUT1, f8, i8
 
 # Most parts into which a cell is divided at once.
 PARTS = 4

@@ -2,7 +2,8 @@
 
 import math
 
-from robomech_ros._kernels.compiling.jit import IN1, IN2, f8, i8, kernel
+from robomech_ros._kernels.compiling.jit import kernel
+from robomech_ros._kernels.compiling.types import IN1, IN2, f8, i8
 
 
 @kernel(i8(IN1, IN1, IN2))

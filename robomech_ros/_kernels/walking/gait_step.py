@@ -24,19 +24,8 @@ from typing import Any, NamedTuple
 
 from numba import types
 
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    IN3,
-    OUT1,
-    OUT2,
-    b1,
-    f8,
-    i8,
-    kernel,
-    lean,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import kernel, lean, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, IN3, OUT1, OUT2, b1, f8, i8
 from robomech_ros._kernels.walking.legs import FOLLOWED, follow_foot
 from robomech_ros._kernels.walking.support import signed_margin
 

@@ -3,7 +3,8 @@
 import math
 
 from robomech_ros._kernels.chain.serial import jacobian_body
-from robomech_ros._kernels.compiling.jit import IN2, IN3, OUT2, i8, kernel, lean, scratch
+from robomech_ros._kernels.compiling.jit import kernel, lean, scratch
+from robomech_ros._kernels.compiling.types import IN2, IN3, OUT2, i8
 
 FOLLOWED = 0
 LOST = 1

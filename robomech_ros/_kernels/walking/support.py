@@ -2,7 +2,8 @@
 
 import math
 
-from robomech_ros._kernels.compiling.jit import IN2, OUT1, i8, kernel, lean
+from robomech_ros._kernels.compiling.jit import kernel, lean
+from robomech_ros._kernels.compiling.types import IN2, OUT1, i8
 
 
 @lean

@@ -68,8 +68,7 @@ class ExecutionRequest:
     @property
     def goal(self) -> Array:
         """End of the trajectory (rad or m), shape (n,)."""
-        last: Array = self.waypoints.positions[-1]
-        return last
+        return self.waypoints.positions[-1]
 
     @property
     def lasts(self) -> float:

@@ -15,8 +15,7 @@ def joint_distance(first: Array, second: Array, continuous: BoolArray) -> Array:
     """Return distances (..., n) of joint positions, without whole turns of continuous joints."""
     difference = np.asarray(first - second)
     turned = difference - np.round(difference / (2.0 * np.pi)) * (2.0 * np.pi)
-    distance: Array = np.abs(np.where(continuous, turned, difference))
-    return distance
+    return np.abs(np.where(continuous, turned, difference))
 
 
 def _worst(wanted: Array, positions: Array, kinds: JointKinds) -> tuple[int, float]:

@@ -146,8 +146,7 @@ def peaks(curve: PiecewisePolynomial, rate: int) -> Array:
     """Return the largest accelerations (rate 2) or jerks (3) of n joints; a quintic at the most."""
     if len(curve.breaks) < 2:
         return np.zeros(curve.joints)
-    largest: Array = np.abs(_extremes(curve, rate)[0]).max(axis=(0, 1))
-    return largest
+    return np.abs(_extremes(curve, rate)[0]).max(axis=(0, 1))
 
 
 def jerks_over(curve: PiecewisePolynomial, span: float) -> Array:
@@ -165,8 +164,7 @@ def jerks_over(curve: PiecewisePolynomial, span: float) -> Array:
     before = curve.sample(np.maximum(breaks - span, curve.breaks[0])).acceleration
     after = curve.sample(np.minimum(breaks + span, curve.breaks[-1])).acceleration
     changes = np.abs((begins - before, after - ends, begins - ends)).max(axis=(0, 1))
-    jerks: Array = changes / span
-    return jerks
+    return changes / span
 
 
 def highest_accelerations(curve: PiecewisePolynomial) -> tuple[Array, Array]:

@@ -331,5 +331,4 @@ class _Search:
 def _faded(ahead: Array, time: float) -> Array:
     """Return the quintic that begins with a place, a pace and a rate and fades out in a time."""
     powers = time ** np.arange(3.0)
-    faded: Array = (ahead * powers) @ _QUINTICS / time ** np.arange(6.0)
-    return faded
+    return (ahead * powers) @ _QUINTICS / time ** np.arange(6.0)

@@ -254,8 +254,7 @@ class Mechanism(LoopMotion):
             raise BadValueError("limbs", self.name, "limbs that close at their home")
         # Of postures that mirror each other, rounding must not choose.
         regular = np.array([self._regularity(q) for q in found])
-        first: Array = found[int(np.argmax(regular >= (1.0 - _ALIKE) * regular.max()))]
-        return first
+        return found[int(np.argmax(regular >= (1.0 - _ALIKE) * regular.max()))]
 
     def _regularity(self, q: Array) -> float:
         """Return the ratio of least to greatest singular value of the twists of the drives."""

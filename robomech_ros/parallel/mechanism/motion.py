@@ -108,5 +108,4 @@ class LoopMotion:
         return self.loops.accelerations(joints, speeds, given)
 
     def _all_joints(self, what: str, q: ArrayLike) -> Array:
-        array: Array = as_finite(what, q, (self.n,))
-        return array
+        return as_finite(what, q, (self.n,))

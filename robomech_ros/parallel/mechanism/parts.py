@@ -109,5 +109,4 @@ def _body_frames(chain: SerialChain) -> list[Array]:
 
 def _across(vector: Array, axis: Array) -> Array:
     """Return the part of a vector across a unit axis."""
-    part: Array = vector - float(vector @ axis) * axis
-    return part
+    return vector - float(vector @ axis) * axis

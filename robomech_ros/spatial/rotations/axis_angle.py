@@ -1,11 +1,6 @@
 """Axis and angle of a rotation, its natural invariants, and the rotation vector."""
 
-from robomech_ros._kernels.spatial.representations import (
-    AXIS_ANGLE,
-    MATRIX,
-    QUATERNION,
-    ROTATION_VECTOR,
-)
+from robomech_ros._kernels.spatial import representations as kinds
 from robomech_ros.spatial.rotations.conversions import converted, converted_axis_angle
 from robomech_ros.typing import Array, ArrayLike
 
@@ -43,7 +38,7 @@ def matrix_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
            [1., 0., 0.],
            [0., 1., 0.]])
     """
-    return converted_axis_angle(axis, angle, MATRIX)
+    return converted_axis_angle(axis, angle, kinds.MATRIX)
 
 
 def axis_angle_from_quaternion(quaternion: ArrayLike) -> tuple[Array, Array]:
@@ -63,7 +58,7 @@ def axis_angle_from_quaternion(quaternion: ArrayLike) -> tuple[Array, Array]:
     angle : ndarray, shape (...)
         In [0, pi] (rad).
     """
-    four = converted("quaternion", quaternion, QUATERNION, AXIS_ANGLE)
+    four = converted("quaternion", quaternion, kinds.QUATERNION, kinds.AXIS_ANGLE)
     return four[..., :3], four[..., 3]
 
 
@@ -90,7 +85,7 @@ def axis_angle_from_matrix(matrix: ArrayLike) -> tuple[Array, Array]:
     >>> np.round(axis, 4), round(float(np.degrees(angle)), 4)
     (array([0.5774, 0.5774, 0.5774]), 60.0)
     """
-    four = converted("rotation matrix", matrix, MATRIX, AXIS_ANGLE)
+    four = converted("rotation matrix", matrix, kinds.MATRIX, kinds.AXIS_ANGLE)
     return four[..., :3], four[..., 3]
 
 
@@ -107,7 +102,7 @@ def matrix_from_rotation_vector(vector: ArrayLike) -> Array:
     ndarray, shape (..., 3, 3)
         Proper orthogonal, the matrix exponential of the vector's cross-product matrix.
     """
-    return converted("rotation vector", vector, ROTATION_VECTOR, MATRIX)
+    return converted("rotation vector", vector, kinds.ROTATION_VECTOR, kinds.MATRIX)
 
 
 def rotation_vector_from_matrix(matrix: ArrayLike) -> Array:
@@ -123,7 +118,7 @@ def rotation_vector_from_matrix(matrix: ArrayLike) -> Array:
     ndarray, shape (..., 3)
         Of length at most pi (rad).
     """
-    return converted("rotation matrix", matrix, MATRIX, ROTATION_VECTOR)
+    return converted("rotation matrix", matrix, kinds.MATRIX, kinds.ROTATION_VECTOR)
 
 
 def quaternion_from_rotation_vector(vector: ArrayLike) -> Array:
@@ -139,7 +134,7 @@ def quaternion_from_rotation_vector(vector: ArrayLike) -> Array:
     ndarray, shape (..., 4)
         Vector first, scalar last.
     """
-    return converted("rotation vector", vector, ROTATION_VECTOR, QUATERNION)
+    return converted("rotation vector", vector, kinds.ROTATION_VECTOR, kinds.QUATERNION)
 
 
 def rotation_vector_from_quaternion(quaternion: ArrayLike) -> Array:
@@ -155,4 +150,4 @@ def rotation_vector_from_quaternion(quaternion: ArrayLike) -> Array:
     ndarray, shape (..., 3)
         Of length at most pi (rad).
     """
-    return converted("quaternion", quaternion, QUATERNION, ROTATION_VECTOR)
+    return converted("quaternion", quaternion, kinds.QUATERNION, kinds.ROTATION_VECTOR)

@@ -6,19 +6,9 @@ from typing import NoReturn
 import numpy as np
 
 from robomech_ros._kernels.compiling.jit import direct
-from robomech_ros._kernels.spatial import conversions
+from robomech_ros._kernels.spatial import conversions, representations as kinds
 from robomech_ros._kernels.spatial.conversions import STATUSES
 from robomech_ros._kernels.spatial.rates import SINGULAR
-from robomech_ros._kernels.spatial.representations import (
-    AXIS_ANGLE,
-    EULER,
-    HALF_TURN,
-    LINEAR_INVARIANTS,
-    MATRIX,
-    QUATERNION,
-    RODRIGUES_VECTOR,
-    ROTATION_VECTOR,
-)
 from robomech_ros._kernels.spatial.tolerances import UNIT_NORM
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
@@ -36,26 +26,26 @@ _ORDERS = tuple("".join(three) for three in permutations(_LETTERS, 3)) + tuple(
 # Euler angles: capitals for moving axes, small letters for fixed ones.
 SEQUENCES = tuple(order.upper() for order in _ORDERS) + _ORDERS
 _NAMES: dict[str, int] = {
-    "matrix": MATRIX,
-    "quaternion": QUATERNION,
-    "axis-angle": AXIS_ANGLE,
-    "rotation-vector": ROTATION_VECTOR,
-    "rodrigues-vector": RODRIGUES_VECTOR,
-    "linear-invariants": LINEAR_INVARIANTS,
+    "matrix": kinds.MATRIX,
+    "quaternion": kinds.QUATERNION,
+    "axis-angle": kinds.AXIS_ANGLE,
+    "rotation-vector": kinds.ROTATION_VECTOR,
+    "rodrigues-vector": kinds.RODRIGUES_VECTOR,
+    "linear-invariants": kinds.LINEAR_INVARIANTS,
 } | {
-    name: EULER
+    name: kinds.EULER
     + sum(_LETTERS.index(letter) * 3**i for i, letter in enumerate(name.lower()))
     + (27 if name.islower() else 0)
     for name in SEQUENCES
 }
 # What a rotation can be written as: the six by name, and Euler angles by their sequence.
 REPRESENTATIONS = tuple(_NAMES)
-_FOUR = (QUATERNION, AXIS_ANGLE, LINEAR_INVARIANTS)
+_FOUR = (kinds.QUATERNION, kinds.AXIS_ANGLE, kinds.LINEAR_INVARIANTS)
 
 
 def tail_of(kind: int) -> tuple[int, ...]:
     """Return the shape of one rotation of a kind."""
-    if kind == MATRIX:
+    if kind == kinds.MATRIX:
         return (3, 3)
     return (4,) if kind in _FOUR else (3,)
 
@@ -132,7 +122,7 @@ def convert_rotation(value: ArrayLike, source: str, target: str) -> Array:
 def rotation_rows(what: str, value: ArrayLike, kind: int) -> tuple[Array, tuple[int, ...]]:
     """Return rotations of a kind as rows and their batch shape."""
     tail = tail_of(kind)
-    return as_rows(what, value, tail, 9 if kind == MATRIX else tail[0])
+    return as_rows(what, value, tail, 9 if kind == kinds.MATRIX else tail[0])
 
 
 def represented(value: ArrayLike, name: str) -> tuple[str, int, Array, tuple[int, ...]]:
@@ -145,7 +135,7 @@ def converted(what: str, value: ArrayLike, source: int, target: int) -> Array:
     """Convert rotations from one kind to another, or raise what is wrong with them."""
     rows, shape = rotation_rows(what, value, source)
     tail = tail_of(target)
-    out = np.empty((len(rows), 9 if target == MATRIX else tail[0]))
+    out = np.empty((len(rows), 9 if target == kinds.MATRIX else tail[0]))
     status = _convert(source, target, rows, out)
     if status:
         raise_bad_rotation(what, rows, shape, source, status)
@@ -157,7 +147,7 @@ def converted_axis_angle(axis: ArrayLike, angle: ArrayLike, target: int) -> Arra
     e, phi = as_finite("axis", axis, (3,)), as_finite("angle", angle, ())
     rows = np.empty((*common_shape("axis and angle", e.shape[:-1], phi.shape), 4))
     rows[..., :3], rows[..., 3] = e, phi
-    return converted("axis and angle", rows, AXIS_ANGLE, target)
+    return converted("axis and angle", rows, kinds.AXIS_ANGLE, target)
 
 
 def raise_bad_rotation(
@@ -168,7 +158,7 @@ def raise_bad_rotation(
     given = rows.reshape(shape + tail_of(kind))
     index, where = row_name(row, shape) if row < len(rows) else ((), "")
     value = given[index].tolist()
-    if fault == HALF_TURN:
+    if fault == kinds.HALF_TURN:
         raise BadValueError(
             f"rotation of {what}{where}", value, "less than a half turn, which has no such numbers"
         )
@@ -177,12 +167,12 @@ def raise_bad_rotation(
             f"{what}{where}", value, "a rotation at which the rates are defined, not a singular one"
         )
     as_finite(what, given, tail_of(kind))
-    if kind == MATRIX:
+    if kind == kinds.MATRIX:
         as_rotation(given, what=what)
-    elif kind == QUATERNION:
+    elif kind == kinds.QUATERNION:
         unit_quaternion(given)
-    elif kind == AXIS_ANGLE and not any(value[:3]):
+    elif kind == kinds.AXIS_ANGLE and not any(value[:3]):
         raise BadValueError(f"axis{where}", value[:3], "a vector that is not zero")
-    elif kind == LINEAR_INVARIANTS:
+    elif kind == kinds.LINEAR_INVARIANTS:
         raise BadValueError(f"{what}{where}", value, f"norm 1 within {UNIT_NORM:g}")
     raise BadValueError(f"{what}{where}", value, "numbers that do not overflow")

@@ -2,12 +2,7 @@
 
 import numpy as np
 
-from robomech_ros._kernels.spatial.representations import (
-    LINEAR_INVARIANTS,
-    MATRIX,
-    QUATERNION,
-    RODRIGUES_VECTOR,
-)
+from robomech_ros._kernels.spatial import representations as kinds
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.rotations.conversions import converted
 from robomech_ros.spatial.rows import common_shape
@@ -32,7 +27,7 @@ def rodrigues_vector_from_matrix(matrix: ArrayLike) -> Array:
     BadValueError
         A half turn.
     """
-    return converted("rotation matrix", matrix, MATRIX, RODRIGUES_VECTOR)
+    return converted("rotation matrix", matrix, kinds.MATRIX, kinds.RODRIGUES_VECTOR)
 
 
 def matrix_from_rodrigues_vector(vector: ArrayLike) -> Array:
@@ -48,7 +43,7 @@ def matrix_from_rodrigues_vector(vector: ArrayLike) -> Array:
     ndarray, shape (..., 3, 3)
         Proper orthogonal.
     """
-    return converted("Rodrigues vector", vector, RODRIGUES_VECTOR, MATRIX)
+    return converted("Rodrigues vector", vector, kinds.RODRIGUES_VECTOR, kinds.MATRIX)
 
 
 def rodrigues_vector_from_quaternion(quaternion: ArrayLike) -> Array:
@@ -69,7 +64,7 @@ def rodrigues_vector_from_quaternion(quaternion: ArrayLike) -> Array:
     BadQuaternionError, BadValueError
         Not a unit quaternion, or that of a half turn.
     """
-    return converted("quaternion", quaternion, QUATERNION, RODRIGUES_VECTOR)
+    return converted("quaternion", quaternion, kinds.QUATERNION, kinds.RODRIGUES_VECTOR)
 
 
 def quaternion_from_rodrigues_vector(vector: ArrayLike) -> Array:
@@ -85,7 +80,7 @@ def quaternion_from_rodrigues_vector(vector: ArrayLike) -> Array:
     ndarray, shape (..., 4)
         Vector first, scalar last.
     """
-    return converted("Rodrigues vector", vector, RODRIGUES_VECTOR, QUATERNION)
+    return converted("Rodrigues vector", vector, kinds.RODRIGUES_VECTOR, kinds.QUATERNION)
 
 
 def matrix_from_linear_invariants(vect: ArrayLike, trace: ArrayLike) -> Array:
@@ -133,4 +128,4 @@ def matrix_from_linear_invariants(vect: ArrayLike, trace: ArrayLike) -> Array:
     q, t = as_finite("axial vector", vect, (3,)), as_finite("trace", trace, ())
     rows = np.empty((*common_shape("axial vector and trace", q.shape[:-1], t.shape), 4))
     rows[..., :3], rows[..., 3] = q, 0.5 * t - 0.5
-    return converted("linear invariants", rows, LINEAR_INVARIANTS, MATRIX)
+    return converted("linear invariants", rows, kinds.LINEAR_INVARIANTS, kinds.MATRIX)

@@ -10,21 +10,11 @@ import numpy as np
 
 from robomech_ros._kernels.algebra.angles import wrapped
 from robomech_ros._kernels.algebra.dense import cholesky_solve
-from robomech_ros._kernels.compiling.jit import (
-    F3,
-    IN1,
-    IOUT1,
-    OUT2,
-    ZERO,
-    f8,
-    i8,
-    lean,
-    lean_part,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import lean, lean_part, scratch
+from robomech_ros._kernels.compiling.types import F3, IN1, IOUT1, OUT2, ZERO, f8, i8
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.decoupled import layout as at
-from robomech_ros._kernels.inverse.decoupled.arm_prismatic import prismatic_arm
+from robomech_ros._kernels.inverse.decoupled.arm_prismatic import prismatic_arm, through
 from robomech_ros._kernels.inverse.decoupled.arm_revolute import revolute_arm
 from robomech_ros._kernels.inverse.decoupled.arm_rows import (
     DETERMINANT,
@@ -40,6 +30,7 @@ from robomech_ros._kernels.inverse.decoupled.arm_rows import (
     measure,
     sine_of,
 )
+from robomech_ros._kernels.spatial.vectors import rotated
 from robomech_ros._kernels.tolerances import ACCEPTED, NEAR_DOUBLE, POLISH_ABOVE, SAME_POSTURE
 
 # Below this determinant, relative to REGULAR, a candidate that had to be improved may stand for
@@ -115,16 +106,8 @@ def arm_error(data, arm, c, J, e):
         z += arm[2]
         d3x, d3y, d3z = 0.0, 0.0, 1.0
     k = at.C2
-    x, y, z = (
-        data[k] * x + data[k + 1] * y + data[k + 2] * z + data[k + 3],
-        data[k + 4] * x + data[k + 5] * y + data[k + 6] * z + data[k + 7],
-        data[k + 8] * x + data[k + 9] * y + data[k + 10] * z + data[k + 11],
-    )
-    d3x, d3y, d3z = (
-        data[k] * d3x + data[k + 1] * d3y + data[k + 2] * d3z,
-        data[k + 4] * d3x + data[k + 5] * d3y + data[k + 6] * d3z,
-        data[k + 8] * d3x + data[k + 9] * d3y + data[k + 10] * d3z,
-    )
+    x, y, z = through(data, k, x, y, z)
+    d3x, d3y, d3z = rotated(data, k, (d3x, d3y, d3z))
     elbow = data[k + 3] * y - data[k + 7] * x
     if data[at.TYPES + 1] == 0.0:
         a, b = cosine_of(arm, 1), sine_of(arm, 1)
@@ -135,14 +118,9 @@ def arm_error(data, arm, c, J, e):
         z += arm[1]
         d2x, d2y, d2z = 0.0, 0.0, 1.0
     k = at.C1
-    x, y, z = (
-        data[k] * x + data[k + 1] * y + data[k + 2] * z + data[k + 3],
-        data[k + 4] * x + data[k + 5] * y + data[k + 6] * z + data[k + 7],
-        data[k + 8] * x + data[k + 9] * y + data[k + 10] * z + data[k + 11],
-    )
-    for i in range(3):
-        J[i, 1] = data[k + 4 * i] * d2x + data[k + 4 * i + 1] * d2y + data[k + 4 * i + 2] * d2z
-        J[i, 2] = data[k + 4 * i] * d3x + data[k + 4 * i + 1] * d3y + data[k + 4 * i + 2] * d3z
+    x, y, z = through(data, k, x, y, z)
+    J[0, 1], J[1, 1], J[2, 1] = rotated(data, k, (d2x, d2y, d2z))
+    J[0, 2], J[1, 2], J[2, 2] = rotated(data, k, (d3x, d3y, d3z))
     shoulder = data[k + 2] * y - data[k + 6] * x
     if data[at.TYPES] == 0.0:
         a, b = cosine_of(arm, 0), sine_of(arm, 0)

@@ -13,7 +13,8 @@ from robomech_ros._kernels.algebra.polynomials import (
     square,
     value,
 )
-from robomech_ros._kernels.compiling.jit import F3, IN1, OUT2, i8, lean, lean_part, scratch
+from robomech_ros._kernels.compiling.jit import lean, lean_part, scratch
+from robomech_ros._kernels.compiling.types import F3, IN1, OUT2, i8
 from robomech_ros._kernels.inverse.decoupled import layout as at
 from robomech_ros._kernels.inverse.decoupled.arm_revolute import (
     across,
@@ -30,27 +31,20 @@ from robomech_ros._kernels.inverse.decoupled.arm_rows import (
     enter_slide,
     enter_turn,
 )
+from robomech_ros._kernels.spatial.vectors import rotated, rotated_back
 
 
 @lean
-def _through(data, k, x, y, z):
+def through(data, k, x, y, z):
     """Apply the 3x4 transform at k to a point."""
-    return (
-        data[k] * x + data[k + 1] * y + data[k + 2] * z + data[k + 3],
-        data[k + 4] * x + data[k + 5] * y + data[k + 6] * z + data[k + 7],
-        data[k + 8] * x + data[k + 9] * y + data[k + 10] * z + data[k + 11],
-    )
+    x, y, z = rotated(data, k, (x, y, z))
+    return x + data[k + 3], y + data[k + 7], z + data[k + 11]
 
 
 @lean
 def _back(data, k, x, y, z):
     """Apply the inverse of the 3x4 transform at k to a point."""
-    x, y, z = x - data[k + 3], y - data[k + 7], z - data[k + 11]
-    return (
-        data[k] * x + data[k + 4] * y + data[k + 8] * z,
-        data[k + 1] * x + data[k + 5] * y + data[k + 9] * z,
-        data[k + 2] * x + data[k + 6] * y + data[k + 10] * z,
-    )
+    return rotated_back(data, k, (x - data[k + 3], y - data[k + 7], z - data[k + 11]))
 
 
 @lean
@@ -160,9 +154,8 @@ def _turn_slide_turn(data, c, w, seed, arms):
 @lean
 def _second_slide(data):
     """Direction of the third joint's slide in the frame of joint 1."""
-    k = at.FIRST
-    x, y, z = _through(data, k, data[at.SECOND + 2], data[at.SECOND + 6], data[at.SECOND + 10])
-    return x - data[k + 3], y - data[k + 7], z - data[k + 11]
+    slide = data[at.SECOND + 2], data[at.SECOND + 6], data[at.SECOND + 10]
+    return rotated(data, at.FIRST, slide)
 
 
 @lean
@@ -172,8 +165,8 @@ def _turn_slide_slide(data, c, w, seed, arms):
     ax, ay, az = data[k + 2], data[k + 6], data[k + 10]
     bx, by, bz = _second_slide(data)
     nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-    x0, y0, z0 = _through(data, at.SECOND, w[0], w[1], w[2])
-    x0, y0, z0 = _through(data, k, x0, y0, z0)
+    x0, y0, z0 = through(data, at.SECOND, w[0], w[1], w[2])
+    x0, y0, z0 = through(data, k, x0, y0, z0)
     constant = nz * (c[2] - z0) - nx * x0 - ny * y0
     found, c1, s1, c2, s2 = order_one_roots(
         constant, nx * c[0] + ny * c[1], nx * c[1] - ny * c[0], data[at.SLACK]
@@ -204,7 +197,7 @@ def _slide_turn_slide(data, c, w, seed, arms):
     nx, ny, nz = data[k + 8], data[k + 9], data[k + 10]
     gx, gy, gz = _back(data, k, c[0], c[1], c[2])
     mx, my, mz = data[at.SECOND + 2], data[at.SECOND + 6], data[at.SECOND + 10]
-    px, py, pz = _through(data, at.SECOND, w[0], w[1], w[2])
+    px, py, pz = through(data, at.SECOND, w[0], w[1], w[2])
     # The heights: a line in the plane of (x, z), through (x0, z0) along (u, v).
     norm = nz * nz + mz * mz
     x0, z0 = (gz - pz) * nz / norm, (gz - pz) * mz / norm
@@ -236,8 +229,8 @@ def _slide_turn_slide(data, c, w, seed, arms):
 @lean
 def _slides(data, c, w, arms):
     """Solve PPP: three linear equations."""
-    x, y, z = _through(data, at.SECOND, w[0], w[1], w[2])
-    x, y, z = _through(data, at.FIRST, x, y, z)
+    x, y, z = through(data, at.SECOND, w[0], w[1], w[2])
+    x, y, z = through(data, at.FIRST, x, y, z)
     x, y, z = c[0] - x, c[1] - y, c[2] - z
     for i in range(3):
         k = at.SLIDE_INVERSE + 3 * i

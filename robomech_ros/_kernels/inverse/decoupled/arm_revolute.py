@@ -30,7 +30,8 @@ from robomech_ros._kernels.algebra.polynomials import (
     square,
     value,
 )
-from robomech_ros._kernels.compiling.jit import F3, IN1, OUT2, i8, lean, lean_part, scratch
+from robomech_ros._kernels.compiling.jit import lean, lean_part, scratch
+from robomech_ros._kernels.compiling.types import F3, IN1, OUT2, i8
 from robomech_ros._kernels.inverse.decoupled import layout as at
 from robomech_ros._kernels.inverse.decoupled.arm_rows import (
     FREE,

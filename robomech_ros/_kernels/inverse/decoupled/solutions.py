@@ -13,18 +13,8 @@ import numpy as np
 
 from robomech_ros._kernels.algebra.angles import angle_of, wrapped
 from robomech_ros._kernels.algebra.polynomials import order_one_roots
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    IOUT1,
-    OUT2,
-    ZERO,
-    i8,
-    lean,
-    lean_part,
-    scratch,
-    scratch_integers,
-)
+from robomech_ros._kernels.compiling.jit import lean, lean_part, scratch, scratch_integers
+from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT2, ZERO, i8
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.decoupled import layout as at
 from robomech_ros._kernels.inverse.decoupled.arm import (
@@ -54,6 +44,7 @@ from robomech_ros._kernels.inverse.decoupled.wrist import (
     spherical_wrist,
 )
 from robomech_ros._kernels.inverse.polishing import call_polish
+from robomech_ros._kernels.spatial.vectors import rotated, rotated_back, scaled, times
 from robomech_ros._kernels.tolerances import ACCEPTED, IDEALISED_SLACK, PARALLEL_AXES
 
 # Near a singularity of the arm its joints are uncertain by this over the determinant of its
@@ -109,17 +100,10 @@ def _unturn(data, k, Q):
 @lean
 def _reduced_target(data, T):
     """Return the wrist centre in frame 1 (in SIZE) and the rotation between joints 1 and 6."""
-    hx, hy, hz = data[at.CENTRE], data[at.CENTRE + 1], data[at.CENTRE + 2]
     k = at.BASE
-    px = T[0, 0] * hx + T[0, 1] * hy + T[0, 2] * hz + T[0, 3] - data[k + 3]
-    py = T[1, 0] * hx + T[1, 1] * hy + T[1, 2] * hz + T[1, 3] - data[k + 7]
-    pz = T[2, 0] * hx + T[2, 1] * hy + T[2, 2] * hz + T[2, 3] - data[k + 11]
-    unit = 1.0 / data[at.SIZE]
-    c = (
-        unit * (data[k] * px + data[k + 4] * py + data[k + 8] * pz),
-        unit * (data[k + 1] * px + data[k + 5] * py + data[k + 9] * pz),
-        unit * (data[k + 2] * px + data[k + 6] * py + data[k + 10] * pz),
-    )
+    x, y, z = times(T, (data[at.CENTRE], data[at.CENTRE + 1], data[at.CENTRE + 2]))
+    p = x + T[0, 3] - data[k + 3], y + T[1, 3] - data[k + 7], z + T[2, 3] - data[k + 11]
+    c = scaled(rotated_back(data, k, p), 1.0 / data[at.SIZE])
     j = at.TIP
     Q = (
         T[0, 0] * data[j] + T[0, 1] * data[j + 3] + T[0, 2] * data[j + 6],
@@ -161,11 +145,7 @@ def _reachable_angle(data, arm, Q, j):
         c, s = cosine_of(arm, i), sine_of(arm, i)
         ax, ay = c * ax - s * ay, s * ax + c * ay
         k = at.C2 if i == 2 else at.C1
-        ax, ay, az = (
-            data[k] * ax + data[k + 1] * ay + data[k + 2] * az,
-            data[k + 4] * ax + data[k + 5] * ay + data[k + 6] * az,
-            data[k + 8] * ax + data[k + 9] * ay + data[k + 10] * az,
-        )
+        ax, ay, az = rotated(data, k, (ax, ay, az))
     constant, c, s = z * az, x * ax + y * ay, y * ax - x * ay
     best = math.inf
     value = arm[j]

@@ -21,19 +21,10 @@ import math
 
 import numpy as np
 
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    OUT1,
-    OUT2,
-    f8,
-    i8,
-    inline,
-    kernel,
-    linked,
-    part,
-)
+from robomech_ros._kernels.compiling.jit import inline, kernel, linked, part
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, OUT2, f8, i8
 from robomech_ros._kernels.inverse.general import layout as at
+from robomech_ros._kernels.spatial.vectors import rotated
 
 # A pivot below this (of the first) is zero: there is nothing left to eliminate.
 GENERAL_RANK = 1e-13
@@ -199,21 +190,11 @@ def right_side(before, behind, slides, X, V):
         d = 0.0
         if slides:
             c, s, d = 1.0, 0.0, (0.0 if k == 0 else 1.0 if k == 1 else -1.0)
-        lx = c * before[2] - s * before[6]
-        ly = s * before[2] + c * before[6]
-        lz = before[10]
-        px = c * before[3] - s * before[7]
-        py = s * before[3] + c * before[7]
-        pz = before[11] - d
-        closure_quantities(
-            behind[0] * lx + behind[1] * ly + behind[2] * lz,
-            behind[4] * lx + behind[5] * ly + behind[6] * lz,
-            behind[8] * lx + behind[9] * ly + behind[10] * lz,
-            behind[0] * px + behind[1] * py + behind[2] * pz + behind[3],
-            behind[4] * px + behind[5] * py + behind[6] * pz + behind[7],
-            behind[8] * px + behind[9] * py + behind[10] * pz + behind[11],
-            V[k],
-        )
+        axis = c * before[2] - s * before[6], s * before[2] + c * before[6], before[10]
+        point = c * before[3] - s * before[7], s * before[3] + c * before[7], before[11] - d
+        lx, ly, lz = rotated(behind, 0, axis)
+        px, py, pz = rotated(behind, 0, point)
+        closure_quantities(lx, ly, lz, px + behind[3], py + behind[7], pz + behind[11], V[k])
     for r in range(14):
         if slides:
             X[r, 0] = 0.5 * (V[1, r] + V[2, r]) - V[0, r]

@@ -12,7 +12,8 @@ import numpy as np
 from numba import types
 
 from robomech_ros._kernels.algebra.angles import wrapped
-from robomech_ros._kernels.compiling.jit import IN1, IN2, IOUT1, OUT1, OUT2, b1, i8, inline, part
+from robomech_ros._kernels.compiling.jit import inline, part
+from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT1, OUT2, b1, i8
 from robomech_ros._kernels.inverse.branch_bits import BOUNDARY, SELF_MOTION
 from robomech_ros._kernels.inverse.general import layout as at
 from robomech_ros._kernels.inverse.general.determinant import core, null_space

@@ -9,7 +9,8 @@ as it is where three solutions or more have become one.
 import numpy as np
 
 from robomech_ros._kernels.chain.serial import jacobian_body
-from robomech_ros._kernels.compiling.jit import IIN1, IN2, b1, f8, i8, inline, part
+from robomech_ros._kernels.compiling.jit import inline, part
+from robomech_ros._kernels.compiling.types import IIN1, IN2, b1, f8, i8
 from robomech_ros._kernels.inverse.general.determinant import null_space
 from robomech_ros._kernels.tolerances import GENERAL_CORANK
 

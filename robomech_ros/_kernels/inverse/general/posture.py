@@ -5,8 +5,10 @@ import math
 from numba import types
 
 from robomech_ros._kernels.algebra.angles import wrapped
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, f8, inline, part
+from robomech_ros._kernels.compiling.jit import inline, part
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, f8
 from robomech_ros._kernels.inverse.general import layout as at
+from robomech_ros._kernels.spatial.vectors import rotated, rotated_back
 
 _ROOT_2 = math.sqrt(2.0)
 
@@ -46,9 +48,7 @@ def _joint_value(sine, cosine, slides):
 @inline
 def _turned(data, k, angle, x, y, z):
     """Take a vector through the rotation of the link at k of the data, then about z."""
-    u = data[k] * x + data[k + 1] * y + data[k + 2] * z
-    v = data[k + 4] * x + data[k + 5] * y + data[k + 6] * z
-    w = data[k + 8] * x + data[k + 9] * y + data[k + 10] * z
+    u, v, w = rotated(data, k, (x, y, z))
     c = math.cos(angle)
     s = math.sin(angle)
     return c * u - s * v, s * u + c * v, w
@@ -62,18 +62,10 @@ def _last_angle(data, links, before, behind, q1, q2, q3, q4, q5):
     x, y = c * x - s * y, s * x + c * y
     x, y, z = _turned(data, links + 24, q4, x, y, z)
     x, y, z = _turned(data, links + 12, q3, x, y, z)
-    u = data[links] * x + data[links + 1] * y + data[links + 2] * z
-    v = data[links + 4] * x + data[links + 5] * y + data[links + 6] * z
-    w = data[links + 8] * x + data[links + 9] * y + data[links + 10] * z
-    c, s = math.cos(q2), math.sin(q2)
-    u, v = c * u - s * v, s * u + c * v
-    x = behind[0] * u + behind[4] * v + behind[8] * w
-    y = behind[1] * u + behind[5] * v + behind[9] * w
-    z = behind[2] * u + behind[6] * v + behind[10] * w
+    x, y, z = _turned(data, links, q2, x, y, z)
+    x, y, z = rotated_back(behind, 0, (x, y, z))
     c, s = math.cos(q1), math.sin(q1)
-    x, y = c * x - s * y, s * x + c * y
-    u = before[0] * x + before[4] * y + before[8] * z
-    v = before[1] * x + before[5] * y + before[9] * z
+    u, v, _ = rotated_back(before, 0, (c * x - s * y, s * x + c * y, z))
     return -math.atan2(v, u)
 
 

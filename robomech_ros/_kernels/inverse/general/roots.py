@@ -19,7 +19,8 @@ import math
 import numpy as np
 from numba import types
 
-from robomech_ros._kernels.compiling.jit import IN2, OUT2, b1, f8, i8, inline, lean, part
+from robomech_ros._kernels.compiling.jit import inline, lean, part
+from robomech_ros._kernels.compiling.types import IN2, OUT2, b1, f8, i8
 from robomech_ros._kernels.inverse.general.circle_tables import (
     ARC_COSINES,
     ARC_SINES,

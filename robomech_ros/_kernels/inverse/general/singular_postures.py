@@ -16,7 +16,8 @@ import numpy as np
 
 from robomech_ros._kernels.algebra.angles import wrapped
 from robomech_ros._kernels.chain.serial import jacobian_body
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, b1, f8, inline, part
+from robomech_ros._kernels.compiling.jit import inline, part
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, b1, f8
 from robomech_ros._kernels.inverse.general import layout as at
 from robomech_ros._kernels.inverse.general.determinant import null_space
 from robomech_ros._kernels.inverse.polishing import largest_error, pose_difference

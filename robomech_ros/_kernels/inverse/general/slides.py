@@ -27,7 +27,8 @@ import numpy as np
 from numba import types
 
 from robomech_ros._kernels.algebra.angles import wrapped
-from robomech_ros._kernels.compiling.jit import IN1, OUT2, b1, i8, inline, part
+from robomech_ros._kernels.compiling.jit import inline, part
+from robomech_ros._kernels.compiling.types import IN1, OUT2, b1, i8
 from robomech_ros._kernels.inverse.general import layout as at
 from robomech_ros._kernels.inverse.general.circle_tables import SAMPLES, TO_COSINES, TO_SINES
 from robomech_ros._kernels.inverse.general.roots import DETERMINANT_NOISE, MAX_ROOTS, isolate

@@ -20,25 +20,9 @@ import numpy as np
 from numba import types
 
 from robomech_ros._kernels.algebra.angles import wrapped
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    IOUT1,
-    OUT2,
-    b1,
-    i8,
-    inline,
-    kernel,
-    linked,
-    part,
-)
-from robomech_ros._kernels.inverse.branch_bits import (
-    ARM_SHIFT,
-    BOUNDARY,
-    DOUBT,
-    POSTURE_NUMBERED,
-    SELF_MOTION,
-)
+from robomech_ros._kernels.compiling.jit import inline, kernel, linked, part
+from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT2, b1, i8
+from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.general import layout as at
 from robomech_ros._kernels.inverse.general.equations import demanded
 from robomech_ros._kernels.inverse.general.forms import (
@@ -158,7 +142,7 @@ def _classify(data, T, q, marks, state):
             regular |= 1 << k
         if ratio < GENERAL_SINGULAR and marks[k] == 0:
             free = is_in_continuum(data, T, q[k], u, v, fifth)
-            marks[k] = SELF_MOTION if free else BOUNDARY
+            marks[k] = bit.SELF_MOTION if free else bit.BOUNDARY
     return regular
 
 
@@ -297,8 +281,8 @@ def solve_general(data, T, seed, q, branch):
         _classify(data, T, q, marks, state)
     count = state[COUNT]
     for k in range(count):
-        branch[k] = POSTURE_NUMBERED | (k << ARM_SHIFT) | marks[k]
-    return count if clean else count | DOUBT
+        branch[k] = bit.POSTURE_NUMBERED | (k << bit.ARM_SHIFT) | marks[k]
+    return count if clean else count | bit.DOUBT
 
 
 call_general = linked(solve_general)

@@ -5,17 +5,8 @@ import math
 import numpy as np
 
 from robomech_ros._kernels.chain.serial import forward_body
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    IOUT1,
-    OUT1,
-    OUT2,
-    i8,
-    inline,
-    kernel,
-    part,
-)
+from robomech_ros._kernels.compiling.jit import inline, kernel, part
+from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT1, OUT2, i8
 from robomech_ros._kernels.inverse.iterative import layout as at
 from robomech_ros._kernels.inverse.iterative.steps import Space, attempt
 from robomech_ros._kernels.inverse.polishing import (

@@ -7,7 +7,8 @@ from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.chain.coupling import drive_count, drive_kind
 from robomech_ros._kernels.chain.layout import SLIDE
 from robomech_ros._kernels.chain.serial import jacobian_body
-from robomech_ros._kernels.compiling.jit import ZERO, inline
+from robomech_ros._kernels.compiling.jit import inline
+from robomech_ros._kernels.compiling.types import ZERO
 from robomech_ros._kernels.inverse.polishing import pose_difference
 
 # Damping at the start of an attempt, as a part of the squared error that is left: the step then

@@ -5,17 +5,10 @@ import math
 from robomech_ros._kernels.algebra.angles import angle_of, wrapped
 from robomech_ros._kernels.algebra.polynomials import DOUBLE_ROOT
 from robomech_ros._kernels.compiling.jit import lean
-from robomech_ros._kernels.inverse.branch_bits import (
-    ARM_NUMBERED,
-    ARM_SHIFT,
-    BOUNDARY,
-    ELBOW_DOWN,
-    ELBOW_SINGULAR,
-    SHOULDER_RIGHT,
-    WRIST_SINGULAR,
-)
+from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.parallel import layout as at
 from robomech_ros._kernels.inverse.parallel.pairs import z_in_frame_6
+from robomech_ros._kernels.spatial.vectors import rotated
 from robomech_ros._kernels.tolerances import NEAR_DOUBLE
 
 # Below this (sine, or distance over size) a direction is rounding: the joint is free to turn.
@@ -24,16 +17,6 @@ PARALLEL_FREE = 1e-10
 PARALLEL_FREE_AT_FOLD = 1e-7
 
 MAX_SOLUTIONS = 16
-
-
-@lean
-def _turned(m, k, x, y, z):
-    """Rotate a vector by the 3x3 part of the 3x4 block of the data that starts at k."""
-    return (
-        m[k] * x + m[k + 1] * y + m[k + 2] * z,
-        m[k + 4] * x + m[k + 5] * y + m[k + 6] * z,
-        m[k + 8] * x + m[k + 9] * y + m[k + 10] * z,
-    )
 
 
 @lean
@@ -67,10 +50,10 @@ def carried(data, G, k, far, turns):
     if data[at.ORDER] == at.AXIS_BEFORE:
         x, y, z = _through_wrist(data, G, x, y, z, far, turns)
         x, y, z = ca * x + sa * y, ca * y - sa * x, z - far * da
-        x, y, z = _turned(data, m, x, y, z)
+        x, y, z = rotated(data, m, (x, y, z))
         return x + far * data[m + 3], y + far * data[m + 7], z + far * data[m + 11]
     x, y, z = ca * x + sa * y, ca * y - sa * x, z - far * da
-    x, y, z = _turned(data, m, x, y, z)
+    x, y, z = rotated(data, m, (x, y, z))
     x, y, z = x + far * data[m + 3], y + far * data[m + 7], z + far * data[m + 11]
     return _through_wrist(data, G, x, y, z, far, turns)
 
@@ -136,7 +119,7 @@ def arm_angles(data, px, py, heading, seed2, elbow):
     sine = math.sqrt(square) / double if square > DOUBLE_ROOT * double * double else 0.0
     bits = 0
     if sine < NEAR_DOUBLE:
-        bits = BOUNDARY
+        bits = bit.BOUNDARY
     sine = max(sine, data[at.SPREAD])
     if elbow == 1 and sine == 0.0:
         return -1, 0.0, 0.0, 0.0, 0.0
@@ -146,7 +129,7 @@ def arm_angles(data, px, py, heading, seed2, elbow):
     if reach < slack:
         if elbow == 1:
             return -1, 0.0, 0.0, 0.0, 0.0
-        bits = ELBOW_SINGULAR
+        bits = bit.ELBOW_SINGULAR
         first = seed2
     else:
         x = l1 + l2 * cosine
@@ -199,7 +182,7 @@ def wrist_turns(data, G, seed, pair):
     c6 = a1 * b1 + a2 * b2
     s6 = a1 * b2 - a2 * b1
     length = math.sqrt(c6 * c6 + s6 * s6)
-    fold = bits & BOUNDARY != 0 and data[at.KIND] == at.SKEW
+    fold = bits & bit.BOUNDARY != 0 and data[at.KIND] == at.SKEW
     rounding = PARALLEL_FREE_AT_FOLD if fold else PARALLEL_FREE
     six_free = na < rounding or length == 0.0
     if six_free or sliding == at.SLIDE_6:
@@ -222,7 +205,7 @@ def wrist_turns(data, G, seed, pair):
     turns = (pair[0], pair[1], da, c5, s5, d5, c6, s6, d6)
     if six_free or five_free:
         reached, turns = _turn_in_reach(data, G, seed, turns, six_free)
-        bits = (bits & ~BOUNDARY) | WRIST_SINGULAR if reached else -1
+        bits = (bits & ~bit.BOUNDARY) | bit.WRIST_SINGULAR if reached else -1
     return bits, turns, error
 
 
@@ -280,9 +263,9 @@ def finish_pair(data, G, seed, pair, named, q, branch, errors, count):
             break
         _enter(data, q[count], wrist, first, second, third)
         if not named:
-            branch[count] = bits | more | ARM_NUMBERED | (count << ARM_SHIFT)
-        elif (elbow == 1) != (bits & SHOULDER_RIGHT != 0):
-            branch[count] = bits | more | ELBOW_DOWN
+            branch[count] = bits | more | bit.ARM_NUMBERED | (count << bit.ARM_SHIFT)
+        elif (elbow == 1) != (bits & bit.SHOULDER_RIGHT != 0):
+            branch[count] = bits | more | bit.ELBOW_DOWN
         else:
             branch[count] = bits | more
         errors[count] = max(error, left)

@@ -2,7 +2,8 @@
 
 import math
 
-from robomech_ros._kernels.compiling.jit import F12, IN1, OUT1, OUT2, f8, i8, lean, lean_part
+from robomech_ros._kernels.compiling.jit import lean, lean_part
+from robomech_ros._kernels.compiling.types import F12, IN1, OUT1, OUT2, f8, i8
 from robomech_ros._kernels.inverse.branch_bits import SHOULDER_SINGULAR, WRIST_FLIP
 from robomech_ros._kernels.inverse.parallel import layout as at
 from robomech_ros._kernels.inverse.parallel.arm import PARALLEL_FREE, lack_of_reach

@@ -16,7 +16,8 @@ same components of z before the turn of axis 5, and the displacement (m) of a pr
 import math
 
 from robomech_ros._kernels.algebra.polynomials import order_one_roots
-from robomech_ros._kernels.compiling.jit import F12, IN1, OUT2, i8, lean, lean_part
+from robomech_ros._kernels.compiling.jit import lean, lean_part
+from robomech_ros._kernels.compiling.types import F12, IN1, OUT2, i8
 from robomech_ros._kernels.inverse.branch_bits import BOUNDARY, SHOULDER_RIGHT, WRIST_FLIP
 from robomech_ros._kernels.inverse.parallel import layout as at
 from robomech_ros._kernels.tolerances import NEAR_DOUBLE

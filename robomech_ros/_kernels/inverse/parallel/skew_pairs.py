@@ -8,7 +8,8 @@ import math
 
 from robomech_ros._kernels.algebra.angles import angle_of, wrapped
 from robomech_ros._kernels.algebra.polynomials import VANISHING, order_one_roots, order_two_roots
-from robomech_ros._kernels.compiling.jit import F12, IN1, OUT2, ZERO, i8, lean, lean_part, scratch
+from robomech_ros._kernels.compiling.jit import lean, lean_part, scratch
+from robomech_ros._kernels.compiling.types import F12, IN1, OUT2, ZERO, i8
 from robomech_ros._kernels.inverse.branch_bits import BOUNDARY
 from robomech_ros._kernels.inverse.parallel import layout as at
 from robomech_ros._kernels.inverse.parallel.pairs import (

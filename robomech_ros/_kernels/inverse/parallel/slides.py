@@ -7,7 +7,8 @@ it is linear.  Equations and rows as in ``parallel_pairs``.
 import math
 
 from robomech_ros._kernels.algebra.polynomials import order_one_roots
-from robomech_ros._kernels.compiling.jit import F12, IN1, OUT2, i8, lean, lean_part
+from robomech_ros._kernels.compiling.jit import lean, lean_part
+from robomech_ros._kernels.compiling.types import F12, IN1, OUT2, i8
 from robomech_ros._kernels.inverse.branch_bits import BOUNDARY, WRIST_SINGULAR
 from robomech_ros._kernels.inverse.parallel import layout as at
 from robomech_ros._kernels.inverse.parallel.arm import (

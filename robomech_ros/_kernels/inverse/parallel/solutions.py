@@ -1,17 +1,8 @@
 """All solutions of a six-joint arm with three parallel axes next to each other."""
 
 from robomech_ros._kernels.algebra.angles import wrapped
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    IOUT1,
-    OUT2,
-    ZERO,
-    i8,
-    lean,
-    lean_part,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import lean, lean_part, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT2, ZERO, i8
 from robomech_ros._kernels.inverse.branch_bits import BOUNDARY, DOUBT, SHOULDER_SINGULAR
 from robomech_ros._kernels.inverse.general.multiplicity import FOLD_LEAST, all_simple
 from robomech_ros._kernels.inverse.parallel import layout as at

@@ -15,24 +15,14 @@ import math
 
 from robomech_ros._kernels.algebra.angles import angle_of, wrapped
 from robomech_ros._kernels.algebra.polynomials import order_one_roots
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    IOUT1,
-    OUT2,
-    ZERO,
-    f8,
-    i8,
-    inline,
-    kernel,
-    linked,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import inline, kernel, linked, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT2, ZERO, f8, i8
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.decoupled import layout as wrist_at
 from robomech_ros._kernels.inverse.decoupled.wrist import spherical_wrist
 from robomech_ros._kernels.inverse.redundant import layout as at
-from robomech_ros._kernels.inverse.redundant.vectors import back, cross, dot, turned
+from robomech_ros._kernels.inverse.redundant.vectors import back, turned
+from robomech_ros._kernels.spatial.vectors import cross, dot, times
 from robomech_ros._kernels.tolerances import ACCEPTED, ON_AXIS, ON_BOUNDARY, PARALLEL_AXES
 
 
@@ -215,12 +205,9 @@ def _spherical(data, block):
 def elbows(data, T):
     """Return the number of values of joint 4, their cosines and sines, and shoulder to wrist."""
     packed, parts = parts_of(data)
-    hx, hy, hz = _vector(parts, at.CENTRE_7)
-    d = (
-        T[0, 0] * hx + T[0, 1] * hy + T[0, 2] * hz + T[0, 3] - parts[at.CENTRE_0],
-        T[1, 0] * hx + T[1, 1] * hy + T[1, 2] * hz + T[1, 3] - parts[at.CENTRE_0 + 1],
-        T[2, 0] * hx + T[2, 1] * hy + T[2, 2] * hz + T[2, 3] - parts[at.CENTRE_0 + 2],
-    )
+    x, y, z = times(T, _vector(parts, at.CENTRE_7))
+    start = _vector(parts, at.CENTRE_0)
+    d = x + T[0, 3] - start[0], y + T[1, 3] - start[1], z + T[2, 3] - start[2]
     unit = 1.0 / (data[at.SIZE] * data[at.SIZE])
     square = dot(d, d)
     if square * unit < ON_AXIS:

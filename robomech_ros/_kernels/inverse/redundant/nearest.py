@@ -10,7 +10,8 @@ import numpy as np
 
 from robomech_ros._kernels.algebra.dense import cholesky_again, cholesky_solve
 from robomech_ros._kernels.chain.serial import jacobian_body
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, b1, f8, i8, lean, part, scratch
+from robomech_ros._kernels.compiling.jit import lean, part, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, b1, f8, i8
 from robomech_ros._kernels.inverse.polishing import largest_error, pose_difference
 from robomech_ros._kernels.inverse.ranking import LINF, distance_from
 from robomech_ros._kernels.tolerances import AT_LIMIT, ON_BOUNDARY

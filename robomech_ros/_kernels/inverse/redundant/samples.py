@@ -6,13 +6,15 @@ import numpy as np
 
 from robomech_ros._kernels.algebra.angles import wrapped
 from robomech_ros._kernels.chain.serial import forward_body
-from robomech_ros._kernels.compiling.jit import IN1, IN2, IOUT1, OUT2, i8, kernel, lean, scratch
+from robomech_ros._kernels.compiling.jit import kernel, lean, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT2, i8
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.continuum import free_value
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.arm_angle import call_arm_angle_postures
 from robomech_ros._kernels.inverse.redundant.vectors import back, turned
 from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
+from robomech_ros._kernels.spatial.vectors import times
 
 # Typed, since numba compiles a function anew for a literal.
 _FORWARDS = np.bool_(False)
@@ -131,11 +133,8 @@ def stretched(data, T):
         )
         x, y, _ = turned(packed, 7, column)
         return towards - math.atan2(y + packed[7, 11], x + packed[7, 10])
-    point = (
-        T[0, 0] * x + T[0, 1] * y + T[0, 2] * z + T[0, 3] - packed[0, 10],
-        T[1, 0] * x + T[1, 1] * y + T[1, 2] * z + T[1, 3] - packed[0, 11],
-        T[2, 0] * x + T[2, 1] * y + T[2, 2] * z + T[2, 3] - packed[0, 12],
-    )
+    x, y, z = times(T, (x, y, z))
+    point = x + T[0, 3] - packed[0, 10], y + T[1, 3] - packed[0, 11], z + T[2, 3] - packed[0, 12]
     x, y, _ = back(packed, 0, point)
     return math.atan2(y, x) - towards
 

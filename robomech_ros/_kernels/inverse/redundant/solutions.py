@@ -7,20 +7,14 @@ from numba import types
 
 from robomech_ros._kernels.algebra.angles import wrapped
 from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN3,
-    IOUT1,
-    OUT1,
-    OUT3,
-    ZERO,
     borrowed,
-    i8,
     inline,
     kernel,
     lean,
     scratch,
     scratch_integers,
 )
+from robomech_ros._kernels.compiling.types import IN1, IN3, IOUT1, OUT1, OUT3, ZERO, i8
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.ranking import Ranked, Request, distance_from, insert, place
 from robomech_ros._kernels.inverse.redundant import layout as at

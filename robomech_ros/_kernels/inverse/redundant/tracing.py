@@ -9,19 +9,8 @@ import math
 
 import numpy as np
 
-from robomech_ros._kernels.compiling.jit import (
-    IN1,
-    IN2,
-    OUT1,
-    OUT2,
-    b1,
-    f8,
-    flat,
-    i8,
-    lean,
-    part,
-    scratch,
-)
+from robomech_ros._kernels.compiling.jit import flat, lean, part, scratch
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, OUT2, b1, f8, i8
 from robomech_ros._kernels.inverse.ranking import LINF, distance_from, place
 from robomech_ros._kernels.inverse.redundant.crossings import (
     CROSSING,

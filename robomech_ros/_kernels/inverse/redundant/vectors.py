@@ -1,6 +1,4 @@
-"""Vectors as three numbers, and the rotations of constant transforms, for kernels."""
-
-import math
+"""Rotations of the constant transforms of a packed chain, times vectors."""
 
 from robomech_ros._kernels.compiling.jit import inline
 
@@ -23,21 +21,3 @@ def back(packed, row, v):
         packed[row, 2] * v[0] + packed[row, 5] * v[1] + packed[row, 8] * v[2],
         packed[row, 3] * v[0] + packed[row, 6] * v[1] + packed[row, 9] * v[2],
     )
-
-
-@inline
-def dot(u, v):
-    """Return the scalar product."""
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-
-
-@inline
-def cross(u, v):
-    """Return the vector product."""
-    return (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
-
-
-@inline
-def norm(v):
-    """Return the length."""
-    return math.sqrt(dot(v, v))
