@@ -13,48 +13,44 @@ from robomech_ros._kernels.dynamics.inverse import step_between
 
 
 @fused
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@fused
+def _times(v, rows):
+    """Multiply a row of three by a matrix of three rows."""
+    a, b, c = rows
+    return (
+        v[0] * a[0] + v[1] * b[0] + v[2] * c[0],
+        v[0] * a[1] + v[1] * b[1] + v[2] * c[1],
+        v[0] * a[2] + v[1] * b[2] + v[2] * c[2],
+    )
+
+
+@fused
 def place_frames(model, q, frames):
     """Write rotation and origin in the base (n, 12) of the frame of every link.
 
     Returns the status, the origin of the last joint, and the tip seen from there.
     """
     count = model.shape[0] - 1
-    r00, r01, r02, r10, r11, r12, r20, r21, r22 = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
+    a, b, c = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     x, y, z = 0.0, 0.0, 0.0
     status = OK
     for i in range(count):
         if not math.isfinite(q[i]):
             status = NOT_FINITE
         E = step_between(model, i, q[i])
-        x += r00 * E[9] + r01 * E[10] + r02 * E[11]
-        y += r10 * E[9] + r11 * E[10] + r12 * E[11]
-        z += r20 * E[9] + r21 * E[10] + r22 * E[11]
-        r00, r01, r02 = (
-            r00 * E[0] + r01 * E[3] + r02 * E[6],
-            r00 * E[1] + r01 * E[4] + r02 * E[7],
-            r00 * E[2] + r01 * E[5] + r02 * E[8],
-        )
-        r10, r11, r12 = (
-            r10 * E[0] + r11 * E[3] + r12 * E[6],
-            r10 * E[1] + r11 * E[4] + r12 * E[7],
-            r10 * E[2] + r11 * E[5] + r12 * E[8],
-        )
-        r20, r21, r22 = (
-            r20 * E[0] + r21 * E[3] + r22 * E[6],
-            r20 * E[1] + r21 * E[4] + r22 * E[7],
-            r20 * E[2] + r21 * E[5] + r22 * E[8],
-        )
-        frames[i, 0], frames[i, 1], frames[i, 2] = r00, r01, r02
-        frames[i, 3], frames[i, 4], frames[i, 5] = r10, r11, r12
-        frames[i, 6], frames[i, 7], frames[i, 8] = r20, r21, r22
+        step, rows = E[9:], (E[:3], E[3:6], E[6:9])
+        x, y, z = x + _dot(a, step), y + _dot(b, step), z + _dot(c, step)
+        a, b, c = _times(a, rows), _times(b, rows), _times(c, rows)
+        frames[i, 0], frames[i, 1], frames[i, 2] = a
+        frames[i, 3], frames[i, 4], frames[i, 5] = b
+        frames[i, 6], frames[i, 7], frames[i, 8] = c
         frames[i, 9], frames[i, 10], frames[i, 11] = x, y, z
-    tx, ty, tz = model[count, 10], model[count, 11], model[count, 12]
-    tip = (
-        r00 * tx + r01 * ty + r02 * tz,
-        r10 * tx + r11 * ty + r12 * tz,
-        r20 * tx + r21 * ty + r22 * tz,
-    )
-    return status, (x, y, z), tip
+    tip = model[count, 10], model[count, 11], model[count, 12]
+    return status, (x, y, z), (_dot(a, tip), _dot(b, tip), _dot(c, tip))
 
 
 @fused
@@ -70,32 +66,17 @@ def placed_axis(model, frames, i, point):
 @fused
 def placed_body(model, frames, i, point):
     """Return the body (10) of link i, seen from a point, in the axes of the base."""
-    a0, a1, a2 = frames[i, 0], frames[i, 1], frames[i, 2]
-    b0, b1, b2 = frames[i, 3], frames[i, 4], frames[i, 5]
-    c0, c1, c2 = frames[i, 6], frames[i, 7], frames[i, 8]
+    a = frames[i, 0], frames[i, 1], frames[i, 2]
+    b = frames[i, 3], frames[i, 4], frames[i, 5]
+    c = frames[i, 6], frames[i, 7], frames[i, 8]
     dx, dy, dz = frames[i, 9] - point[0], frames[i, 10] - point[1], frames[i, 11] - point[2]
     m, hx, hy, hz = model[i, 13], model[i, 14], model[i, 15], model[i, 16]
     xx, xy, xz = model[i, 17], model[i, 18], model[i, 19]
     yy, yz, zz = model[i, 20], model[i, 21], model[i, 22]
-    sx = a0 * hx + a1 * hy + a2 * hz
-    sy = b0 * hx + b1 * hy + b2 * hz
-    sz = c0 * hx + c1 * hy + c2 * hz
+    moment, inertia = (hx, hy, hz), ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+    sx, sy, sz = _dot(a, moment), _dot(b, moment), _dot(c, moment)
     # R I, then R I R^T.
-    px, py, pz = (
-        xx * a0 + xy * a1 + xz * a2,
-        xy * a0 + yy * a1 + yz * a2,
-        xz * a0 + yz * a1 + zz * a2,
-    )
-    qx, qy, qz = (
-        xx * b0 + xy * b1 + xz * b2,
-        xy * b0 + yy * b1 + yz * b2,
-        xz * b0 + yz * b1 + zz * b2,
-    )
-    rx, ry, rz = (
-        xx * c0 + xy * c1 + xz * c2,
-        xy * c0 + yy * c1 + yz * c2,
-        xz * c0 + yz * c1 + zz * c2,
-    )
+    p, q, r = _times(a, inertia), _times(b, inertia), _times(c, inertia)
     # About the other point: the first moment about it, plus the one about the link's own origin.
     gx, gy, gz = sx + m * dx, sy + m * dy, sz + m * dz
     kx, ky, kz = dx * (sx + gx), dy * (sy + gy), dz * (sz + gz)
@@ -104,12 +85,12 @@ def placed_body(model, frames, i, point):
         gx,
         gy,
         gz,
-        px * a0 + py * a1 + pz * a2 + ky + kz,
-        px * b0 + py * b1 + pz * b2 - dx * sy - gx * dy,
-        px * c0 + py * c1 + pz * c2 - dx * sz - gx * dz,
-        qx * b0 + qy * b1 + qz * b2 + kx + kz,
-        qx * c0 + qy * c1 + qz * c2 - dy * sz - gy * dz,
-        rx * c0 + ry * c1 + rz * c2 + kx + ky,
+        _dot(p, a) + ky + kz,
+        _dot(p, b) - dx * sy - gx * dy,
+        _dot(p, c) - dx * sz - gx * dz,
+        _dot(q, b) + kx + kz,
+        _dot(q, c) - dy * sz - gy * dz,
+        _dot(r, c) + kx + ky,
     )
 
 

@@ -113,20 +113,7 @@ def momentum_rate(body, motion):
 @lean
 def rates_joined(a, b):
     """Add two rates of momentum (12)."""
-    return (
-        a[0] + b[0],
-        a[1] + b[1],
-        a[2] + b[2],
-        a[3] + b[3],
-        a[4] + b[4],
-        a[5] + b[5],
-        a[6] + b[6],
-        a[7] + b[7],
-        a[8] + b[8],
-        a[9] + b[9],
-        a[10] + b[10],
-        a[11] + b[11],
-    )
+    return plus(a[:6], b[:6], 1.0) + plus(a[6:], b[6:], 1.0)
 
 
 @lean

@@ -20,7 +20,7 @@ from robomech_ros._kernels.algebra.singular_values import make_rows_orthogonal
 from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import inline, kernel, lean, scratch
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT2, f8, i8
-from robomech_ros._kernels.spatial.vectors import cross, dot, times
+from robomech_ros._kernels.spatial.vectors import combined, cross, dot, times
 from robomech_ros._kernels.tolerances import RANK
 
 
@@ -33,12 +33,8 @@ def _lever(T, here, there):
 @lean
 def _move(J, i, r):
     """Return the velocity that joint i causes at the lever r from where J is taken."""
-    ax, ay, az = J[0, i], J[1, i], J[2, i]
-    return (
-        J[3, i] + ay * r[2] - az * r[1],
-        J[4, i] + az * r[0] - ax * r[2],
-        J[5, i] + ax * r[1] - ay * r[0],
-    )
+    axis = J[0, i], J[1, i], J[2, i]
+    return combined((J[3, i], J[4, i], J[5, i]), cross(axis, r), 1.0)
 
 
 @lean
@@ -56,11 +52,7 @@ def _reciprocal(a, b, c, d, x, first):
 @lean
 def _through_wrist(J, r, b, x):
     """Solve J x = b for an arm whose last three axes meet at the lever r; gives the determinant."""
-    centre = (
-        b[3] + b[1] * r[2] - b[2] * r[1],
-        b[4] + b[2] * r[0] - b[0] * r[2],
-        b[5] + b[0] * r[1] - b[1] * r[0],
-    )
+    centre = combined((b[3], b[4], b[5]), cross(b, r), 1.0)
     arm = _reciprocal(_move(J, 0, r), _move(J, 1, r), _move(J, 2, r), centre, x, 0)
     if arm == 0.0:
         return 0.0

@@ -39,29 +39,8 @@ _CREEP = 1e-4
 # zeros.  Of the drives: inertia, what settles their rates, torques asked and explained, and more.
 Work = namedtuple(
     "Work",
-    (
-        "qd",
-        "drift",
-        "qdd",
-        "tau",
-        "trial",
-        "none",
-        "M",
-        "P",
-        "A",
-        "b",
-        "dry",
-        "low",
-        "high",
-        "v",
-        "asked",
-        "effort",
-        "explained",
-        "before",
-        "target",
-        "free",
-        "report",
-    ),
+    "qd drift qdd tau trial none M P A b dry low high v asked effort explained before target"
+    " free report",
 )
 
 

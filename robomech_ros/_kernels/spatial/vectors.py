@@ -47,6 +47,27 @@ def triple(a, b):
 
 
 @flat
+def mixed(v, a, b, c):
+    """Sum of three vectors, each times its part of v."""
+    x, y, z = v[0], v[1], v[2]
+    return (
+        x * a[0] + y * b[0] + z * c[0],
+        x * a[1] + y * b[1] + z * c[1],
+        x * a[2] + y * b[2] + z * c[2],
+    )
+
+
+@flat
+def product(A, B):
+    """Product of two matrices of three rows."""
+    return (
+        mixed(A[0], B[0], B[1], B[2]),
+        mixed(A[1], B[0], B[1], B[2]),
+        mixed(A[2], B[0], B[1], B[2]),
+    )
+
+
+@flat
 def rotated(rows, k, v):
     """Product R v; R stands in rows of four numbers from entry k on."""
     x, y, z = v

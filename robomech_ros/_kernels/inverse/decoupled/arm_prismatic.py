@@ -31,7 +31,7 @@ from robomech_ros._kernels.inverse.decoupled.arm_rows import (
     enter_slide,
     enter_turn,
 )
-from robomech_ros._kernels.spatial.vectors import rotated, rotated_back
+from robomech_ros._kernels.spatial.vectors import mixed, rotated, rotated_back
 
 
 @lean
@@ -101,12 +101,8 @@ def _slide_turn_turn(data, c, w, seed, arms):
 @lean
 def _turned(data, j, p):
     """Row j of A applied to the forms of p."""
-    x, y, z = data[j], data[j + 1], data[j + 2]
-    return (
-        x * p[0][0] + y * p[1][0] + z * p[2][0] + data[j + 3],
-        x * p[0][1] + y * p[1][1] + z * p[2][1],
-        x * p[0][2] + y * p[1][2] + z * p[2][2],
-    )
+    constant, cosine, sine = mixed((data[j], data[j + 1], data[j + 2]), p[0], p[1], p[2])
+    return constant + data[j + 3], cosine, sine
 
 
 @lean
@@ -116,11 +112,7 @@ def _turn_slide_turn(data, c, w, seed, arms):
     k = at.FIRST
     mx, my, mz = data[k + 2], data[k + 6], data[k + 10]
     vx, vy, vz = _turned(data, k, p), _turned(data, k + 4, p), _turned(data, k + 8, p)
-    beta = (
-        vx[0] * mx + vy[0] * my + vz[0] * mz,
-        vx[1] * mx + vy[1] * my + vz[1] * mz,
-        vx[2] * mx + vy[2] * my + vz[2] * mz,
-    )
+    beta = mixed((mx, my, mz), vx, vy, vz)
     q = squared_length(vx, vy, vz)
     gamma = (q[0] - c[0] * c[0] - c[1] * c[1] - c[2] * c[2], q[1], q[2])
     roots = scratch(7, 2)

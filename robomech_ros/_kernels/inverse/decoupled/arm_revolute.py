@@ -44,27 +44,20 @@ from robomech_ros._kernels.tolerances import ON_AXIS
 
 
 @lean
+def _row(data, k, w):
+    x, y, z = w
+    return (
+        data[k + 2] * z + data[k + 3],
+        data[k] * x + data[k + 1] * y,
+        data[k + 1] * x - data[k] * y,
+    )
+
+
+@lean
 def circle(data, w):
     """Return p(z) = B Rz(z) w: constant, cosine and sine part of each of its three components."""
     k = at.SECOND
-    x, y, z = w
-    return (
-        (
-            data[k + 2] * z + data[k + 3],
-            data[k] * x + data[k + 1] * y,
-            data[k + 1] * x - data[k] * y,
-        ),
-        (
-            data[k + 6] * z + data[k + 7],
-            data[k + 4] * x + data[k + 5] * y,
-            data[k + 5] * x - data[k + 4] * y,
-        ),
-        (
-            data[k + 10] * z + data[k + 11],
-            data[k + 8] * x + data[k + 9] * y,
-            data[k + 9] * x - data[k + 8] * y,
-        ),
-    )
+    return _row(data, k, w), _row(data, k + 4, w), _row(data, k + 8, w)
 
 
 @lean

@@ -44,7 +44,15 @@ from robomech_ros._kernels.inverse.decoupled.wrist import (
     spherical_wrist,
 )
 from robomech_ros._kernels.inverse.polishing import call_polish
-from robomech_ros._kernels.spatial.vectors import rotated, rotated_back, scaled, times
+from robomech_ros._kernels.spatial.vectors import (
+    combined,
+    mixed,
+    product,
+    rotated,
+    rotated_back,
+    scaled,
+    times,
+)
 from robomech_ros._kernels.tolerances import ACCEPTED, IDEALISED_SLACK, PARALLEL_AXES
 
 # Near a singularity of the arm its joints are uncertain by this over the determinant of its
@@ -66,35 +74,17 @@ _DOUBT = np.int64(bit.DOUBT)
 def _turn_back(arm, j, Q):
     """Turn Q back by joint j."""
     c, s = cosine_of(arm, j), sine_of(arm, j)
-    return (
-        c * Q[0] + s * Q[3],
-        c * Q[1] + s * Q[4],
-        c * Q[2] + s * Q[5],
-        c * Q[3] - s * Q[0],
-        c * Q[4] - s * Q[1],
-        c * Q[5] - s * Q[2],
-        Q[6],
-        Q[7],
-        Q[8],
-    )
+    a, b = Q[:3], Q[3:6]
+    return combined(scaled(a, c), b, s) + combined(scaled(b, c), a, -s) + Q[6:]
 
 
 @lean
 def _unturn(data, k, Q):
     """R^T Q with R the rotation of the 3x4 transform at k."""
-    j = k + 4
-    i = k + 8
-    return (
-        data[k] * Q[0] + data[j] * Q[3] + data[i] * Q[6],
-        data[k] * Q[1] + data[j] * Q[4] + data[i] * Q[7],
-        data[k] * Q[2] + data[j] * Q[5] + data[i] * Q[8],
-        data[k + 1] * Q[0] + data[j + 1] * Q[3] + data[i + 1] * Q[6],
-        data[k + 1] * Q[1] + data[j + 1] * Q[4] + data[i + 1] * Q[7],
-        data[k + 1] * Q[2] + data[j + 1] * Q[5] + data[i + 1] * Q[8],
-        data[k + 2] * Q[0] + data[j + 2] * Q[3] + data[i + 2] * Q[6],
-        data[k + 2] * Q[1] + data[j + 2] * Q[4] + data[i + 2] * Q[7],
-        data[k + 2] * Q[2] + data[j + 2] * Q[5] + data[i + 2] * Q[8],
-    )
+    a, b, c = Q[:3], Q[3:6], Q[6:]
+    x = mixed((data[k], data[k + 4], data[k + 8]), a, b, c)
+    y = mixed((data[k + 1], data[k + 5], data[k + 9]), a, b, c)
+    return x + y + mixed((data[k + 2], data[k + 6], data[k + 10]), a, b, c)
 
 
 @lean
@@ -105,17 +95,9 @@ def _reduced_target(data, T):
     p = x + T[0, 3] - data[k + 3], y + T[1, 3] - data[k + 7], z + T[2, 3] - data[k + 11]
     c = scaled(rotated_back(data, k, p), 1.0 / data[at.SIZE])
     j = at.TIP
-    Q = (
-        T[0, 0] * data[j] + T[0, 1] * data[j + 3] + T[0, 2] * data[j + 6],
-        T[0, 0] * data[j + 1] + T[0, 1] * data[j + 4] + T[0, 2] * data[j + 7],
-        T[0, 0] * data[j + 2] + T[0, 1] * data[j + 5] + T[0, 2] * data[j + 8],
-        T[1, 0] * data[j] + T[1, 1] * data[j + 3] + T[1, 2] * data[j + 6],
-        T[1, 0] * data[j + 1] + T[1, 1] * data[j + 4] + T[1, 2] * data[j + 7],
-        T[1, 0] * data[j + 2] + T[1, 1] * data[j + 5] + T[1, 2] * data[j + 8],
-        T[2, 0] * data[j] + T[2, 1] * data[j + 3] + T[2, 2] * data[j + 6],
-        T[2, 0] * data[j + 1] + T[2, 1] * data[j + 4] + T[2, 2] * data[j + 7],
-        T[2, 0] * data[j + 2] + T[2, 1] * data[j + 5] + T[2, 2] * data[j + 8],
-    )
+    rows = data[j : j + 3], data[j + 3 : j + 6], data[j + 6 : j + 9]
+    first, second, third = product((T[0], T[1], T[2]), rows)
+    Q = first + second + third
     return c, _unturn(data, k, Q)
 
 

@@ -20,6 +20,7 @@ from robomech_ros._kernels.compiling.jit import lean, lean_part
 from robomech_ros._kernels.compiling.types import F12, IN1, OUT2, i8
 from robomech_ros._kernels.inverse.branch_bits import BOUNDARY, SHOULDER_RIGHT, WRIST_FLIP
 from robomech_ros._kernels.inverse.parallel import layout as at
+from robomech_ros._kernels.spatial.vectors import mixed
 from robomech_ros._kernels.tolerances import NEAR_DOUBLE
 
 MAX_PAIRS = 16
@@ -65,14 +66,8 @@ def seen_from_axis_5(data, c, s):
 def z_in_frame_6(data, G, c, s):
     """Return z in frame 6 as the target demands it, for this q_a."""
     if data[at.ORDER] == at.AXIS_BEFORE:
-        x = data[at.SIN_A] * c
-        y = data[at.SIN_A] * s
-        z = data[at.COS_A]
-        return (
-            G[0] * x + G[3] * y + G[6] * z,
-            G[1] * x + G[4] * y + G[7] * z,
-            G[2] * x + G[5] * y + G[8] * z,
-        )
+        axis = data[at.SIN_A] * c, data[at.SIN_A] * s, data[at.COS_A]
+        return mixed(axis, G[:3], G[3:6], G[6:9])
     return G[6], G[7], G[8]
 
 

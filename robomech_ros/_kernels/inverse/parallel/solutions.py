@@ -12,64 +12,32 @@ from robomech_ros._kernels.inverse.parallel.pairs import FREE, MAX_PAIRS, PAIR_W
 from robomech_ros._kernels.inverse.parallel.skew_pairs import skew_pairs
 from robomech_ros._kernels.inverse.parallel.slides import sliding_pairs
 from robomech_ros._kernels.inverse.polishing import call_polish
+from robomech_ros._kernels.spatial.vectors import dot, mixed, product, scaled
 from robomech_ros._kernels.tolerances import ACCEPTED, GENERAL_SINGULAR, POLISH_ABOVE, SAME_POSTURE
+
+
+@lean
+def _transform(data, k):
+    """Read rows of a rotation, and the origin, of a 3x4 transform."""
+    a, b = (data[k], data[k + 1], data[k + 2]), (data[k + 4], data[k + 5], data[k + 6])
+    c = data[k + 8], data[k + 9], data[k + 10]
+    return (a, b, c), (data[k + 3], data[k + 7], data[k + 11])
 
 
 @lean
 def _demanded(data, T):
     """Return the pose of frame 6 that the target asks for: rotation row by row, then origin."""
-    r00, r01, r02, x = T[0, 0], T[0, 1], T[0, 2], T[0, 3]
-    r10, r11, r12, y = T[1, 0], T[1, 1], T[1, 2], T[1, 3]
-    r20, r21, r22, z = T[2, 0], T[2, 1], T[2, 2], T[2, 3]
+    a, b, c = (T[0, 0], T[0, 1], T[0, 2]), (T[1, 0], T[1, 1], T[1, 2]), (T[2, 0], T[2, 1], T[2, 2])
+    p = T[0, 3], T[1, 3], T[2, 3]
     if data[at.FROM_TIP] != 0.0:
-        x, y, z = (
-            -(r00 * x + r10 * y + r20 * z),
-            -(r01 * x + r11 * y + r21 * z),
-            -(r02 * x + r12 * y + r22 * z),
-        )
-        r01, r10 = r10, r01
-        r02, r20 = r20, r02
-        r12, r21 = r21, r12
-    k = at.RIGHT
-    a0, a1, a2, a3 = data[k], data[k + 1], data[k + 2], data[k + 3]
-    b0, b1, b2, b3 = data[k + 4], data[k + 5], data[k + 6], data[k + 7]
-    c0, c1, c2, c3 = data[k + 8], data[k + 9], data[k + 10], data[k + 11]
-    r00, r01, r02, x = (
-        r00 * a0 + r01 * b0 + r02 * c0,
-        r00 * a1 + r01 * b1 + r02 * c1,
-        r00 * a2 + r01 * b2 + r02 * c2,
-        r00 * a3 + r01 * b3 + r02 * c3 + x,
-    )
-    r10, r11, r12, y = (
-        r10 * a0 + r11 * b0 + r12 * c0,
-        r10 * a1 + r11 * b1 + r12 * c1,
-        r10 * a2 + r11 * b2 + r12 * c2,
-        r10 * a3 + r11 * b3 + r12 * c3 + y,
-    )
-    r20, r21, r22, z = (
-        r20 * a0 + r21 * b0 + r22 * c0,
-        r20 * a1 + r21 * b1 + r22 * c1,
-        r20 * a2 + r21 * b2 + r22 * c2,
-        r20 * a3 + r21 * b3 + r22 * c3 + z,
-    )
-    k = at.LEFT
-    a0, a1, a2, a3 = data[k], data[k + 1], data[k + 2], data[k + 3]
-    b0, b1, b2, b3 = data[k + 4], data[k + 5], data[k + 6], data[k + 7]
-    c0, c1, c2, c3 = data[k + 8], data[k + 9], data[k + 10], data[k + 11]
-    return (
-        a0 * r00 + a1 * r10 + a2 * r20,
-        a0 * r01 + a1 * r11 + a2 * r21,
-        a0 * r02 + a1 * r12 + a2 * r22,
-        b0 * r00 + b1 * r10 + b2 * r20,
-        b0 * r01 + b1 * r11 + b2 * r21,
-        b0 * r02 + b1 * r12 + b2 * r22,
-        c0 * r00 + c1 * r10 + c2 * r20,
-        c0 * r01 + c1 * r11 + c2 * r21,
-        c0 * r02 + c1 * r12 + c2 * r22,
-        a0 * x + a1 * y + a2 * z + a3,
-        b0 * x + b1 * y + b2 * z + b3,
-        c0 * x + c1 * y + c2 * z + c3,
-    )
+        p = scaled(mixed(p, a, b, c), -1.0)
+        a, b, c = (a[0], b[0], c[0]), (a[1], b[1], c[1]), (a[2], b[2], c[2])
+    right, origin = _transform(data, at.RIGHT)
+    p = dot(a, origin) + p[0], dot(b, origin) + p[1], dot(c, origin) + p[2]
+    left, origin = _transform(data, at.LEFT)
+    a, b, c = product(left, product((a, b, c), right))
+    x, y, z = dot(left[0], p), dot(left[1], p), dot(left[2], p)
+    return a + b + c + (x + origin[0], y + origin[1], z + origin[2])
 
 
 @lean

@@ -22,7 +22,15 @@ from robomech_ros._kernels.inverse.decoupled import layout as wrist_at
 from robomech_ros._kernels.inverse.decoupled.wrist import spherical_wrist
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.vectors import back, turned
-from robomech_ros._kernels.spatial.vectors import cross, dot, times
+from robomech_ros._kernels.spatial.vectors import (
+    combined,
+    cross,
+    dot,
+    mixed,
+    product,
+    scaled,
+    times,
+)
 from robomech_ros._kernels.tolerances import ACCEPTED, ON_AXIS, ON_BOUNDARY, PARALLEL_AXES
 
 
@@ -97,51 +105,18 @@ def base_triad(parts, d):
 @inline
 def product_of(a, b):
     """a^T b for rotations given as three rows."""
-    return (
-        a[0][0] * b[0][0] + a[1][0] * b[1][0] + a[2][0] * b[2][0],
-        a[0][0] * b[0][1] + a[1][0] * b[1][1] + a[2][0] * b[2][1],
-        a[0][0] * b[0][2] + a[1][0] * b[1][2] + a[2][0] * b[2][2],
-        a[0][1] * b[0][0] + a[1][1] * b[1][0] + a[2][1] * b[2][0],
-        a[0][1] * b[0][1] + a[1][1] * b[1][1] + a[2][1] * b[2][1],
-        a[0][1] * b[0][2] + a[1][1] * b[1][2] + a[2][1] * b[2][2],
-        a[0][2] * b[0][0] + a[1][2] * b[1][0] + a[2][2] * b[2][0],
-        a[0][2] * b[0][1] + a[1][2] * b[1][1] + a[2][2] * b[2][1],
-        a[0][2] * b[0][2] + a[1][2] * b[1][2] + a[2][2] * b[2][2],
-    )
+    x = mixed((a[0][0], a[1][0], a[2][0]), b[0], b[1], b[2])
+    y = mixed((a[0][1], a[1][1], a[2][1]), b[0], b[1], b[2])
+    return x + y + mixed((a[0][2], a[1][2], a[2][2]), b[0], b[1], b[2])
 
 
 @inline
 def upper_arm(base, arm, cosine, sine):
     """Rows of the rotation that takes the arm's axes, turned by the arm angle, to the base's."""
     d, e, n = base
-    p, f, g = arm
-    ex, ey, ez = (
-        cosine * e[0] + sine * n[0],
-        cosine * e[1] + sine * n[1],
-        cosine * e[2] + sine * n[2],
-    )
-    nx, ny, nz = (
-        cosine * n[0] - sine * e[0],
-        cosine * n[1] - sine * e[1],
-        cosine * n[2] - sine * e[2],
-    )
-    return (
-        (
-            d[0] * p[0] + ex * f[0] + nx * g[0],
-            d[0] * p[1] + ex * f[1] + nx * g[1],
-            d[0] * p[2] + ex * f[2] + nx * g[2],
-        ),
-        (
-            d[1] * p[0] + ey * f[0] + ny * g[0],
-            d[1] * p[1] + ey * f[1] + ny * g[1],
-            d[1] * p[2] + ey * f[2] + ny * g[2],
-        ),
-        (
-            d[2] * p[0] + ez * f[0] + nz * g[0],
-            d[2] * p[1] + ez * f[1] + nz * g[1],
-            d[2] * p[2] + ez * f[2] + nz * g[2],
-        ),
-    )
+    ex, ey, ez = combined(scaled(e, cosine), n, sine)
+    nx, ny, nz = combined(scaled(n, cosine), e, -sine)
+    return product(((d[0], ex, nx), (d[1], ey, ny), (d[2], ez, nz)), arm)
 
 
 @inline
@@ -157,33 +132,16 @@ def rows_of(packed, row):
 @inline
 def left_for_wrist(packed, T, R, cosine, sine):
     """Rz(q_5) C_5 Rz(q_6) C_6 Rz(q_7), nine numbers."""
-    # Columns of R C_3 Rz(q_4) C_4, one after another.
-    a = rows_of(packed, 4)
-    b = (
-        (
-            cosine * a[0][0] - sine * a[1][0],
-            cosine * a[0][1] - sine * a[1][1],
-            cosine * a[0][2] - sine * a[1][2],
-        ),
-        (
-            sine * a[0][0] + cosine * a[1][0],
-            sine * a[0][1] + cosine * a[1][1],
-            sine * a[0][2] + cosine * a[1][2],
-        ),
-        a[2],
-    )
-    x = turned(packed, 3, (b[0][0], b[1][0], b[2][0]))
-    y = turned(packed, 3, (b[0][1], b[1][1], b[2][1]))
-    z = turned(packed, 3, (b[0][2], b[1][2], b[2][2]))
-    x = (dot(R[0], x), dot(R[1], x), dot(R[2], x))
-    y = (dot(R[0], y), dot(R[1], y), dot(R[2], y))
-    z = (dot(R[0], z), dot(R[1], z), dot(R[2], z))
+    # R C_3 Rz(q_4) C_4.
+    a, b, c = rows_of(packed, 4)
+    a, b = combined(scaled(a, cosine), b, -sine), combined(scaled(a, sine), b, cosine)
+    upper = product(R, product(rows_of(packed, 3), (a, b, c)))
     h = (
         turned(packed, 7, (T[0, 0], T[0, 1], T[0, 2])),
         turned(packed, 7, (T[1, 0], T[1, 1], T[1, 2])),
         turned(packed, 7, (T[2, 0], T[2, 1], T[2, 2])),
     )
-    return product_of(((x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2])), h)
+    return product_of(upper, h)
 
 
 @inline
