@@ -68,7 +68,7 @@ def _regressor_body(packed, q, qd, qdd, around, Y):
     frames = scratch(MOST_JOINTS, 12)
     axes = scratch(MOST_JOINTS, 6)
     status, point, _ = place_frames(packed, q, frames)
-    motion = (*six(around), around[6], around[7], around[8])
+    motion = six(around) + (around[6], around[7], around[8])
     count = packed.shape[0] - 1
     for k in range(count):
         E = step_between(packed, k, q[k])
