@@ -3,7 +3,7 @@
 from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import kernel, lean
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT3, i8
-from robomech_ros._kernels.spatial.vectors import times
+from robomech_ros._kernels.spatial.vectors import combined, cross, lower, times, upper
 
 
 @lean
@@ -12,12 +12,9 @@ def move_jacobian(J, pose, point):
 
     ``v_P = v + omega x r`` with r the point seen from the tip's origin, in the axes of the base.
     """
-    rx, ry, rz = times(pose, (point[0], point[1], point[2]))
+    r = times(pose, (point[0], point[1], point[2]))
     for i in range(J.shape[1]):
-        ax, ay, az = J[0, i], J[1, i], J[2, i]
-        J[3, i] += ay * rz - az * ry
-        J[4, i] += az * rx - ax * rz
-        J[5, i] += ax * ry - ay * rx
+        J[3, i], J[4, i], J[5, i] = combined(lower(J, i), cross(upper(J, i), r), 1.0)
 
 
 @kernel(i8(IN2, IN2, IN1, OUT3, OUT3))

@@ -15,33 +15,21 @@ from robomech_ros._kernels.chain.layout import MOST_JOINTS
 from robomech_ros._kernels.chain.serial import NOT_FINITE, OK, jacobian_body, joint_jacobian
 from robomech_ros._kernels.compiling.jit import kernel, lean, lean_part, scratch
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, OUT2, OUT3, i8
+from robomech_ros._kernels.spatial.vectors import combined, cross, dot, lower, upper
 
 
 @lean
 def rate_body(J, qd, out):
     """Write the time derivative of J (6, n) at joint rates qd (n,) to out (6, n)."""
     n = J.shape[1]
-    vx, vy, vz = 0.0, 0.0, 0.0
+    w = v = (0.0, 0.0, 0.0)
     for i in range(n):
-        vx += J[3, i] * qd[i]
-        vy += J[4, i] * qd[i]
-        vz += J[5, i] * qd[i]
-    wx, wy, wz = 0.0, 0.0, 0.0
+        v = combined(v, lower(J, i), qd[i])
     for i in range(n):
-        ax, ay, az = J[0, i], J[1, i], J[2, i]
-        mx, my, mz = J[3, i], J[4, i], J[5, i]
-        wx += ax * qd[i]
-        wy += ay * qd[i]
-        wz += az * qd[i]
-        vx -= mx * qd[i]
-        vy -= my * qd[i]
-        vz -= mz * qd[i]
-        out[0, i] = wy * az - wz * ay
-        out[1, i] = wz * ax - wx * az
-        out[2, i] = wx * ay - wy * ax
-        out[3, i] = wy * mz - wz * my + ay * vz - az * vy
-        out[4, i] = wz * mx - wx * mz + az * vx - ax * vz
-        out[5, i] = wx * my - wy * mx + ax * vy - ay * vx
+        a, m = upper(J, i), lower(J, i)
+        w, v = combined(w, a, qd[i]), combined(v, m, -qd[i])
+        out[0, i], out[1, i], out[2, i] = cross(w, a)
+        out[3, i], out[4, i], out[5, i] = combined(cross(w, m), cross(a, v), 1.0)
 
 
 @lean
@@ -52,24 +40,15 @@ def gradient_body(J, G, out):
     sum_(i < k) h_i x a_i`` with columns [g; h] of G.
     """
     n = J.shape[1]
-    sx, sy, sz = 0.0, 0.0, 0.0
+    s = (0.0, 0.0, 0.0)
     for k in range(n - 1, -1, -1):
-        ax, ay, az = J[0, k], J[1, k], J[2, k]
-        mx, my, mz = J[3, k], J[4, k], J[5, k]
-        gx, gy, gz = G[0, k], G[1, k], G[2, k]
-        hx, hy, hz = G[3, k], G[4, k], G[5, k]
-        sx += ay * gz - az * gy + my * hz - mz * hy
-        sy += az * gx - ax * gz + mz * hx - mx * hz
-        sz += ax * gy - ay * gx + mx * hy - my * hx
-        out[k] = ax * sx + ay * sy + az * sz
-    sx, sy, sz = 0.0, 0.0, 0.0
+        s = combined(s, cross(upper(J, k), upper(G, k)), 1.0)
+        s = combined(s, cross(lower(J, k), lower(G, k)), 1.0)
+        out[k] = dot(upper(J, k), s)
+    s = (0.0, 0.0, 0.0)
     for k in range(n):
-        ax, ay, az = J[0, k], J[1, k], J[2, k]
-        hx, hy, hz = G[3, k], G[4, k], G[5, k]
-        out[k] += J[3, k] * sx + J[4, k] * sy + J[5, k] * sz
-        sx += hy * az - hz * ay
-        sy += hz * ax - hx * az
-        sz += hx * ay - hy * ax
+        out[k] += dot(lower(J, k), s)
+        s = combined(s, cross(lower(G, k), upper(J, k)), 1.0)
 
 
 @lean_part(i8(IN2, IN1, OUT2, OUT1))

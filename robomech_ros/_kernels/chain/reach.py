@@ -18,6 +18,7 @@ from robomech_ros._kernels.chain.layout import SLIDE, TURN
 from robomech_ros._kernels.chain.serial import joint_jacobian
 from robomech_ros._kernels.compiling.jit import inline, kernel
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, f8, i8
+from robomech_ros._kernels.spatial.vectors import cross, dot, upper
 
 # A point this near (m) is reached: below what the message that names the distance shows, above
 # what the search attains at a point of the boundary, where its convergence is slow.
@@ -70,12 +71,11 @@ def _by_joints(packed, weights, J, r, g, H):
     n = g.shape[0]
     for j in range(n):
         u, v, w = J[3, j], J[4, j], J[5, j]
-        g[j] = u * r[0] + v * r[1] + w * r[2]
+        g[j] = dot((u, v, w), r)
         for i in range(j + 1):
             value = weights[0] * u * J[3, i] + weights[1] * v * J[4, i] + weights[2] * w * J[5, i]
             if packed[i, 0] == 0.0:
-                x, y, z = J[0, i], J[1, i], J[2, i]
-                value += r[0] * (y * w - z * v) + r[1] * (z * u - x * w) + r[2] * (x * v - y * u)
+                value += dot(r, cross(upper(J, i), (u, v, w)))
             H[j, i] = value
 
 

@@ -8,7 +8,7 @@ import math
 
 from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.compiling.jit import inline, lean, scratch
-from robomech_ros._kernels.spatial.vectors import cross, dot
+from robomech_ros._kernels.spatial.vectors import cross, dot, lower, upper
 
 # What an arm is made of: nothing with a name; a spherical shoulder and wrist, without or with one
 # joint between them; a spherical wrist after three joints, without or with parallel axes 2 and 3;
@@ -31,33 +31,23 @@ def _minus(a, b):
 
 
 @lean
-def _axis(J, i):
-    return J[0, i], J[1, i], J[2, i]
-
-
-@lean
-def _moved(J, i):
-    return J[3, i], J[4, i], J[5, i]
-
-
-@lean
 def _foot(J, i):
     """Return the point of axis i that is nearest."""
-    return cross(_axis(J, i), _moved(J, i))
+    return cross(upper(J, i), lower(J, i))
 
 
 @lean
 def _volume(J, i):
     """Return the volume that the directions of axes i, i + 1 and i + 2 span."""
-    return dot(cross(_axis(J, i), _axis(J, i + 1)), _axis(J, i + 2))
+    return dot(cross(upper(J, i), upper(J, i + 1)), upper(J, i + 2))
 
 
 @lean
 def _velocity(J, i, point, size):
     """Return the velocity that joint i gives to a point of its link; a turn's over the size."""
-    x, y, z = _axis(J, i)
+    x, y, z = upper(J, i)
     if x == 0.0 and y == 0.0 and z == 0.0:
-        return _moved(J, i)
+        return lower(J, i)
     vx, vy, vz = cross((x, y, z), _minus(point, _foot(J, i)))
     return vx / size, vy / size, vz / size
 
@@ -123,7 +113,7 @@ def _decoupled(J, kind, last, size, out):
         out[0] = dot(cross(one, two), three)
         out[1] = _volume(J, last)
         return
-    axis = _axis(J, 1)
+    axis = upper(J, 1)
     out[0] = dot(one, axis)
     out[1] = dot(cross(two, three), axis)
     out[2] = _volume(J, last)
@@ -133,14 +123,14 @@ def _decoupled(J, kind, last, size, out):
 def _parallel(J, parts, size, out):
     """Elbow, of six joints also the wrist, and the shoulder where axes 5 and 6 meet."""
     kind = parts[0]
-    axis = _axis(J, parts[3])
+    axis = upper(J, parts[3])
     start = _foot(J, parts[3])
     second, third = _minus(_foot(J, parts[4]), start), _minus(_foot(J, parts[5]), start)
     elbow = dot(cross(second, third), axis) / (size * size)
     if kind == PARALLEL:
         out[0] = elbow
         return
-    wrist = dot(cross(_axis(J, 4), _axis(J, 5)), axis)
+    wrist = dot(cross(upper(J, 4), upper(J, 5)), axis)
     if kind == PARALLEL_OUTER:
         out[0] = elbow
         out[1] = wrist

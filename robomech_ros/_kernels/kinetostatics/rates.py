@@ -17,24 +17,18 @@ import math
 import numpy as np
 
 from robomech_ros._kernels.algebra.singular_values import make_rows_orthogonal
+from robomech_ros._kernels.chain.jacobian_points import move_jacobian
 from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import inline, kernel, lean, scratch
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT2, f8, i8
-from robomech_ros._kernels.spatial.vectors import combined, cross, dot, times
+from robomech_ros._kernels.spatial.vectors import combined, cross, dot, lower, times, upper
 from robomech_ros._kernels.tolerances import RANK
-
-
-@lean
-def _lever(T, here, there):
-    """Turn the way between two points of the tip frame into the base."""
-    return times(T, (there[0] - here[0], there[1] - here[1], there[2] - here[2]))
 
 
 @lean
 def _move(J, i, r):
     """Return the velocity that joint i causes at the lever r from where J is taken."""
-    axis = J[0, i], J[1, i], J[2, i]
-    return combined((J[3, i], J[4, i], J[5, i]), cross(axis, r), 1.0)
+    return combined(lower(J, i), cross(upper(J, i), r), 1.0)
 
 
 @lean
@@ -56,13 +50,8 @@ def _through_wrist(J, r, b, x):
     arm = _reciprocal(_move(J, 0, r), _move(J, 1, r), _move(J, 2, r), centre, x, 0)
     if arm == 0.0:
         return 0.0
-    left = (
-        b[0] - J[0, 0] * x[0] - J[0, 1] * x[1] - J[0, 2] * x[2],
-        b[1] - J[1, 0] * x[0] - J[1, 1] * x[1] - J[1, 2] * x[2],
-        b[2] - J[2, 0] * x[0] - J[2, 1] * x[1] - J[2, 2] * x[2],
-    )
-    fourth, fifth = (J[0, 3], J[1, 3], J[2, 3]), (J[0, 4], J[1, 4], J[2, 4])
-    return arm * _reciprocal(fourth, fifth, (J[0, 5], J[1, 5], J[2, 5]), left, x, 3)
+    left = combined(b, times(J, (x[0], x[1], x[2])), -1.0)
+    return arm * _reciprocal(upper(J, 3), upper(J, 4), upper(J, 5), left, x, 3)
 
 
 @lean
@@ -174,21 +163,20 @@ def joint_rates(packed, spherical, wrist, point, length, damping, q, twist, seco
     n = q.shape[1]
     small, large = min(6, n), max(6, n)
     J, T = np.empty((6, n)), np.empty((4, 4))
-    W, b, origin = np.empty((small, small + large)), np.empty(6), np.zeros(3)
+    W, b = np.empty((small, small + large)), np.empty(6)
     status = 0
     for k in range(q.shape[0]):
         if jacobian_body(packed, q[k], J, T):
             status = 1
             continue
-        r = _lever(T, origin, point)
-        for i in range(n):
-            J[3, i], J[4, i], J[5, i] = _move(J, i, r)
+        move_jacobian(J, T, point)
         for i in range(6):
             b[i] = twist[k, i]
             if secondary.shape[0] > 0:
                 for j in range(n):
                     b[i] -= J[i, j] * secondary[k, j]
-        _rates(J, b, _lever(T, point, wrist), spherical != 0, length, damping, W, out[k])
+        r = times(T, combined(wrist, point, -1.0))
+        _rates(J, b, r, spherical != 0, length, damping, W, out[k])
         if secondary.shape[0] > 0:
             for j in range(n):
                 out[k, j] += secondary[k, j]

@@ -21,7 +21,7 @@ from collections import namedtuple
 import numpy as np
 
 from robomech_ros._kernels.compiling.jit import inline, lean, scratch
-from robomech_ros._kernels.loops.factors import REGULAR, left_inverse, widest
+from robomech_ros._kernels.loops.factors import REGULAR, left_inverse, passive_count, widest
 
 # G (limbs, 6, 6) and H (limbs, w, 6); what finding them needs; of each limb the sums of |t| for the
 # changes of its columns of M (limbs, 6), and of all its rows (limbs, w); bounds of d_i (limbs, 5).
@@ -47,15 +47,6 @@ def room_for_inverse(starts):
 
 
 @lean
-def _passive_count(chains, i):
-    k = 0
-    for j in range(chains.starts[i], chains.starts[i + 1]):
-        if chains.drives[j] < 0:
-            k += 1
-    return k
-
-
-@lean
 def invert(chains, found, inverse):
     """Write G and H of the factors of a posture; return a status."""
     limbs, S = chains.starts.size - 1, inverse.S
@@ -64,7 +55,8 @@ def invert(chains, found, inverse):
         return status
     row = 0
     for i in range(limbs):
-        k, Q, R = _passive_count(chains, i), found.Q[i], found.R[i]
+        k = passive_count(chains.drives, chains.starts[i], chains.starts[i + 1])
+        Q, R = found.Q[i], found.R[i]
         G, H = inverse.G[i], inverse.H[i]
         for j in range(6):
             for r in range(6):

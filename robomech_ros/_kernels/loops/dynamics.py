@@ -190,26 +190,32 @@ def complements(model, starts, drives, scale, q, rates, N, N_dot, qd):
     return REGULAR
 
 
+@lean
+def _efforts_of(chains, q, rates, given, around, rows, room, out):
+    """Write the efforts of the drives (m,) for their rates and accelerations; return a status."""
+    qd, qdd, tau, free = rows
+    status = write_complement(chains, q, room)
+    if status == REGULAR:
+        write_rates(room.N, rates, qd)
+        write_turning(chains, qd, qd.reshape(-1, 1), room)
+        status = solve(chains, room.found, given, room.D, qdd.reshape(-1, 1), room.t_one)
+    if status == REGULAR:
+        status = write_efforts(chains, q, qd, qdd, around, free, room.N, tau, out)
+    return status
+
+
 @kernel(i8(IN2, IIN1, IIN1, f8, IN2, IN2, IN2, IN2, OUT2))
 def inverse(model, starts, drives, scale, q, rates, accelerations, around, out):
     """Write the efforts of the drives (b, m) for their rates and accelerations (b, m)."""
     dof, last = rates.shape[1], around.shape[0] - 1
     chains, room = Chains(model, starts, drives, scale), room_for(starts, dof)
     qd, qdd, tau = np.empty(q.shape[1]), np.empty(q.shape[1]), np.empty(q.shape[1])
-    given, free = np.empty((dof, 1)), np.zeros(SURROUNDINGS)
-    status = REGULAR
+    given, rows = np.empty((dof, 1)), (qd, qdd, tau, np.zeros(SURROUNDINGS))
     for b in range(q.shape[0]):
-        status = write_complement(chains, q[b], room)
-        if status != REGULAR:
-            return status
-        write_rates(room.N, rates[b], qd)
-        write_turning(chains, qd, qd.reshape(-1, 1), room)
         for a in range(dof):
             given[a, 0] = accelerations[b, a]
-        status = solve(chains, room.found, given, room.D, qdd.reshape(-1, 1), room.t_one)
-        if status == REGULAR:
-            surrounded = around[min(b, last)]
-            status = write_efforts(chains, q[b], qd, qdd, surrounded, free, room.N, tau, out[b])
+        surrounded = around[min(b, last)]
+        status = _efforts_of(chains, q[b], rates[b], given, surrounded, rows, room, out[b])
         if status != REGULAR:
             return status
     return REGULAR
@@ -221,20 +227,12 @@ def forward(model, starts, drives, scale, q, rates, efforts, around, out):
     dof, last = rates.shape[1], around.shape[0] - 1
     chains, room = Chains(model, starts, drives, scale), room_for(starts, dof)
     qd, qdd, tau = np.empty(q.shape[1]), np.empty(q.shape[1]), np.empty(q.shape[1])
-    still, free = np.zeros((dof, 1)), np.zeros(SURROUNDINGS)
+    still, rows = np.zeros((dof, 1)), (qd, qdd, tau, np.zeros(SURROUNDINGS))
     widest = room.own.size
     M, P, G = np.empty((widest, widest)), np.empty((widest, dof)), np.empty((dof, dof))
-    status = REGULAR
     for b in range(q.shape[0]):
-        status = write_complement(chains, q[b], room)
-        if status != REGULAR:
-            return status
-        write_rates(room.N, rates[b], qd)
-        write_turning(chains, qd, qd.reshape(-1, 1), room)
-        status = solve(chains, room.found, still, room.D, qdd.reshape(-1, 1), room.t_one)
-        if status == REGULAR:
-            surrounded = around[min(b, last)]
-            status = write_efforts(chains, q[b], qd, qdd, surrounded, free, room.N, tau, out[b])
+        surrounded = around[min(b, last)]
+        status = _efforts_of(chains, q[b], rates[b], still, surrounded, rows, room, out[b])
         if status == REGULAR:
             status = write_inertia(chains, q[b], room.N, M, P, G)
         if status == REGULAR:

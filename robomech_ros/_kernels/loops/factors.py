@@ -93,6 +93,16 @@ def _triangulate(A, B, rows, columns, width):
 
 
 @lean
+def passive_count(drives, start, end):
+    """Count joints from start to before end that have no drive."""
+    k = 0
+    for j in range(start, end):
+        if drives[j] < 0:
+            k += 1
+    return k
+
+
+@lean
 def factors(chains, q, out):
     """Write the Factors of all limbs for q (n,); return a status.  Lengths in J are scaled."""
     packed, starts, drives, scale = chains
@@ -177,11 +187,7 @@ def left_inverse(chains, found, S):
     starts, drives, Q, A = chains.starts, chains.drives, found.Q, found.A
     count = 0
     for i in range(starts.size - 1):
-        k = 0
-        for j in range(starts[i], starts[i + 1]):
-            if drives[j] < 0:
-                k += 1
-        for row in range(k, 6):
+        for row in range(passive_count(drives, starts[i], starts[i + 1]), 6):
             for j in range(6):
                 A[count, j] = Q[i, row, j]
             count += 1
@@ -201,11 +207,8 @@ def left_inverse(chains, found, S):
 @lean
 def _passive(start, end, drives, R, Q, D, t, qd, width):
     """Write the rates of the passive joints of one limb, from the last to the first."""
+    k = passive_count(drives, start, end)
     for c in range(width):
-        k = 0
-        for j in range(start, end):
-            if drives[j] < 0:
-                k += 1
         row = k
         for j in range(end - 1, start - 1, -1):
             if drives[j] >= 0:

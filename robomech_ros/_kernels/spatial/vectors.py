@@ -46,6 +46,18 @@ def triple(a, b):
     return cross(a, cross(a, b))
 
 
+@lean
+def upper(A, i):
+    """First three numbers of a column."""
+    return A[0, i], A[1, i], A[2, i]
+
+
+@lean
+def lower(A, i):
+    """Last three numbers of a column of six."""
+    return A[3, i], A[4, i], A[5, i]
+
+
 @flat
 def mixed(v, a, b, c):
     """Sum of three vectors, each times its part of v."""
