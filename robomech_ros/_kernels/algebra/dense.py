@@ -2,7 +2,7 @@
 
 import math
 
-from robomech_ros._kernels.compiling.jit import lean
+from robomech_ros._kernels.compiling.jit import flat, lean
 
 
 @lean
@@ -53,3 +53,45 @@ def cholesky_again(A, b, n):
             value -= A[j, k] * b[k]
         b[j] = value * A[j, j]
     _backwards(A, b, n)
+
+
+@flat
+def factored(A, order, least):
+    """Replace A (n, n) by its factors L U, the inverses of the pivots on the diagonal.
+
+    ``order`` (n,) are the rows that were taken.  Returns False where no pivot is above ``least``.
+    """
+    n = A.shape[0]
+    for k in range(n):
+        best = k
+        for i in range(k + 1, n):
+            if abs(A[i, k]) > abs(A[best, k]):
+                best = i
+        order[k] = best
+        if not abs(A[best, k]) > least:
+            return False
+        if best != k:
+            for j in range(n):
+                A[k, j], A[best, j] = A[best, j], A[k, j]
+        inverse = 1.0 / A[k, k]
+        for i in range(k + 1, n):
+            A[i, k] *= inverse
+            for j in range(k + 1, n):
+                A[i, j] -= A[i, k] * A[k, j]
+        A[k, k] = inverse
+    return True
+
+
+@flat
+def solve_factored(A, order, b):
+    """Solve with the factors that :func:`factored` has left, the result in place of b (n,)."""
+    n = A.shape[0]
+    for k in range(n):
+        b[k], b[order[k]] = b[order[k]], b[k]
+    for k in range(n):
+        for i in range(k + 1, n):
+            b[i] -= A[i, k] * b[k]
+    for k in range(n - 1, -1, -1):
+        for j in range(k + 1, n):
+            b[k] -= A[k, j] * b[j]
+        b[k] *= A[k, k]

@@ -16,10 +16,11 @@ import math
 
 import numpy as np
 
+from robomech_ros._kernels.algebra.dense import factored, solve_factored
 from robomech_ros._kernels.algebra.singular_values import make_rows_orthogonal
 from robomech_ros._kernels.chain.jacobian_points import move_jacobian
 from robomech_ros._kernels.chain.serial import jacobian_body
-from robomech_ros._kernels.compiling.jit import inline, kernel, lean, scratch
+from robomech_ros._kernels.compiling.jit import inline, kernel, lean, scratch, scratch_integers
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT2, f8, i8
 from robomech_ros._kernels.spatial.vectors import combined, cross, dot, lower, times, upper
 from robomech_ros._kernels.tolerances import RANK
@@ -57,34 +58,17 @@ def _through_wrist(J, r, b, x):
 @lean
 def _eliminated(J, b, x):
     """Solve J x = b, 6 x 6, by elimination with partial pivoting; gives the determinant."""
-    A = scratch(6, 7)
+    A, order = scratch(6, 6), scratch_integers(6)
     for i in range(6):
+        x[i] = b[i]
         for k in range(6):
             A[i, k] = J[i, k]
-        A[i, 6] = b[i]
+    if not factored(A, order, 0.0):
+        return 0.0
+    solve_factored(A, order, x)
     determinant = 1.0
     for k in range(6):
-        best = k
-        for i in range(k + 1, 6):
-            if abs(A[i, k]) > abs(A[best, k]):
-                best = i
-        pivot = A[best, k]
-        if pivot == 0.0:
-            return 0.0
-        if best != k:
-            determinant = -determinant
-            for j in range(k, 7):
-                A[k, j], A[best, j] = A[best, j], A[k, j]
-        determinant *= pivot
-        for i in range(k + 1, 6):
-            factor = A[i, k] / pivot
-            for j in range(k + 1, 7):
-                A[i, j] -= factor * A[k, j]
-    for i in range(5, -1, -1):
-        value = A[i, 6]
-        for k in range(i + 1, 6):
-            value -= A[i, k] * x[k]
-        x[i] = value / A[i, i]
+        determinant *= (1.0 if order[k] == k else -1.0) / A[k, k]
     return determinant
 
 

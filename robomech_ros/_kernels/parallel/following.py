@@ -13,9 +13,10 @@ Ortega, The Newton-Kantorovich theorem, American Mathematical Monthly 75 (1968),
 
 import math
 
+from robomech_ros._kernels.algebra.dense import solve_factored
 from robomech_ros._kernels.compiling.jit import kernel, lean, scratch, scratch_integers
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, i8
-from robomech_ros._kernels.parallel.newton import eliminate, newton, rows, substitute
+from robomech_ros._kernels.parallel.newton import eliminate, newton, rows
 
 # Status where a singularity is in the way, and where no step is proved any more.
 SINGULAR, _UNPROVED = -1, -2
@@ -94,7 +95,7 @@ def _inverted(J, order, inverse):
     for i in range(6):
         for j in range(6):
             inverse[i, j] = 1.0 if i == j else 0.0
-        substitute(J, inverse[i], order)
+        solve_factored(J, order, inverse[i])
 
 
 @lean
@@ -141,7 +142,7 @@ def follow(A, B, lengths, pose, report):
                 aim[k] = math.sqrt(squared)
                 r[k] = 0.25 * (squared - now[k])
                 b[k] = r[k]
-            substitute(factors, b, order)
+            solve_factored(factors, order, b)
             size = 0.0
             for k in range(6):
                 size += b[k] * b[k]

@@ -2,6 +2,7 @@
 
 import math
 
+from robomech_ros._kernels.algebra.dense import factored, solve_factored
 from robomech_ros._kernels.compiling.jit import kernel, lean, scratch, scratch_integers
 from robomech_ros._kernels.compiling.types import IN2, IN3, OUT1, OUT2, OUT3, i8
 
@@ -53,43 +54,10 @@ def eliminate(J, b, order):
     for k in range(6):
         for i in range(6):
             largest = max(largest, abs(J[k, i]))
-    for k in range(6):
-        best = k
-        for i in range(k + 1, 6):
-            if abs(J[i, k]) > abs(J[best, k]):
-                best = i
-        order[k] = best
-        if not abs(J[best, k]) > _PIVOT * largest:
-            return False
-        if best != k:
-            for j in range(6):
-                value = J[k, j]
-                J[k, j] = J[best, j]
-                J[best, j] = value
-        inverse = 1.0 / J[k, k]
-        J[k, k] = inverse
-        for i in range(k + 1, 6):
-            J[i, k] *= inverse
-            for j in range(k + 1, 6):
-                J[i, j] -= J[i, k] * J[k, j]
-    substitute(J, b, order)
+    if not factored(J, order, _PIVOT * largest):
+        return False
+    solve_factored(J, order, b)
     return True
-
-
-@lean
-def substitute(J, b, order):
-    for k in range(6):
-        value = b[k]
-        b[k] = b[order[k]]
-        b[order[k]] = value
-    for k in range(6):
-        for i in range(k + 1, 6):
-            b[i] -= J[i, k] * b[k]
-    for m in range(6):
-        k = 5 - m
-        for j in range(k + 1, 6):
-            b[k] -= J[k, j] * b[j]
-        b[k] *= J[k, k]
 
 
 @lean

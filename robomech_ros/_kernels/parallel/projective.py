@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from robomech_ros._kernels.algebra.dense import factored, solve_factored
 from robomech_ros._kernels.compiling.jit import inline, kernel
 from robomech_ros._kernels.compiling.types import IOUT1, OUT1, i8
 from robomech_ros._kernels.parallel.quadrics import (
@@ -9,9 +10,7 @@ from robomech_ros._kernels.parallel.quadrics import (
     COUT2,
     PRODUCTS,
     derivatives,
-    factor,
     products_of_order,
-    solve_factored,
     values,
 )
 
@@ -53,7 +52,7 @@ def _correct(K, x, J, order, f):
         values(K, x, f)
         derivatives(K, x, J)
         f[7] = 0.0
-        if not factor(J, order):
+        if not factored(J, order, 0.0):
             return False
         solve_factored(J, order, f)
         for i in range(8):
@@ -110,7 +109,7 @@ def _follow(K0, K1, K, D, x, space):
             series[0, i] = x[i]
         _mixed(K0, K1, t, K)
         derivatives(K, x, J)
-        if not factor(J, order):
+        if not factored(J, order, 0.0):
             return FAILED, t
         h = _series(K, D, J, order, series, products, b)
         while True:
