@@ -22,7 +22,15 @@ from robomech_ros._kernels.chain.jacobian_points import move_jacobian
 from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import inline, kernel, lean, scratch, scratch_integers
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT2, f8, i8
-from robomech_ros._kernels.spatial.vectors import combined, cross, dot, lower, times, upper
+from robomech_ros._kernels.spatial.vectors import (
+    combined,
+    cramer,
+    cross,
+    lower,
+    scaled,
+    times,
+    upper,
+)
 from robomech_ros._kernels.tolerances import RANK
 
 
@@ -35,12 +43,9 @@ def _move(J, i, r):
 @lean
 def _reciprocal(a, b, c, d, x, first):
     """Solve [a b c] x = d into x from its entry `first` on; returns the determinant."""
-    bc, ca, ab = cross(b, c), cross(c, a), cross(a, b)
-    determinant = dot(a, bc)
+    determinant, found = cramer(a, b, c, d)
     if determinant != 0.0:
-        x[first] = dot(d, bc) / determinant
-        x[first + 1] = dot(d, ca) / determinant
-        x[first + 2] = dot(d, ab) / determinant
+        x[first], x[first + 1], x[first + 2] = scaled(found, 1.0 / determinant)
     return determinant
 
 

@@ -6,7 +6,7 @@ from robomech_ros._kernels.compiling.jit import kernel, lean
 from robomech_ros._kernels.compiling.types import IN1, IN2, IN3, OUT1, OUT2, OUT3, i8
 from robomech_ros._kernels.spatial.conversions import STATUSES
 from robomech_ros._kernels.spatial.rates import SINGULAR
-from robomech_ros._kernels.spatial.vectors import combined, cross, dot, scaled
+from robomech_ros._kernels.spatial.vectors import combined, cramer, cross, dot, scaled
 
 # Determinant of a matrix over the cube of its size below which it is singular: points within 3e-7
 # of their spread from a line.
@@ -29,14 +29,10 @@ def _mean(rows, k):
 @lean
 def _solved(one, two, three, size, right):
     """Solve with a matrix of three columns, by their cross products; status and solution."""
-    normal = cross(two, three)
-    volume = dot(one, normal)
+    volume, found = cramer(one, two, three, right)
     if not abs(volume) > _SINGULAR * size * size * size:
         return SINGULAR, (0.0, 0.0, 0.0)
-    x = dot(right, normal) / volume
-    y = dot(right, cross(three, one)) / volume
-    z = dot(right, cross(one, two)) / volume
-    return 0, (x, y, z)
+    return 0, scaled(found, 1.0 / volume)
 
 
 @lean

@@ -47,6 +47,13 @@ def triple(a, b):
 
 
 @lean
+def cramer(a, b, c, d):
+    """Return the determinant of columns a, b and c, and its product with x of [a b c] x = d."""
+    normal = cross(b, c)
+    return dot(a, normal), (dot(d, normal), dot(d, cross(c, a)), dot(d, cross(a, b)))
+
+
+@lean
 def upper(A, i):
     """First three numbers of a column."""
     return A[0, i], A[1, i], A[2, i]

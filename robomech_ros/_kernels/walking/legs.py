@@ -5,6 +5,7 @@ import math
 from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import kernel, lean, scratch
 from robomech_ros._kernels.compiling.types import IN2, IN3, OUT2, i8
+from robomech_ros._kernels.spatial.vectors import cramer, lower, scaled
 
 FOLLOWED = 0
 LOST = 1
@@ -29,16 +30,10 @@ def follow_foot(packed, x, y, z, q, J, T):
         ex, ey, ez = x - T[0, 3], y - T[1, 3], z - T[2, 3]
         if abs(ex) + abs(ey) + abs(ez) <= CLOSED:
             return FOLLOWED
-        a, b, c = J[3, 0], J[3, 1], J[3, 2]
-        d, e, f = J[4, 0], J[4, 1], J[4, 2]
-        g, h, i = J[5, 0], J[5, 1], J[5, 2]
-        m0, m1, m2 = e * i - f * h, f * g - d * i, d * h - e * g
-        det = a * m0 + b * m1 + c * m2
+        det, found = cramer(lower(J, 0), lower(J, 1), lower(J, 2), (ex, ey, ez))
         if not abs(det) > _SINGULAR:
             return LOST
-        s0 = (m0 * ex + (c * h - b * i) * ey + (b * f - c * e) * ez) / det
-        s1 = (m1 * ex + (a * i - c * g) * ey + (c * d - a * f) * ez) / det
-        s2 = (m2 * ex + (b * g - a * h) * ey + (a * e - b * d) * ez) / det
+        s0, s1, s2 = scaled(found, 1.0 / det)
         most = max(abs(s0), abs(s1), abs(s2))
         part = 1.0 if most <= _FARTHEST else _FARTHEST / most
         q[0] += part * s0
