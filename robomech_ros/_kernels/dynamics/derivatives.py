@@ -35,22 +35,17 @@ from robomech_ros._kernels.dynamics.mass import (
     rates_joined,
     times_rate,
 )
+from robomech_ros._kernels.spatial.vectors import combined, cross
 
 
 @lean
 def _tip_terms(axes, wrench, tip, by_q):
     """Take off what the wrench on the tip, which keeps its direction, does to the derivatives."""
-    x, y, z = tip
     count = by_q.shape[0]
     for i in range(count):
         S = six(axes[i])
         # The force stays as it is, and goes with the tip.
-        vx = S[3] + S[1] * z - S[2] * y
-        vy = S[4] + S[2] * x - S[0] * z
-        vz = S[5] + S[0] * y - S[1] * x
-        mx = vy * wrench[5] - vz * wrench[4]
-        my = vz * wrench[3] - vx * wrench[5]
-        mz = vx * wrench[4] - vy * wrench[3]
+        mx, my, mz = cross(combined(S[3:], cross(S, tip), 1.0), wrench[3:])
         for j in range(count):
             by_q[j, i] -= axes[j, 0] * mx + axes[j, 1] * my + axes[j, 2] * mz
             if j > i:

@@ -15,7 +15,8 @@ from robomech_ros._kernels.chain.coupling import collect, expand, is_coupled
 from robomech_ros._kernels.chain.serial import NOT_FINITE, OK
 from robomech_ros._kernels.compiling.jit import fused, kernel, lean, lean_part, scratch
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, OUT2, i8
-from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
+from robomech_ros._kernels.dynamics.layout import MOST_JOINTS, SURROUNDINGS, TIP_WRENCH
+from robomech_ros._kernels.spatial.vectors import combined, cross, mixed, scaled, triple
 
 
 @fused
@@ -46,18 +47,15 @@ def step_between(model, i, q):
 
 
 @lean
-def into(E, x, y, z):
+def into(E, v):
     """Turn a vector into the axes of the next link."""
-    return (
-        E[0] * x + E[3] * y + E[6] * z,
-        E[1] * x + E[4] * y + E[7] * z,
-        E[2] * x + E[5] * y + E[8] * z,
-    )
+    return mixed(v, E[:3], E[3:6], E[6:9])
 
 
 @lean
-def _out_of(E, x, y, z):
+def _out_of(E, v):
     """Turn a vector from the axes of the next link into those before it."""
+    x, y, z = v
     return (
         E[0] * x + E[1] * y + E[2] * z,
         E[3] * x + E[4] * y + E[5] * z,
@@ -66,9 +64,22 @@ def _out_of(E, x, y, z):
 
 
 @lean
-def cross(ax, ay, az, bx, by, bz):
-    """Product of vectors a and b."""
-    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+def three(row, i):
+    """Read three numbers of a row from place i on."""
+    return row[i], row[i + 1], row[i + 2]
+
+
+@lean
+def next_motion(motion, E, slides, rate, gain):
+    """Go from the motion of a link, (omega, alpha, a of its origin), to that of the next."""
+    w, b, a = motion
+    step = three(E, 9)
+    a = combined(combined(a, cross(b, step), 1.0), triple(w, step), 1.0)
+    w, b, a = into(E, w), into(E, b), into(E, a)
+    aside = w[1] * rate, -w[0] * rate, gain
+    if slides:
+        return w, b, (a[0] + 2.0 * aside[0], a[1] + 2.0 * aside[1], a[2] + gain)
+    return (w[0], w[1], w[2] + rate), combined(b, aside, 1.0), a
 
 
 @lean
@@ -85,31 +96,32 @@ def _keep(room, i, E, n, f):
 def _collect(model, room, tip, out):
     """Add up moments and forces from the tip inwards, and write what each joint takes.
 
-    ``tip`` is the wrench on the tip, in the axes of the last link.
+    ``tip`` are moment and force on the tip, in the axes of the last link.
     """
     count = model.shape[0] - 1
     # The last link passes to the tip what the surroundings do to it, with the other sign.
-    fx, fy, fz = -tip[3], -tip[4], -tip[5]
-    cx, cy, cz = cross(model[count, 10], model[count, 11], model[count, 12], fx, fy, fz)
-    nx, ny, nz = cx - tip[0], cy - tip[1], cz - tip[2]
+    moment, force = tip
+    f = scaled(force, -1.0)
+    n = combined(cross(three(model[count], 10), f), moment, -1.0)
     status = OK
     for i in range(count - 1, -1, -1):
-        nx += room[i, 12]
-        ny += room[i, 13]
-        nz += room[i, 14]
-        fx += room[i, 15]
-        fy += room[i, 16]
-        fz += room[i, 17]
-        out[i] = nz if model[i, 0] == 0.0 else fz
+        row = room[i]
+        n, f = combined(n, three(row, 12), 1.0), combined(f, three(row, 15), 1.0)
+        out[i] = n[2] if model[i, 0] == 0.0 else f[2]
         if not math.isfinite(out[i]):
             status = NOT_FINITE
-        fx, fy, fz = _out_of(room[i], fx, fy, fz)
-        nx, ny, nz = _out_of(room[i], nx, ny, nz)
-        cx, cy, cz = cross(room[i, 9], room[i, 10], room[i, 11], fx, fy, fz)
-        nx += cx
-        ny += cy
-        nz += cz
+        f = _out_of(row, f)
+        n = combined(_out_of(row, n), cross(three(row, 9), f), 1.0)
     return status
+
+
+@lean
+def _is_loaded(around):
+    """Tell whether there is a wrench on the tip."""
+    for k in range(TIP_WRENCH, SURROUNDINGS):
+        if around[k] != 0.0:
+            return True
+    return False
 
 
 @lean
@@ -117,56 +129,26 @@ def _joint_torques(model, q, qd, qdd, around, out):
     """Write the torques (m,) that give all joints their accelerations to out."""
     room = scratch(MOST_JOINTS, 18)
     count = model.shape[0] - 1
-    wx, wy, wz = around[0], around[1], around[2]
-    bx, by, bz = around[3], around[4], around[5]
-    ax, ay, az = around[6], around[7], around[8]
-    tnx, tny, tnz = around[9], around[10], around[11]
-    tfx, tfy, tfz = around[12], around[13], around[14]
-    loaded = tnx != 0.0 or tny != 0.0 or tnz != 0.0 or tfx != 0.0 or tfy != 0.0 or tfz != 0.0
+    motion = three(around, 0), three(around, 3), three(around, 6)
+    moment, force = three(around, 9), three(around, 12)
+    loaded = _is_loaded(around)
     status = OK
     for i in range(count):
-        value, rate, gain = q[i], qd[i], qdd[i]
-        if not math.isfinite(value):
+        if not math.isfinite(q[i]):
             status = NOT_FINITE
-        E = step_between(model, i, value)
-        x, y, z = E[9], E[10], E[11]
-        ux, uy, uz = cross(wx, wy, wz, x, y, z)
-        cx, cy, cz = cross(wx, wy, wz, ux, uy, uz)
-        ux, uy, uz = cross(bx, by, bz, x, y, z)
-        ax, ay, az = into(E, ax + ux + cx, ay + uy + cy, az + uz + cz)
-        wx, wy, wz = into(E, wx, wy, wz)
-        bx, by, bz = into(E, bx, by, bz)
-        if model[i, 0] == 0.0:
-            bx += wy * rate
-            by -= wx * rate
-            bz += gain
-            wz += rate
-        else:
-            ax += 2.0 * wy * rate
-            ay -= 2.0 * wx * rate
-            az += gain
-        m, hx, hy, hz = model[i, 13], model[i, 14], model[i, 15], model[i, 16]
-        xx, xy, xz = model[i, 17], model[i, 18], model[i, 19]
-        yy, yz, zz = model[i, 20], model[i, 21], model[i, 22]
-        ux, uy, uz = cross(wx, wy, wz, hx, hy, hz)
-        cx, cy, cz = cross(wx, wy, wz, ux, uy, uz)
-        ux, uy, uz = cross(bx, by, bz, hx, hy, hz)
-        f = (m * ax + ux + cx, m * ay + uy + cy, m * az + uz + cz)
-        lx = xx * wx + xy * wy + xz * wz
-        ly = xy * wx + yy * wy + yz * wz
-        lz = xz * wx + yz * wy + zz * wz
-        cx, cy, cz = cross(wx, wy, wz, lx, ly, lz)
-        ux, uy, uz = cross(hx, hy, hz, ax, ay, az)
-        n = (
-            xx * bx + xy * by + xz * bz + cx + ux,
-            xy * bx + yy * by + yz * bz + cy + uy,
-            xz * bx + yz * by + zz * bz + cz + uz,
-        )
+        E = step_between(model, i, q[i])
+        motion = next_motion(motion, E, model[i, 0] != 0.0, qd[i], qdd[i])
+        w, b, a = motion
+        m, h = model[i, 13], three(model[i], 14)
+        xx, xy, xz = three(model[i], 17)
+        yy, yz, zz = three(model[i], 20)
+        x, y, z = (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
+        f = combined(combined(scaled(a, m), cross(b, h), 1.0), triple(w, h), 1.0)
+        n = combined(mixed(b, x, y, z), cross(w, mixed(w, x, y, z)), 1.0)
         if loaded:
-            tnx, tny, tnz = into(E, tnx, tny, tnz)
-            tfx, tfy, tfz = into(E, tfx, tfy, tfz)
-        _keep(room, i, E, n, f)
-    status |= _collect(model, room, (tnx, tny, tnz, tfx, tfy, tfz), out)
+            moment, force = into(E, moment), into(E, force)
+        _keep(room, i, E, combined(n, cross(h, a), 1.0), f)
+    status |= _collect(model, room, (moment, force), out)
     for i in range(count):
         out[i] += model[i, 23] * qdd[i]
         if not math.isfinite(out[i]):
@@ -198,23 +180,18 @@ def inverse_body(model, q, qd, qdd, around, out):
 def _joint_gravity(model, q, around, out):
     """Write the torques (m,) that hold all joints to out."""
     room = scratch(MOST_JOINTS, 18)
-    ax, ay, az = around[6], around[7], around[8]
-    tnx, tny, tnz = around[9], around[10], around[11]
-    tfx, tfy, tfz = around[12], around[13], around[14]
-    loaded = tnx != 0.0 or tny != 0.0 or tnz != 0.0 or tfx != 0.0 or tfy != 0.0 or tfz != 0.0
+    a, moment, force = three(around, 6), three(around, 9), three(around, 12)
+    loaded = _is_loaded(around)
     status = OK
     for i in range(model.shape[0] - 1):
         if not math.isfinite(q[i]):
             status = NOT_FINITE
         E = step_between(model, i, q[i])
-        ax, ay, az = into(E, ax, ay, az)
+        a = into(E, a)
         if loaded:
-            tnx, tny, tnz = into(E, tnx, tny, tnz)
-            tfx, tfy, tfz = into(E, tfx, tfy, tfz)
-        m = model[i, 13]
-        n = cross(model[i, 14], model[i, 15], model[i, 16], ax, ay, az)
-        _keep(room, i, E, n, (m * ax, m * ay, m * az))
-    return status | _collect(model, room, (tnx, tny, tnz, tfx, tfy, tfz), out)
+            moment, force = into(E, moment), into(E, force)
+        _keep(room, i, E, cross(three(model[i], 14), a), scaled(a, model[i, 13]))
+    return status | _collect(model, room, (moment, force), out)
 
 
 @lean_part(i8(IN2, IN1, IN1, OUT1))
