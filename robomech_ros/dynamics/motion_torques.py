@@ -8,7 +8,7 @@ import numpy as np
 from robomech_ros.dynamics.systems import DynamicSystem, dynamic_system
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import as_finite, real_array
+from robomech_ros.spatial.arrays import as_finite, of_shape, real_array
 from robomech_ros.typing import Array, ArrayLike
 
 
@@ -94,8 +94,7 @@ def torque_summary(
     instants, rates = as_finite("times", times, ()), real_array("qd", qd)
     if instants.ndim != 1 or not len(instants):
         raise WrongSizeError("times", instants.shape, "(m,) with at least one instant")
-    if rates.shape != (len(instants), drives):
-        raise WrongSizeError("qd", rates.shape, (len(instants), drives))
+    of_shape("qd", rates, (len(instants), drives))
     if not (np.diff(instants) >= 0.0).all():
         raise BadValueError("times", instants.tolist()[:5], "instants that do not decrease")
     effort = system.inverse(q, rates, qdd, gravity=gravity, tip_wrench=tip_wrench)

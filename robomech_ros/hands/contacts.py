@@ -10,7 +10,14 @@ import numpy as np
 from robomech_ros._kernels.hands.force_closure import wrench_cones
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_choice, as_finite, as_single, finite_within, listed
+from robomech_ros.spatial.arrays import (
+    as_choice,
+    as_finite,
+    as_single,
+    finite_within,
+    listed,
+    of_shape,
+)
 from robomech_ros.typing import Array, ArrayLike
 
 MODELS = ("frictionless", "point", "soft")
@@ -73,8 +80,7 @@ class Contact:
             raise WrongSizeError("position of the contact", position.shape, shapes)
         check_coordinates("position of the contact", position)
         normal = as_finite("normal of the contact", self.normal, ())
-        if normal.shape != position.shape:
-            raise WrongSizeError("normal of the contact", normal.shape, position.shape)
+        of_shape("normal of the contact", normal, position.shape)
         largest = float(np.abs(normal).max())
         if not largest > _NO_NORMAL:
             why = f"a direction into the object, of a length above {_NO_NORMAL:g}"

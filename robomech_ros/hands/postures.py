@@ -9,7 +9,14 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.hands.contacts import Contact, check_coordinates
 from robomech_ros.hands.hand import Hand, finger_numbers, fingers_of
 from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
-from robomech_ros.spatial.arrays import as_finite, as_flag, check_kind, listed, whole_number
+from robomech_ros.spatial.arrays import (
+    as_finite,
+    as_flag,
+    check_kind,
+    listed,
+    of_shape,
+    whole_number,
+)
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.typing import Array, ArrayLike
 
@@ -62,9 +69,7 @@ def grasp_postures(
     [2]
     """
     given, owners = fingers_of(hand, contacts, fingers)
-    pose = as_pose(T)
-    if pose.shape != (4, 4):
-        raise WrongSizeError("pose", pose.shape, (4, 4))
+    pose = of_shape("pose", as_pose(T), (4, 4))
     points = np.array([one.position for one in given]) @ pose[:3, :3].T + pose[:3, 3]
     return tip_postures(hand, points, fingers=owners, seed=seed, respect_limits=respect_limits)
 

@@ -1,12 +1,16 @@
 """Check numbers that come from a caller."""
 
 import math
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.typing import Array, ArrayLike
+
+_AnyArray = TypeVar("_AnyArray", bound=NDArray[Any])
 
 _FLOAT64 = np.dtype(np.float64)
 # So many numbers are looked at faster one by one.
@@ -88,13 +92,27 @@ def whole_number(
     return int(number)
 
 
-def shaped_array(what: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """Return a value as finite float64 of exactly one shape."""
-    array = real_array(what, value)
+def of_shape(what: str, array: _AnyArray, shape: tuple[int, ...]) -> _AnyArray:
+    """Return an array back, of exactly one shape."""
     if array.shape != shape:
         raise WrongSizeError(what, array.shape, shape)
+    return array
+
+
+def shaped_array(what: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """Return a value as finite float64 of exactly one shape."""
+    array = of_shape(what, real_array(what, value), shape)
     check_finite(what, array)
     return array
+
+
+def distinct(points: Iterable[Array], apart: float) -> list[Array]:
+    """Return points (n,) that differ from those before them by more than this in a number."""
+    kept: list[Array] = []
+    for point in points:
+        if all(np.abs(point - other).max() > apart for other in kept):
+            kept.append(point)
+    return kept
 
 
 def all_finite(array: Array) -> bool:

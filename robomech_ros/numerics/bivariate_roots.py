@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.numerics.arrays import real_array, real_number
+from robomech_ros.errors import BadValueError
+from robomech_ros.numerics.arrays import of_shape, real_array, real_number
 from robomech_ros.numerics.grid_crossings import (
     STEP,
     Equations,
@@ -138,9 +138,7 @@ def refine_root(
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 9.4 and B.4.
     """
-    start = real_array("estimate", estimate)
-    if start.shape != (2,):
-        raise WrongSizeError("estimate", start.shape, (2,))
+    start = of_shape("estimate", real_array("estimate", estimate), (2,))
     check_callable(equations)
 
     def value(x: Array) -> Array:

@@ -8,7 +8,7 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., appendix B.
 import numpy as np
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.numerics.arrays import check_finite, real_array
+from robomech_ros.numerics.arrays import check_finite, of_shape, real_array
 from robomech_ros.typing import Array, ArrayLike
 
 # A pivot below this (of the longest column) is rounding: the columns depend on each other.
@@ -112,8 +112,7 @@ def _checked(A: ArrayLike, b: ArrayLike) -> tuple[Array, Array]:
     matrix, vector = real_array("A", A), real_array("b", b)
     if matrix.ndim != 2 or not matrix.size:
         raise WrongSizeError("A", matrix.shape, "(m, n)")
-    if vector.shape != matrix.shape[:1]:
-        raise WrongSizeError("b", vector.shape, matrix.shape[:1])
+    of_shape("b", vector, matrix.shape[:1])
     check_finite("A", matrix)
     check_finite("b", vector)
     return matrix, vector

@@ -4,7 +4,14 @@ import numpy as np
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import LEAST, as_finite, as_single, real_array, real_within
+from robomech_ros.spatial.arrays import (
+    LEAST,
+    as_finite,
+    as_single,
+    of_shape,
+    real_array,
+    real_within,
+)
 from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.typing import Array, ArrayLike
@@ -48,9 +55,7 @@ def angle_limits(limits: ArrayLike | None) -> Array:
 
 def unit_axes(what: str, axes: ArrayLike) -> Array:
     """Check three directions (3, 3) and give them unit length."""
-    array = as_finite(what, axes, (3,))
-    if array.shape != (3, 3):
-        raise WrongSizeError(what, array.shape, (3, 3))
+    array = of_shape(what, as_finite(what, axes, (3,)), (3, 3))
     norms = np.linalg.norm(array, axis=1)
     if not ((norms > 1e-6) & (norms < LARGEST_LENGTH)).all():
         raise BadValueError(what, array.tolist(), "three directions, none of them zero")
@@ -108,10 +113,7 @@ def _within_reach(position: Array) -> Array:
 
 def single_pose(T: ArrayLike, what: str = "pose") -> Array:
     """Check one pose (4, 4), and that it is of a robot's size."""
-    pose = platform_poses(T, what)
-    if pose.shape != (4, 4):
-        raise WrongSizeError(what, pose.shape, (4, 4))
-    return pose
+    return of_shape(what, platform_poses(T, what), (4, 4))
 
 
 def _turn(pose: Array) -> float:

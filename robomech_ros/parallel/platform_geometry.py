@@ -8,9 +8,10 @@ import numpy as np
 
 from robomech_ros._kernels.parallel.newton import jacobians
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError
+from robomech_ros.numerics.arrays import distinct
 from robomech_ros.parallel.argument_checks import one_or_each
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.arrays import as_finite, of_shape
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
 from robomech_ros.typing import Array, ArrayLike
@@ -61,25 +62,18 @@ class ScaledPlatform:
 
 def checked_points(what: str, points: ArrayLike, count: int, dimension: int) -> Array:
     """Check anchors: their number, finite, of a robot's size, and not all in one point."""
-    array = as_finite(what, points, (dimension,))
-    if array.shape != (count, dimension):
-        raise WrongSizeError(what, array.shape, (count, dimension))
+    array = of_shape(what, as_finite(what, points, (dimension,)), (count, dimension))
     if np.abs(array).max() > LARGEST_LENGTH:
         largest = float(np.abs(array).max())
         raise BadValueError(what, largest, f"coordinates (m) up to {LARGEST_LENGTH:g}")
-    distinct = _distinct(array)
-    if distinct < 3:
-        raise BadValueError(what, array.tolist(), f"three different points or more, not {distinct}")
+    count = _different(array)
+    if count < 3:
+        raise BadValueError(what, array.tolist(), f"three different points or more, not {count}")
     return np.ascontiguousarray(array).copy()
 
 
-def _distinct(points: Array) -> int:
-    least = max(_SAME * float(np.ptp(points, axis=0).max()), _LEAST)
-    found: list[Array] = []
-    for point in points:
-        if all(np.abs(point - other).max() > least for other in found):
-            found.append(point)
-    return len(found)
+def _different(points: Array) -> int:
+    return len(distinct(points, max(_SAME * float(np.ptp(points, axis=0).max()), _LEAST)))
 
 
 def checked_strokes(strokes: ArrayLike | None, count: int) -> Array | None:
@@ -103,7 +97,7 @@ def _is_plane(points: Array) -> bool:
 
 def family_of(base_points: Array, platform_points: Array) -> str:
     """Name the kind of a platform: how many anchors it has, and which of them lie in planes."""
-    kind = f"{_distinct(base_points)}-{_distinct(platform_points)}"
+    kind = f"{_different(base_points)}-{_different(platform_points)}"
     planes = ("general", "planar platform", "planar base", "planar")
     return f"{kind} {planes[2 * _is_plane(base_points) + _is_plane(platform_points)]}"
 

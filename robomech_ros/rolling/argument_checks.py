@@ -6,7 +6,7 @@ import numpy as np
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import LEAST, as_finite, real_within
+from robomech_ros.spatial.arrays import LEAST, as_finite, of_shape, real_within
 from robomech_ros.typing import Array, ArrayLike
 
 # Rates, twists, poses and times beyond this (SI) are no motion of a robot; angles have no digits.
@@ -29,10 +29,7 @@ def bounded(what: str, value: ArrayLike, length: int) -> Array:
 
 def one_vector(what: str, value: ArrayLike, length: int) -> Array:
     """Return finite numbers of shape (length,), up to 1e9."""
-    array = bounded(what, value, length)
-    if array.shape != (length,):
-        raise WrongSizeError(what, array.shape, (length,))
-    return array
+    return of_shape(what, bounded(what, value, length), (length,))
 
 
 def check_entries(what: str, value: object, kind: type, expected: str) -> None:

@@ -4,8 +4,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError
 from robomech_ros.numerics.arrays import real_array
+from robomech_ros.spatial.arrays import of_shape
 from robomech_ros.typing import Array
 
 AXES = ("angular.z", "linear.x", "linear.y")
@@ -58,9 +59,7 @@ class MotionLimits:
             if value is None:
                 other = _OF.get(name)
                 value = getattr(self, other) if other else np.full(3, np.inf)
-            array = np.array(real_array(name, value))
-            if array.shape != (3,):
-                raise WrongSizeError(name, array.shape, (3,))
+            array = of_shape(name, np.array(real_array(name, value)), (3,))
             zero = name.endswith("velocity")
             if not ((array >= 0.0) if zero else (array > 0.0)).all():
                 what = f"three numbers {'from' if zero else 'above'} 0, for {', '.join(AXES)}"

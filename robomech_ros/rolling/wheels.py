@@ -6,13 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.argument_checks import above_zero, angle, length
 from robomech_ros.spatial.arrays import (
     as_choice,
     as_flag,
     as_single,
     check_kind,
+    of_shape,
     real_array,
     real_number,
 )
@@ -117,9 +118,7 @@ class Wheel:
 
 def _range(limits: ArrayLike) -> tuple[float, float]:
     expected = "a least angle up to 0 and a largest from 0 (rad)"
-    given = real_array("steering_limits", limits)
-    if given.shape != (2,):
-        raise WrongSizeError("steering_limits", given.shape, (2,))
+    given = of_shape("steering_limits", real_array("steering_limits", limits), (2,))
     lower, upper = given.tolist()
     if not (lower <= 0.0 <= upper and lower < upper):
         raise BadValueError("steering_limits", limits, expected)

@@ -13,6 +13,7 @@ from robomech_ros.numerics.arrays import (
     check_finite as check_finite,
     check_kind as check_kind,
     finite_within as finite_within,
+    of_shape as of_shape,
     positive_number as positive_number,
     real_array as real_array,
     real_number as real_number,
@@ -51,10 +52,7 @@ def as_finite(what: str, value: ArrayLike, tail: tuple[int, ...]) -> Array:
 
 def as_single(what: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
     """Return a value as finite float64 of exactly one shape, without batch axes."""
-    array = as_finite(what, value, shape)
-    if array.shape != shape:
-        raise WrongSizeError(what, array.shape, shape)
-    return array
+    return of_shape(what, as_finite(what, value, shape), shape)
 
 
 def as_choice(what: str, value: object, known: Sequence[str]) -> str:

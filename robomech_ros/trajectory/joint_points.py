@@ -6,7 +6,7 @@ import numpy as np
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import as_flag, listed, real_array
+from robomech_ros.spatial.arrays import as_flag, listed, of_shape, real_array
 from robomech_ros.typing import Array, ArrayLike, IntArray
 
 
@@ -58,8 +58,7 @@ def nearest_turns(points: ArrayLike, continuous: ArrayLike) -> tuple[Array, IntA
     if not isinstance(continuous, np.ndarray) or continuous.dtype != np.bool_:
         continuous = [as_flag(f"continuous[{i}]", one) for i, one in enumerate(given)]
     free = np.asarray(continuous)
-    if free.shape != places[0].shape:
-        raise WrongSizeError("continuous", free.shape, places[0].shape)
+    of_shape("continuous", free, places[0].shape)
     if not free.any():
         return places.copy(), np.zeros(places.shape, dtype=np.int64)
     steps = np.where(free, np.round(np.diff(places, axis=0) / math.tau), 0.0)
@@ -69,10 +68,7 @@ def nearest_turns(points: ArrayLike, continuous: ArrayLike) -> tuple[Array, IntA
 
 def joint_values(what: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
     """Copy one number for each joint, shape (n,), without a look at their size."""
-    array = real_array(what, values).copy()
-    if array.shape != shape:
-        raise WrongSizeError(what, array.shape, shape)
-    return array
+    return of_shape(what, real_array(what, values).copy(), shape)
 
 
 def check_increasing(what: str, values: Array, unit: str = "") -> None:

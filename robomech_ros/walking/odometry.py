@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.spatial import as_pose
-from robomech_ros.spatial.arrays import as_finite, check_kind
+from robomech_ros.spatial.arrays import as_finite, check_kind, of_shape
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array, ArrayLike, BoolArray
 from robomech_ros.walking.robot import LeggedRobot
@@ -72,9 +72,7 @@ def leg_odometry(
     rows = as_finite("q", q, (robot.n,))
     if rows.ndim != 2 or not len(rows):
         raise WrongSizeError("q", rows.shape, f"(m, {robot.n})")
-    stands = _flags(contacts)
-    if stands.shape != (len(rows), len(robot.legs)):
-        raise WrongSizeError("contacts", stands.shape, (len(rows), len(robot.legs)))
+    stands = of_shape("contacts", _flags(contacts), (len(rows), len(robot.legs)))
     first = np.eye(4) if start is None else as_pose(start)
     feet = np.stack(
         [

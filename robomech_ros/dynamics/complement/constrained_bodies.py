@@ -28,7 +28,7 @@ from robomech_ros.dynamics.complement.stacking import (
     transposed,
 )
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.arrays import as_finite, of_shape
 from robomech_ros.typing import Array, ArrayLike
 
 _OPTIONAL = ("rotors", "N", "N_dot", "t_0", "t_0_dot", "A")
@@ -315,7 +315,4 @@ class ConstrainedBodies:
         return bias - self.generalised(as_finite("wrenches", wrenches, (self.T.shape[-2],)))
 
     def _of_rates(self, what: str, value: ArrayLike) -> Array:
-        given = as_finite(what, value, self.rates.shape[-1:])
-        if given.shape != self.rates.shape:
-            raise WrongSizeError(what, given.shape, self.rates.shape)
-        return given
+        return of_shape(what, as_finite(what, value, self.rates.shape[-1:]), self.rates.shape)

@@ -6,7 +6,7 @@ import numpy as np
 
 from robomech_ros.dynamics.checked_states import refuse_large
 from robomech_ros.errors import WrongSizeError
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.arrays import as_finite, of_shape
 from robomech_ros.typing import Array, ArrayLike
 
 # Singular values below this part of the largest are those of constraints that say the same twice.
@@ -65,8 +65,7 @@ def constraint_reactions(K: ArrayLike, wrenches: ArrayLike) -> ConstraintReactio
     matrix, given = as_finite("K", K, ()), as_finite("wrenches", wrenches, ())
     if matrix.ndim != 2 or not matrix.size:
         raise WrongSizeError("K", matrix.shape, "(c, 6 r) of one constraint or more")
-    if given.shape != matrix.shape[1:]:
-        raise WrongSizeError("wrenches", given.shape, matrix.shape[1:])
+    of_shape("wrenches", given, matrix.shape[1:])
     refuse_large("K", matrix)
     refuse_large("wrenches", given)
     multipliers, _, rank, _ = np.linalg.lstsq(matrix.T, given, rcond=_RANK)

@@ -17,6 +17,7 @@ from robomech_ros.kinematics.inverse.families.six_joints import chain_of
 from robomech_ros.kinematics.inverse.iterative_search import IterativeSearch
 from robomech_ros.kinematics.inverse.request import Request
 from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
+from robomech_ros.numerics.arrays import distinct
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
@@ -55,7 +56,7 @@ def solve_with_virtual_joints(
     result = solve_closed_form(extended, T, whole, family)
     if not len(result):
         return None
-    q = _distinct(result.q[:, : chain.n])
+    q = np.array(distinct(result.q[:, : chain.n], SAME_POSTURE))
     return IterativeSearch(q, q[0], 0.0, 0.0, 0, False), result.complete
 
 
@@ -79,12 +80,3 @@ def _with_virtual_joints(chain: SerialChain, task: Task) -> SerialChain | None:
         lower=np.concatenate((chain.lower, -endless)),
         upper=np.concatenate((chain.upper, endless)),
     )
-
-
-def _distinct(q: Array) -> Array:
-    """Return postures (k, n) without those that differ in virtual joints only."""
-    kept: list[Array] = []
-    for posture in q:
-        if all(np.abs(posture - other).max() > SAME_POSTURE for other in kept):
-            kept.append(posture)
-    return np.array(kept)

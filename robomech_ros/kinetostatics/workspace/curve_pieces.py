@@ -9,6 +9,7 @@ from robomech_ros.kinetostatics.workspace.cusps_and_nodes import Branch, cusps_o
 from robomech_ros.kinetostatics.workspace.point_postures import PointPostures
 from robomech_ros.kinetostatics.workspace.refinement import bisected
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
+from robomech_ros.numerics.arrays import distinct
 from robomech_ros.typing import Array, BoolArray
 
 # How far beside a curve postures are counted, over the arm's size; and at how many points of it.
@@ -60,7 +61,8 @@ def cut_curves(section: WorkspaceSection) -> tuple[list[CurvePiece], Array, Arra
     if not section.slides[0]:
         # On axis 1 curves are mirrored, which is no crossing.
         nodes = [node for node in nodes if node[0] > _ON_AXIS * size]
-    return kept, _distinct(cusps, size), _distinct(nodes, size)
+    once = [np.array(distinct(one, _JOINT * size)).reshape(-1, 2) for one in (cusps, nodes)]
+    return kept, once[0], once[1]
 
 
 def values_in(section: WorkspaceSection, q: Array, joint: int, limit: str) -> Array:
@@ -173,12 +175,3 @@ def _coincide(piece: CurvePiece, other: CurvePiece, size: float) -> bool:
     middle = piece.points[len(piece.points) // 2]
     nearest = np.linalg.norm(other.points - middle, axis=1).min()
     return bool(nearest <= _SPACING * size)
-
-
-def _distinct(points: list[Array], size: float) -> Array:
-    """Return points (k, 2), each once."""
-    result: list[Array] = []
-    for point in points:
-        if all(np.abs(point - other).max() > _JOINT * size for other in result):
-            result.append(point)
-    return np.array(result).reshape(-1, 2)

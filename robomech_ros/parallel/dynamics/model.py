@@ -24,12 +24,11 @@ from robomech_ros.errors import (
     MissingInertiaError,
     NonFiniteError,
     SingularPostureError,
-    WrongSizeError,
 )
 from robomech_ros.parallel.mechanism.loops import refuse_status
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combine_bodies
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.arrays import as_finite, of_shape
 from robomech_ros.typing import Array, ArrayLike, IntArray
 
 
@@ -128,8 +127,7 @@ def states(mechanism: Mechanism, q: ArrayLike, **of_drives: ArrayLike) -> list[A
     found, shape = [joints], (*joints.shape[:-1], mechanism.dof)
     for what, value in of_drives.items():
         array = np.ascontiguousarray(as_finite(what, value, (mechanism.dof,)))
-        if array.shape != shape:
-            raise WrongSizeError(what, array.shape, shape)
+        of_shape(what, array, shape)
         found.append(array)
     return found
 

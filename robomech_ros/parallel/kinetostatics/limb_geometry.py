@@ -18,7 +18,7 @@ from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
 from robomech_ros.parallel.spherical import Spherical3RRR
 from robomech_ros.parallel.stewart_gough import StewartGough
-from robomech_ros.spatial.arrays import as_finite, real_array
+from robomech_ros.spatial.arrays import as_finite, of_shape, real_array
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.axis_angle import matrix_from_axis_angle
 from robomech_ros.typing import Array, ArrayLike
@@ -164,10 +164,7 @@ def drive_values(robot: AnyParallelRobot, poses: Array, q: ArrayLike | None) -> 
         if isinstance(robot, StewartGough | Planar3RPR):
             return None
         raise BadValueError("q", None, "the angles of the drives: limbs have branches in a pose")
-    values = as_finite("q", q, (count,))
-    if values.shape != (*poses.shape[:-2], count):
-        raise WrongSizeError("q", values.shape, (*poses.shape[:-2], count))
-    return values
+    return of_shape("q", as_finite("q", q, (count,)), (*poses.shape[:-2], count))
 
 
 def limbs_at(robot: AnyParallelRobot, poses: Array, q: Array | None) -> Limbs:

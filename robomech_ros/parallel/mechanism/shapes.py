@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from robomech_ros.numerics.arrays import distinct
 from robomech_ros.parallel.mechanism.tree import links_of_joints
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
@@ -100,7 +101,7 @@ def _telescope(chain: SerialChain, steps: Array, i: int, home: float) -> float:
 
 def _frame(points: Array, size: float, colour: int, *, plate: bool) -> Iterator[Shape]:
     """Make bars from point to point around their centre, and a plate if they lie in a plane."""
-    points = _distinct(points, size)
+    points = np.array(distinct(points, _SAME * size))
     centre = points.mean(axis=0)
     around = points - centre
     axes = np.linalg.svd(around)[2]
@@ -118,14 +119,6 @@ def _frame(points: Array, size: float, colour: int, *, plate: bool) -> Iterator[
             pose = rotation_from_z(axes[2])
             pose[:3, 3] = centre
             yield Shape(pose, _rounded(inner), _rounded(_PLATE * size), colour)
-
-
-def _distinct(points: Array, size: float) -> Array:
-    found: list[Array] = []
-    for point in points:
-        if all(np.linalg.norm(point - other) > _SAME * size for other in found):
-            found.append(point)
-    return np.array(found)
 
 
 def _arcs(links: Sequence[str], steps: Array, radius: float) -> dict[str, list[Shape]]:

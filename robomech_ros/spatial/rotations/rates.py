@@ -5,7 +5,7 @@ import numpy as np
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import rates
 from robomech_ros.errors import WrongSizeError
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.arrays import as_finite, of_shape
 from robomech_ros.spatial.rotations.conversions import raise_bad_rotation, represented, tail_of
 from robomech_ros.spatial.rows import broadcast_rows, finite_result
 from robomech_ros.typing import Array, ArrayLike
@@ -125,8 +125,7 @@ def angular_motion(
     given = []
     for name, one in (("rates", rates), ("second_rates", second_rates)):
         array = np.zeros(shape + tail) if one is None else as_finite(name, one, tail)
-        if array.shape != shape + tail:
-            raise WrongSizeError(name, array.shape, shape + tail)
+        of_shape(name, array, shape + tail)
         given.append(np.ascontiguousarray(array).reshape(rows.shape))
     velocity, acceleration = np.empty((2, len(rows), 3))
     status = _motions(kind, rows, *given, velocity, acceleration)

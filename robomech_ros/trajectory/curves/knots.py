@@ -12,8 +12,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_choice, real_array
+from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import as_choice, of_shape, real_array
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import stretch_needed
 from robomech_ros.trajectory.limits import RATES, Limits
@@ -46,9 +46,7 @@ def spaced_knots(points: Array, spacing: str, scale: Array | float = 1.0) -> Arr
 
 def knots_at(at: ArrayLike, count: int) -> Array:
     """Check which part of the duration is over at each via point; add the ends 0 and 1."""
-    parts = real_array("at", at)
-    if parts.shape != (count - 2,):
-        raise WrongSizeError("at", parts.shape, (count - 2,))
+    parts = of_shape("at", real_array("at", at), (count - 2,))
     knots = np.concatenate([[0.0], parts, [1.0]])
     if not (np.diff(knots) > 0.0).all():
         raise BadValueError("at", parts.tolist(), "increasing numbers between 0 and 1")

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import check_finite, listed, real_array
+from robomech_ros.spatial.arrays import check_finite, listed, of_shape, real_array
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
@@ -63,9 +63,7 @@ class FunctionCurve:
         if not callable(self.function):
             raise BadValueError("function", self.function, "a callable")
         object.__setattr__(self, "breaks", as_breaks("breaks", self.breaks))
-        pose = np.eye(4) if self.pose is None else as_pose(self.pose)
-        if pose.shape != (4, 4):
-            raise WrongSizeError("pose", pose.shape, (4, 4))
+        pose = of_shape("pose", np.eye(4) if self.pose is None else as_pose(self.pose), (4, 4))
         object.__setattr__(self, "pose", pose)
 
     def derivatives(self, u: ArrayLike) -> Array:
@@ -81,8 +79,7 @@ class FunctionCurve:
         rows = np.empty((ORDERS, len(u), 3))
         for k, row in enumerate(given):
             array = real_array(f"{what}, order {k}", row)
-            if array.shape != (len(u), 3):
-                raise WrongSizeError(f"{what}, order {k}", array.shape, (len(u), 3))
+            of_shape(f"{what}, order {k}", array, (len(u), 3))
             rows[k] = array
         check_finite(what, rows)
         placed: Array = rows @ self.pose[:3, :3].T

@@ -6,6 +6,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import of_shape
 from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.rotations.axis_angle import (
     matrix_from_rotation_vector,
@@ -215,10 +216,7 @@ def turns_between(what: str, rotations: Array) -> Array:
 
 
 def _one_rotation(what: str, value: ArrayLike) -> Array:
-    rotation = as_rotation(value, what=what)
-    if rotation.shape != (3, 3):
-        raise WrongSizeError(what, rotation.shape, (3, 3))
-    return rotation
+    return of_shape(what, as_rotation(value, what=what), (3, 3))
 
 
 def _check_continuous(curve: Curve) -> None:

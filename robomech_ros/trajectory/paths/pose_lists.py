@@ -7,7 +7,7 @@ import numpy as np
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import listed
+from robomech_ros.spatial.arrays import listed, of_shape
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
 from robomech_ros.trajectory.curves.interpolation import interpolant
@@ -174,9 +174,7 @@ def _joined_rotations(parts: list[PiecewiseRotation], starts: Array) -> Piecewis
 
 
 def _one_pose(what: str, value: ArrayLike) -> Array:
-    pose = as_pose(value, what=what)
-    if pose.shape != (4, 4):
-        raise WrongSizeError(what, pose.shape, (4, 4))
+    pose = of_shape(what, as_pose(value, what=what), (4, 4))
     _check_size(what, pose[None])
     return pose
 

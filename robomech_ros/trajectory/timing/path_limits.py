@@ -10,6 +10,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import (
     as_finite,
     check_finite,
+    of_shape,
     real_array,
     real_number,
     shaped_array,
@@ -182,8 +183,7 @@ def _tables(
     tables = []
     for name, values in zip(names, given[1:], strict=True):
         tables.append(as_finite(name, values, ()))
-        if tables[-1].shape != (len(where), *tail):
-            raise WrongSizeError(name, tables[-1].shape, (len(where), *tail))
+        of_shape(name, tables[-1], (len(where), *tail))
     return where, tables
 
 

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeError
-from robomech_ros.spatial.arrays import real_array
+from robomech_ros.spatial.arrays import of_shape, real_array
 from robomech_ros.trajectory.curves.bounds import hull
 from robomech_ros.trajectory.curves.compiled_sampling import divided
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions
@@ -281,7 +281,4 @@ def _efforts(limits: object, known: Limits, drives: list[int], effort: ArrayLike
 
 
 def _sized(effort: ArrayLike, count: int) -> Array:
-    array = real_array("effort", effort)
-    if array.shape != (count,):
-        raise WrongSizeError("effort", array.shape, (count,))
-    return array
+    return of_shape("effort", real_array("effort", effort), (count,))
