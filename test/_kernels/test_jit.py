@@ -13,7 +13,8 @@ CODE = """
 import numpy as np
 from robomech_ros._kernels.compiling import cache
 {before}
-from robomech_ros._kernels.compiling.jit import IN1, f8, kernel
+from robomech_ros._kernels.compiling.jit import kernel
+from robomech_ros._kernels.compiling.types import IN1, f8
 
 @kernel(f8(IN1))
 def largest(values):

@@ -117,7 +117,8 @@ def add(x):
 """,
     "here/__init__.py": "",
     "here/arm.py": """
-from robomech_ros._kernels.compiling.jit import f8, kernel
+from robomech_ros._kernels.compiling.jit import kernel
+from robomech_ros._kernels.compiling.types import f8
 from robomech_ros._kernels.values.callee import add
 
 @kernel(f8(f8))
@@ -126,7 +127,8 @@ def solve(x):
 """,
     "there/__init__.py": "",
     "there/arm.py": """
-from robomech_ros._kernels.compiling.jit import f8, kernel
+from robomech_ros._kernels.compiling.jit import kernel
+from robomech_ros._kernels.compiling.types import f8
 
 
 @kernel(f8(f8))
