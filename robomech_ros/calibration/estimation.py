@@ -1,5 +1,7 @@
 """Hand-eye calibration from absolute poses: A_i X S_i = Z."""
 
+from __future__ import annotations
+
 from functools import lru_cache
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Choice of the next sample of a hand-eye calibration."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

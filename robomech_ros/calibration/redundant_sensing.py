@@ -1,5 +1,7 @@
 """Redundant sensing: several sensors that see one motion, and which of them is wrong."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

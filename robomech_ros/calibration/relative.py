@@ -1,5 +1,7 @@
 """The direct method: A X = X B from relative motions, by invariants."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.errors import InconsistentDataError, WrongSizeError

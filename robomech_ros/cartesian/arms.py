@@ -1,5 +1,7 @@
 """Chains as arms for the tracking of paths."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np

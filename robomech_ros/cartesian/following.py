@@ -1,5 +1,7 @@
 """Pose paths followed by the joints of a robot, as far as they can."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,5 +1,7 @@
 """Speeds of other links than the tip, over the coordinate of a path."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Checks that end a joint path early: singularities, jumps, conditions of the caller."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """Motions along pose paths within the limits of every joint, in a limited number of samples."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any

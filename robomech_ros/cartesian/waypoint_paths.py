@@ -1,5 +1,7 @@
 """Pose paths from where the tip is through waypoints."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Sequence
 from dataclasses import replace

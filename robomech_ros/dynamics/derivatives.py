@@ -1,5 +1,7 @@
 """Derivatives of inverse and of forward dynamics."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any
 

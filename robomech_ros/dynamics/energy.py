@@ -1,5 +1,7 @@
 """Energy, momentum and power of serial chains."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

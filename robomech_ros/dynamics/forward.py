@@ -1,5 +1,7 @@
 """Forward dynamics: accelerations from torques."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros._kernels.compiling.jit import direct

@@ -1,5 +1,7 @@
 """Friction of the drives, and the power that it takes."""
 
+from __future__ import annotations
+
 from functools import lru_cache
 
 import numpy as np

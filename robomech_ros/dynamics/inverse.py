@@ -1,5 +1,7 @@
 """Inverse dynamics: the torques that a motion takes."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros._kernels.compiling.jit import direct

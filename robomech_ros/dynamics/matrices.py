@@ -1,5 +1,7 @@
 """The mass matrix and the Coriolis matrix of serial chains."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros._kernels.compiling.jit import direct

@@ -1,5 +1,7 @@
 """A chain's bodies and what surrounds it, checked and laid out for the kernels of dynamics."""
 
+from __future__ import annotations
+
 from functools import lru_cache
 from typing import NoReturn
 

@@ -1,5 +1,7 @@
 """Demands of a motion on the drives: peaks, energy, and saturated joints."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,5 +1,7 @@
 """A load in the hand of a robot."""
 
+from __future__ import annotations
+
 import dataclasses
 
 from robomech_ros.errors import BadValueError, MissingInertiaError

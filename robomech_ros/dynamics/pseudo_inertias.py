@@ -9,6 +9,8 @@ Wensing, Kim, Slotine, Linear matrix inequalities for physically consistent iner
 identification, IEEE Robotics and Automation Letters 3, 2018.
 """
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.dynamics.checked_states import refuse_large

@@ -1,5 +1,7 @@
 """Whether contacts hold an object against every load."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Contacts of fingers with an object."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """The smallest contact forces that hold a load, or the direction in which they cannot."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

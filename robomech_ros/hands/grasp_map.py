@@ -1,5 +1,7 @@
 """The grasp matrix and its internal forces."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np

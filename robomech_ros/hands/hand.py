@@ -15,6 +15,8 @@ of the palm::
 Names are those of files in the folder ``hands`` of the folders of robots.
 """
 
+from __future__ import annotations
+
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass

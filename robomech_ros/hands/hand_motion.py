@@ -1,5 +1,7 @@
 """How the fingers of a hand move an object, and what torques contact forces take."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,5 +1,7 @@
 """Postures of fingers that touch an object in given contacts."""
 
+from __future__ import annotations
+
 import heapq
 from collections.abc import Sequence
 

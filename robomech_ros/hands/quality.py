@@ -1,5 +1,7 @@
 """The load that a grasp resists in its weakest direction, between two bounds."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

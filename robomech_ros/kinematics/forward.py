@@ -1,5 +1,7 @@
 """Forward kinematics of serial chains."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Forward kinematics without compiled kernels, for many poses now and then."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.errors import WrongSizeError

@@ -1,5 +1,7 @@
 """Jumps: where a joint path cannot go on continuously."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Joint paths through lists of poses, on one branch of solutions as far as possible."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

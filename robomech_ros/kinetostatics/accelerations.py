@@ -1,5 +1,7 @@
 """Accelerations: how the Jacobian changes in time, of the tip, and of the joints."""
 
+from __future__ import annotations
+
 from typing import NoReturn
 
 import numpy as np

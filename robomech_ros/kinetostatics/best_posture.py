@@ -1,5 +1,7 @@
 """The best conditioned posture inside the joint limits."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

@@ -1,5 +1,7 @@
 """How near to isotropic an arm can be, and the characteristic length that achieves it."""
 
+from __future__ import annotations
+
 import functools
 import math
 from collections.abc import Sequence

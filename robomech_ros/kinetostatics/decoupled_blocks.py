@@ -1,5 +1,7 @@
 """The blocks of the Jacobian of an arm with a spherical wrist."""
 
+from __future__ import annotations
+
 import functools
 from typing import NamedTuple
 

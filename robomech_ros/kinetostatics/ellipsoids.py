@@ -1,5 +1,7 @@
 """The ellipsoids of velocity and force of a posture."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

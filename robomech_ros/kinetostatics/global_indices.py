@@ -1,5 +1,7 @@
 """Indices of an arm as a whole: averages over its workspace."""
 
+from __future__ import annotations
+
 import math
 
 import numpy as np

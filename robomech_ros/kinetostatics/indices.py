@@ -1,5 +1,7 @@
 """Performance indices of a posture, and their gradients with respect to the joint values."""
 
+from __future__ import annotations
+
 import functools
 from typing import NamedTuple
 

@@ -1,5 +1,7 @@
 """The Jacobian of serial chains."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros._kernels.chain import serial

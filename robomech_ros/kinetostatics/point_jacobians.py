@@ -1,5 +1,7 @@
 """The Jacobian of any point of the tip link, in the axes of any frame."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros._kernels.chain import jacobian_points as kernels

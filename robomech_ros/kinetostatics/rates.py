@@ -1,5 +1,7 @@
 """Joint rates from the twist of the tip."""
 
+from __future__ import annotations
+
 import functools
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Jacobians of fewer rows: of a part of the task, and of arms that move in a plane."""
 
+from __future__ import annotations
+
 import functools
 from collections.abc import Sequence
 

@@ -1,5 +1,7 @@
 """Sets of orientations: spread evenly over all rotations, or over the turns about an axis."""
 
+from __future__ import annotations
+
 import math
 
 import numpy as np

@@ -4,6 +4,8 @@ The parameter is the length of the way in joint space, which goes on smoothly wh
 a joint that is locked would turn back.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

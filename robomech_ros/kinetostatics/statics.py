@@ -1,5 +1,7 @@
 """Joint torques and the wrench at the tip."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros._kernels.tolerances import RANK

@@ -5,6 +5,8 @@ equations, a crossing of two curves is a root only where the others vanish, too;
 spurious.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

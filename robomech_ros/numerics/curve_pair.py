@@ -1,5 +1,7 @@
 """Two curves that somebody points at: rough estimates refined to crossings, and judged."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -5,6 +5,8 @@ References
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., appendix B.
 """
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.errors import BadValueError, WrongSizeError

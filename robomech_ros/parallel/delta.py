@@ -1,5 +1,7 @@
 """The Delta robot: three arms on a base, three parallelograms, a platform that translates."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from functools import cached_property
 

@@ -18,6 +18,8 @@ Bodies are those of :class:`LinkBodies`, with the keys that bodies of arms have.
 files in the folder ``parallel`` of the folders of robots.
 """
 
+from __future__ import annotations
+
 import os
 from collections.abc import Callable, Mapping
 from inspect import signature

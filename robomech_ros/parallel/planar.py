@@ -1,5 +1,7 @@
 """Planar platforms on three limbs: 3-RPR with legs that extend, 3-RRR with links that turn."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from functools import cached_property
 

@@ -1,5 +1,7 @@
 """Results of the kinematics of parallel robots and of mechanisms."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 
 import numpy as np

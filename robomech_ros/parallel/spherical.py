@@ -1,5 +1,7 @@
 """The spherical platform on three limbs of two arcs each, all axes through one point."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from functools import cached_property
 

@@ -1,5 +1,7 @@
 """The platform on six legs between points of base and platform: Stewart and Gough's."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from functools import cached_property
 

@@ -1,5 +1,7 @@
 """Rolling robots on any set of wheels: rates of the wheels from the base's twist, and back."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 

@@ -1,5 +1,7 @@
 """Masses and inertias of rolling robots, and what their motors give."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 

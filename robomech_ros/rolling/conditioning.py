@@ -1,5 +1,7 @@
 """How evenly omnidirectional wheels drive a base, and the length that makes twists comparable."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Dynamics of rolling robots by the natural orthogonal complement."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np

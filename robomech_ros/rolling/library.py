@@ -16,6 +16,8 @@ A document says where its numbers come from, and lists the wheels with the argum
 Names are those of files in the folder ``rolling`` of the folders of robots.
 """
 
+from __future__ import annotations
+
 import os
 from dataclasses import dataclass, fields
 from typing import Any

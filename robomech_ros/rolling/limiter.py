@@ -1,5 +1,7 @@
 """Commands to a base, kept within limits from the first period to the last."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 

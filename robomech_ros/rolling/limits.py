@@ -1,5 +1,7 @@
 """Limits of the motion of a base, axis by axis."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, fields
 
 import numpy as np

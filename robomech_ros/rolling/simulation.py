@@ -1,5 +1,7 @@
 """Motions of rolling robots in time, under torques."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 

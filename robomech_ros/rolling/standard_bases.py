@@ -3,6 +3,8 @@
 Signs are those of the controllers of ros2_control, so that rates can be exchanged with them.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from typing import Any

@@ -1,5 +1,7 @@
 """Wheels: fixed, steered, casters and omnidirectional ones."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 

@@ -1,5 +1,7 @@
 """Cross-product matrices and axial vectors."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.spatial.arrays import as_finite

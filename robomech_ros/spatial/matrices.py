@@ -1,5 +1,7 @@
 """Rotation matrices: what makes one, and the nearest one to a matrix that nearly is."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros._kernels.tolerances import ORTHOGONAL, ROTATION_ERROR

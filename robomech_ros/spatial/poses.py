@@ -1,5 +1,7 @@
 """Poses: 4 x 4 homogeneous matrices ``T_a_b``, the frame b expressed in the frame a."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros._kernels.tolerances import ROTATION_ERROR

@@ -1,5 +1,7 @@
 """Check points in joint space that come from a caller, and choose their whole turns."""
 
+from __future__ import annotations
+
 import math
 
 import numpy as np

@@ -1,5 +1,7 @@
 """State of a trajectory at one or many instants."""
 
+from __future__ import annotations
+
 from typing import NamedTuple, Protocol
 
 import numpy as np

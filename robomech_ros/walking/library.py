@@ -22,6 +22,8 @@ or a document names a URDF beside it, in place of the joints; its masses give th
       - {name: LF, foot: LF_foot_link, home: [0.0, 0.2, -1.5]}
 """
 
+from __future__ import annotations
+
 import os
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,5 +1,7 @@
 """Odometry of the trunk, from the joints of the stance legs."""
 
+from __future__ import annotations
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 

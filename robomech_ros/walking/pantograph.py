@@ -1,5 +1,7 @@
 """Pantograph legs: two slides drive the foot, forward and up, each by itself."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Limits of a robot with a gait: stride lengths and trunk poses."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

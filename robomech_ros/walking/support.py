@@ -1,5 +1,7 @@
 """Static stability: the polygon of feet on the ground, and how far inside the mass centre is."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros._kernels.walking.support import margins

@@ -14,6 +14,8 @@ Saha and Angeles, Dynamics of nonholonomic mechanical systems using a natural or
 complement, ASME J. Applied Mechanics 58 (1991), pp. 238-243.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,5 +1,7 @@
 """Multipliers of constraints: the reactions in joints, loops and wheels."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

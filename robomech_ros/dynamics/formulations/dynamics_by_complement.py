@@ -1,5 +1,7 @@
 """Inverse and forward dynamics by the natural orthogonal complement."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.dynamics.checked_states import finite_result, finite_states

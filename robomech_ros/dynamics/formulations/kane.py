@@ -10,6 +10,8 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.3.3.
 Kane and Levinson, Dynamics: theory and applications, McGraw-Hill 1985, ch. 4 and 6.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

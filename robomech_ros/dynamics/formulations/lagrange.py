@@ -12,6 +12,8 @@ Uicker, On the dynamic analysis of spatial linkages using 4x4 matrices, Ph.D. th
 University, 1965.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

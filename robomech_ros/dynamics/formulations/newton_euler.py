@@ -5,6 +5,8 @@ References
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.4, 7.4.1, 7.4.2 and 7.7.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

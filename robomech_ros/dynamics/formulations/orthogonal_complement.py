@@ -11,6 +11,8 @@ Angeles and Lee, The formulation of dynamical equations of holonomic mechanical 
 natural orthogonal complement, ASME J. Applied Mechanics 55 (1988), pp. 243-244.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The natural orthogonal complement of planar arms: twists of three numbers instead of six."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,5 +1,7 @@
 """Possible bodies, as near as possible to what motions have shown."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -12,6 +12,8 @@ Swevers et al., Optimal robot excitation and identification, IEEE Trans. Robotic
 1997.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,5 +1,7 @@
 """The torques as a linear function of the bodies' parameters, and which of these count."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

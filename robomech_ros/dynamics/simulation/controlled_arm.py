@@ -1,5 +1,7 @@
 """A robot that obeys its dynamics under a torque controller, in fixed steps of time."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass, field
 

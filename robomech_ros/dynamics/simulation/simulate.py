@@ -1,5 +1,7 @@
 """Simulation: the motion of a chain or another system under given or computed torques."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -10,6 +10,8 @@ References
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 4.2, 5.2 and 7.3 to 7.6.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,5 +1,7 @@
 """The equations of chapters 4 and 9 as expressions, derived from the loop by SymPy."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

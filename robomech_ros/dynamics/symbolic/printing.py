@@ -1,5 +1,7 @@
 """Symbolic expressions as text, LaTeX or Python source, in the book's abbreviations."""
 
+from __future__ import annotations
+
 import keyword
 from collections.abc import Sequence
 

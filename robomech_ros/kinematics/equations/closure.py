@@ -6,6 +6,8 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 9.2 and 9
 Raghavan and Roth, ASME J. Mechanical Design 115 (1993), pp. 502-508.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -10,6 +10,8 @@ References
 Manocha and Canny, IEEE Trans. Robotics and Automation 10(5), 1994, pp. 648-657.
 """
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.typing import Array, ComplexArray

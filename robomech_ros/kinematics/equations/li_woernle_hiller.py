@@ -10,6 +10,8 @@ Lee, Woernle and Hiller, ASME J. Mechanical Design 113 (1991), pp. 481-486.
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 9.3.2 and 9.6.2.
 """
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.kinematics.equations.closure import ClosureEquations

@@ -1,5 +1,7 @@
 """The orientation problem of decoupled arms: how a spherical wrist turns the tip."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 
 import numpy as np

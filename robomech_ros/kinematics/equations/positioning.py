@@ -1,5 +1,7 @@
 """The positioning problem of decoupled arms: where the first three joints put the wrist centre."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -7,6 +7,8 @@ References
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 9.6 and B.4.
 """
 
+from __future__ import annotations
+
 from typing import overload
 
 import numpy as np

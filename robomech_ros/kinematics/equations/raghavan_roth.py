@@ -6,6 +6,8 @@ Raghavan and Roth, ASME J. Mechanical Design 115 (1993), pp. 502-508.
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 9.3.1 and 9.6.1.
 """
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.kinematics.equations.closure import ClosureEquations

@@ -6,6 +6,8 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 9.3 and 9
 Manocha and Canny, IEEE Trans. Robotics and Automation 10(5), 1994, pp. 648-657.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 

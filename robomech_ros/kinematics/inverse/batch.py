@@ -1,5 +1,7 @@
 """Inverse kinematics of many poses in one compiled loop."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS

@@ -1,5 +1,7 @@
 """Inverse kinematics of any serial chain: all solutions, or the reason why there is none."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Sequence
 

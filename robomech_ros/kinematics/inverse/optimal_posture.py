@@ -1,5 +1,7 @@
 """Which posture of a redundant arm is best, by a criterion, among all that reach a pose."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The self-motion of a seven-joint arm: how it can move while its tip stays where it is."""
 
+from __future__ import annotations
+
 import itertools
 import math
 from dataclasses import dataclass

@@ -9,6 +9,8 @@ References
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 9.4.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

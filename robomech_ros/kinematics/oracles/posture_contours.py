@@ -8,6 +8,8 @@ References
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 9.4.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations

@@ -7,6 +7,8 @@ Lee, Woernle and Hiller, ASME J. Mechanical Design 113 (1991), pp. 481-486.
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 9.3.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -1,5 +1,7 @@
 """Reachability and dexterity of an arm over a grid of positions and a set of orientations."""
 
+from __future__ import annotations
+
 import math
 import time
 from collections.abc import Callable, Generator, Iterator

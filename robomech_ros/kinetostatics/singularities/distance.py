@@ -1,5 +1,7 @@
 """How far the joints are from the nearest singular posture."""
 
+from __future__ import annotations
+
 import math
 from typing import NamedTuple
 

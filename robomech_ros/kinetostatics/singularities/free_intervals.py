@@ -10,6 +10,8 @@ For an arm with a spherical wrist the one minor is the product of the factors of
 the coefficients are products of theirs: the bounds are those of the factors.
 """
 
+from __future__ import annotations
+
 import functools
 import itertools
 import math

@@ -1,5 +1,7 @@
 """How far a posture is from a singularity, what is lost there, and why."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

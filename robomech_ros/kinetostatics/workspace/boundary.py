@@ -1,5 +1,7 @@
 """The boundary of what the positioning part of an arm reaches."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal

@@ -1,5 +1,7 @@
 """Which orientations the tip can take at a point."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

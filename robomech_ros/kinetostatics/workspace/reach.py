@@ -1,5 +1,7 @@
 """Least and greatest distance of the tip of any arm from its first joint."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.errors import BadValueError

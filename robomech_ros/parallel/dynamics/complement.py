@@ -1,5 +1,7 @@
 """The matrices of a mechanism in motion, and the wrenches in its joints."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

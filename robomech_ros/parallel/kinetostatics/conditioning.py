@@ -1,5 +1,7 @@
 """How evenly drives move a platform: distances from singularities, dexterity, and the length."""
 
+from __future__ import annotations
+
 import functools
 from typing import NamedTuple
 

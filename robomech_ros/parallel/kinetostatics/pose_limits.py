@@ -1,5 +1,7 @@
 """Whether limbs reach poses within strokes, cones and limits, and which one excludes a pose."""
 
+from __future__ import annotations
+
 import copy
 from dataclasses import dataclass
 from itertools import product

@@ -1,5 +1,7 @@
 """Singular poses of parallel robots of both types: what is lost, what is free, and whose limb."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 

@@ -1,5 +1,7 @@
 """Forces of the drives and the wrench of the platform."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros._kernels.tolerances import RANK

@@ -1,5 +1,7 @@
 """Velocities and accelerations between the drives and the platform: K t = J qd and its rate."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

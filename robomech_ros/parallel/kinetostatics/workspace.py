@@ -1,5 +1,7 @@
 """How far a platform can be moved or turned from a pose, and which limb ends it."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial

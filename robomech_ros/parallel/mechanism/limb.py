@@ -1,5 +1,7 @@
 """A limb of a mechanism: a chain from the base to the platform, and how it is solved for a pose."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

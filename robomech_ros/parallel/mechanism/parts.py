@@ -1,5 +1,7 @@
 """The bodies of a parallel robot, and the friction and the rotors of its drives."""
 
+from __future__ import annotations
+
 import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

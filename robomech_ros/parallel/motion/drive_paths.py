@@ -1,5 +1,7 @@
 """Ways of the drives, followed by all joints in one assembly mode."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,5 +1,7 @@
 """A mechanism as what follows pose paths: all its limbs together."""
 
+from __future__ import annotations
+
 from functools import cached_property, partial
 from typing import Any
 

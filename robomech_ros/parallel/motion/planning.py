@@ -1,5 +1,7 @@
 """Motions of a mechanism: its platform along a path, or its drives from place to place."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,5 +1,7 @@
 """Angular velocity and acceleration of a rigid body from the motion of its points."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from typing import NoReturn
 

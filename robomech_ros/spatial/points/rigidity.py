@@ -1,5 +1,7 @@
 """Whether points move like those of a rigid body, and how exact their angular velocity is."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The motion of a rigid body from noisy positions of its points over time."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

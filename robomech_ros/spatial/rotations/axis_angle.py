@@ -1,5 +1,7 @@
 """Axis and angle of a rotation, its natural invariants, and the rotation vector."""
 
+from __future__ import annotations
+
 from robomech_ros._kernels.spatial import representations as kinds
 from robomech_ros.spatial.rotations.conversions import converted, converted_axis_angle
 from robomech_ros.typing import Array, ArrayLike

@@ -1,5 +1,7 @@
 """Rotations after one another, and between one another."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros._kernels.compiling.jit import direct

@@ -1,5 +1,7 @@
 """Rotations from each representation to each other, many in one compiled loop."""
 
+from __future__ import annotations
+
 from itertools import permutations
 from typing import NoReturn
 

@@ -5,6 +5,8 @@ then about the new y, then about the newest x), small letters for fixed ones, as
 are roll, pitch and yaw.  The angles are in the order of the letters.
 """
 
+from __future__ import annotations
+
 from robomech_ros._kernels.spatial.representations import AXIS_ANGLE, MATRIX, QUATERNION
 from robomech_ros.spatial.rotations.conversions import (
     SEQUENCES as SEQUENCES,

@@ -6,6 +6,8 @@ last, as in the book, and as x y z w in ROS messages and in scipy.  Of the two s
 return the one with r0 >= 0, and at phi = pi the one whose first non-zero number is positive.
 """
 
+from __future__ import annotations
+
 from robomech_ros._kernels.spatial.representations import MATRIX, QUATERNION
 from robomech_ros.spatial.rotations.composition import compose_rotations
 from robomech_ros.spatial.rotations.conversions import converted, converted_axis_angle

@@ -1,5 +1,7 @@
 """Rates of the representations of a rotation, and angular velocity and acceleration from them."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros._kernels.compiling.jit import direct

@@ -1,5 +1,7 @@
 """The Rodrigues vector ``e tan(phi/2)``, and rotations from their linear invariants."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros._kernels.spatial import representations as kinds

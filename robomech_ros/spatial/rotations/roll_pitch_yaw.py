@@ -4,6 +4,8 @@
 and no compiled code is loaded for them.
 """
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.spatial.arrays import as_finite

@@ -1,5 +1,7 @@
 """Quaternions from a caller: checked, without compiled code."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros._kernels.spatial.tolerances import UNIT_NORM

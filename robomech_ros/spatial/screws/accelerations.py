@@ -1,5 +1,7 @@
 """Accelerations of the points of a body, and motion seen from moving axes."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Mass, momentum and the equations of motion of a rigid body."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.errors import BadValueError

@@ -1,5 +1,7 @@
 """Exponential and logarithm of poses."""
 
+from __future__ import annotations
+
 from typing import NoReturn
 
 import numpy as np

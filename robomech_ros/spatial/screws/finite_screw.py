@@ -1,5 +1,7 @@
 """The screw of a rigid-body motion, and the pose that it makes."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

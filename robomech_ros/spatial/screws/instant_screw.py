@@ -1,5 +1,7 @@
 """The axes and pitches of twists and wrenches."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

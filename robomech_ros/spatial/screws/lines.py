@@ -1,5 +1,7 @@
 """Lines by their Pluecker coordinates ``[e; n]``: direction, and moment about the origin."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

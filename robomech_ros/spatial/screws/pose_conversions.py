@@ -1,5 +1,7 @@
 """Poses as a position and a quaternion or other numbers, and their difference."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.spatial.arrays import as_choice, as_finite

@@ -3,6 +3,8 @@
 Both have the angular part first: ``t = [omega; v]`` and ``w = [n; f]``; their product is power.
 """
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros._kernels.compiling.jit import direct

@@ -1,5 +1,7 @@
 """Vectors, points and matrices seen from another frame, and what all frames agree on."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.errors import BadValueError, WrongSizeError

@@ -1,5 +1,7 @@
 """Linear transformations: range, kernel and projections."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Redundant sensing: several sensors that see one motion, or one matrix, each in its own frame."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Reflections in planes through the origin, and the rotations that two of them make."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.errors import BadValueError

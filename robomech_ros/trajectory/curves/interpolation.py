@@ -4,6 +4,8 @@ A segment between two waypoints is quintic where both have velocities and accele
 where both have velocities, and linear otherwise.
 """
 
+from __future__ import annotations
+
 import math
 
 import numpy as np

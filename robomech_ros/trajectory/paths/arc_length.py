@@ -1,5 +1,7 @@
 """Arc length of curves, and curves by their arc length."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,5 +1,7 @@
 """Arms for path tracking: required interface, arms from three functions, and joined arms."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol

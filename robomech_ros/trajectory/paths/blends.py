@@ -1,5 +1,7 @@
 """Polylines with blended corners."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from typing import Literal, get_args

@@ -1,5 +1,7 @@
 """Curves in closed form: lines, circular arcs, helices, and intersections of surfaces."""
 
+from __future__ import annotations
+
 import math
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Parametric curves in space: what a curve is, and curves from functions and from others."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol

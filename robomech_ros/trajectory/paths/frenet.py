@@ -1,5 +1,7 @@
 """The Frenet-Serret frame of a curve, its curvature and torsion, and how they change."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

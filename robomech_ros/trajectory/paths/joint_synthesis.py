@@ -1,5 +1,7 @@
 """Synthesis of joint paths by cubic splines through a number of postures."""
 
+from __future__ import annotations
+
 from itertools import pairwise
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Orientations along a path: constant, by geodesics, and by the Frenet frame of the path."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 

@@ -1,5 +1,7 @@
 """A C2 spline through orientations."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.errors import BadValueError, WrongSizeError

@@ -1,5 +1,7 @@
 """Joint paths that follow pose paths, by the differential geometry of the path."""
 
+from __future__ import annotations
+
 import math
 from typing import Any, NamedTuple
 

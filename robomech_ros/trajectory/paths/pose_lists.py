@@ -1,5 +1,7 @@
 """Paths through lists of poses: straight, along arcs, and smooth."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 

@@ -1,5 +1,7 @@
 """Poses along a path, and the twist per unit of the path, exact from differential geometry."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,5 +1,7 @@
 """Splines through points in space."""
 
+from __future__ import annotations
+
 from typing import cast, get_args
 
 import numpy as np

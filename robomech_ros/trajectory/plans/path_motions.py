@@ -1,5 +1,7 @@
 """Motions whose tool follows a pose path, within the limits of every joint."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,5 +1,7 @@
 """Motion from point to point in joint space, by profile."""
 
+from __future__ import annotations
+
 from typing import Any, ClassVar, Protocol
 
 from robomech_ros._kernels.compiling.jit import direct

@@ -9,6 +9,8 @@ References
 J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., section 6.6.
 """
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Plans verified as samples too: the curve that a controller makes of them keeps the limits."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

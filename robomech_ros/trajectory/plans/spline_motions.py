@@ -1,5 +1,7 @@
 """Splines through points in joint space."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 

@@ -1,5 +1,7 @@
 """Verify the curve that a controller will follow, at the samples and everywhere between them."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache

@@ -1,5 +1,7 @@
 """Motions from rest to rest through via points in joint space, by profile."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from functools import partial
 from typing import Any

@@ -5,6 +5,8 @@ References
 J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., section 6.5.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any
 

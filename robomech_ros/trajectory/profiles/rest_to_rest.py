@@ -5,6 +5,8 @@ References
 J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., sections 6.3, 6.4 and 6.6.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, TypeVar

@@ -1,5 +1,7 @@
 """Jerk-limited motion between two states of any position, velocity and acceleration."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

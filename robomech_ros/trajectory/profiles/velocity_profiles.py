@@ -8,6 +8,8 @@ L. Biagiotti and C. Melchiorri, *Trajectory Planning for Automatic Machines and 
 2008, sections 3.2 and 3.4.
 """
 
+from __future__ import annotations
+
 import math
 from abc import abstractmethod
 from itertools import accumulate

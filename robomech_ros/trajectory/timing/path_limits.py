@@ -1,5 +1,7 @@
 """Limits along a path besides those of the joints: speeds of the tip, torques, and their like."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any

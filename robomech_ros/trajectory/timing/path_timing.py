@@ -17,6 +17,8 @@ H. Pham and Q.-C. Pham, "A new approach to time-optimal path parameterization ba
 reachability analysis", IEEE Transactions on Robotics 34(3), 2018.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any
 

@@ -18,6 +18,8 @@ specified paths", International Journal of Robotics Research 4(3), 1985.
 J. Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.4 and 7.8.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
