@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, DurationTooShortError
 from robomech_ros.printing import Printed
@@ -27,7 +28,7 @@ from robomech_ros.trajectory.waypoints import (
     discretise,
     position_rounding,
 )
-from robomech_ros.typing import Array, ArrayLike
+from robomech_ros.typing import Array
 
 Planner = Callable[[Limits], PiecewiseTrajectory]
 
@@ -70,7 +71,7 @@ class SampledPlan(Printed):
 
 def sampled_motion(
     planner: Planner,
-    start: ArrayLike,
+    start: npt.ArrayLike,
     limits: JointLimits | Any,
     *,
     period: float,
@@ -145,8 +146,8 @@ def sampled_motion(
 
 
 def sampled_point_to_point(
-    q0: ArrayLike,
-    q1: ArrayLike,
+    q0: npt.ArrayLike,
+    q1: npt.ArrayLike,
     *,
     limits: JointLimits | Any,
     profile: str,
@@ -156,7 +157,7 @@ def sampled_point_to_point(
     velocity_scale: float = 1.0,
     acceleration_scale: float = 1.0,
     jerk_scale: float = 1.0,
-    start_velocity: ArrayLike | None = None,
+    start_velocity: npt.ArrayLike | None = None,
 ) -> SampledPlan:
     """Plan from point to point, sample, and verify the samples against the scaled limits.
 

@@ -8,6 +8,7 @@ from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from robomech_ros._kernels.timing.quintic import rounding_bounds
 from robomech_ros.errors import BadValueError, LimitExceededError, WrongSizeError
@@ -20,7 +21,7 @@ from robomech_ros.trajectory.limits import RATES, JointLimits, Limits, Rate
 from robomech_ros.trajectory.plans.violations import Violation, end_violations, violations_between
 from robomech_ros.trajectory.tolerances import LIMIT_SLACK, POSITION_SLACK
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory, Waypoints
-from robomech_ros.typing import Array, ArrayLike
+from robomech_ros.typing import Array
 
 # Of piecewise polynomials, as they are documented.
 _LARGEST_ORDER = 9
@@ -66,7 +67,7 @@ def verify(
     trajectory: Waypoints | PiecewiseTrajectory | PiecewisePolynomial,
     limits: JointLimits | Any,
     *,
-    start: ArrayLike | None = None,
+    start: npt.ArrayLike | None = None,
     start_tolerance: float = POSITION_SLACK,
     from_zero: bool = True,
     to_rest: bool = True,
@@ -132,7 +133,7 @@ def first_violation(
     trajectory: Waypoints | PiecewiseTrajectory | PiecewisePolynomial,
     limits: JointLimits | Any,
     *,
-    start: ArrayLike | None = None,
+    start: npt.ArrayLike | None = None,
     from_zero: bool = True,
     to_rest: bool = True,
     rates: Sequence[Rate] = RATES,

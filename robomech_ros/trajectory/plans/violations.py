@@ -4,13 +4,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from robomech_ros.spatial.arrays import as_flag, real_within, shaped_array
 from robomech_ros.trajectory.curves.bounds import first_above, hull, steps
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.tolerances import LIMIT_SLACK, POSITION_SLACK
-from robomech_ros.typing import Array, ArrayLike
+from robomech_ros.typing import Array
 
 _QUANTITIES = ("position", *RATES)
 
@@ -74,7 +75,7 @@ def violations_between(
 def end_violations(
     curve: PiecewisePolynomial,
     limits: Limits,
-    start: ArrayLike | None,
+    start: npt.ArrayLike | None,
     start_tolerance: float,
     from_zero: bool,
     to_rest: bool,
