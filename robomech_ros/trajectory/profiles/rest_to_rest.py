@@ -141,7 +141,7 @@ class Cycloidal(RestToRest):
 
     LAW = CYCLOIDAL
 
-    def sample(self, t: npt.ArrayLike) -> Sample:
+    def sample(self, t: ArrayLike) -> Sample:
         """Sample as other motions, but along the sine itself: the pieces only come near it."""
         times, rise = checked_times(t), self.goal - self.start
         inside = np.clip(times, 0.0, self.duration)
