@@ -66,6 +66,7 @@ setup(
     python_requires=">=3.10",
     install_requires=requirements("core.in"),
     extras_require={
+        "collision": requirements("collision.in"),
         "dask": requirements("dask.in"),
         "hands": requirements("hands.in"),
         "symbolic": ["sympy"],

@@ -55,6 +55,8 @@ class Code(IntEnum):
     JUMP = 212, "along a path: the joints would have to jump"
     LIMIT = 213, "a joint, velocity, acceleration or jerk limit would be exceeded"
     SINGULAR = 214, "too close to a singularity: in a posture, or along a path"
+    COLLISION = 215, "two bodies would touch: in a posture, or along a path"
+    NO_PATH = 216, "no path around the obstacles was found in time"
     REJECTED = 221, "the trajectory or goal was rejected, or the controller has disconnected"
     PREEMPTED = 222, "a newer goal or trajectory took over, or the motion was stopped"
     PATH_TOLERANCE = 223, "a joint left the tolerance around the path"

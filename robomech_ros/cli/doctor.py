@@ -80,6 +80,8 @@ def findings() -> Iterator[Finding]:
     yield _sourced()
     yield _optional("matplotlib", "plots of robomech demo")
     yield _optional("clarabel", "contact_forces of hands")
+    yield _optional("coal", "collision checks, move_group")
+    yield _optional("ompl", "planning around obstacles, move_group")
     yield _optional("viser", "robomech view, and the page of robomech demo")
     yield _optional(
         "control_msgs",

@@ -35,6 +35,8 @@ INDEX = {"llvmlite": "numba", "yaml": "pyyaml"}
 OPTIONAL = {"control_msgs", "distributed", "moveit_msgs", "sympy", "tf2_msgs", "tf2_ros"}
 # The conic solver of hands.
 OPTIONAL |= {"clarabel"}
+# Distances and sampling planners of collision.
+OPTIONAL |= {"coal", "ompl"}
 # The browser view, which brings the others.
 OPTIONAL |= {"viser", "msgspec", "trimesh", "websockets"}
 NO_ROSDEP_KEY = {"ruckig"}
